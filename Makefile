@@ -6,6 +6,7 @@
 # make docs    set-up, then the documentation as a site: out/docs/index.html
 # make validation      set-up, then the long comparisons with published numbers, closed forms and limit analysis; it prints their tables
 # make test-portable   set-up, then the numerical tests with kernels compiled for any x86-64 and for this very processor: rounding differs there
+# make test-elsewhere  set-up, then the core tests as on a system without what POSIX and Linux alone have
 # make wheel   set-up, then dist/: a pure wheel, and one with the kernels compiled for this Python on any x86-64 with AVX2 and FMA
 # make clean   drops what numba has compiled
 # A second run skips what is done. Another Python: make setup PYTHON=python3.13
@@ -29,7 +30,7 @@ LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.s
 TESTS        := $(VENV)/bin/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 TEST_KERNELS := $(or $(NUMBA_CACHE_DIR),.cache)/.compiled-for-tests
 
-.PHONY: setup demo test test-all browser check docs validation test-portable wheel clean libraries
+.PHONY: setup demo test test-all browser check docs validation test-portable test-elsewhere wheel clean libraries
 .DELETE_ON_ERROR:
 
 setup: libraries $(STAMP) $(WARM)
@@ -74,6 +75,9 @@ validation: libraries $(STAMP)
 test-portable: libraries $(STAMP)
 	$(call as,generic,NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES=) $(NUMERICAL)
 	$(call as,native,MASONRY_CD_NATIVE=1) $(NUMERICAL)
+
+test-elsewhere: libraries $(STAMP) $(TEST_KERNELS)
+	PYTHONPATH=tests/other_system $(TESTS)
 
 # The kernels are compiled for x86-64-v3, whatever the processor of this machine has beyond it, and kept in .cache/kernels.
 wheel: libraries $(STAMP)

@@ -85,7 +85,7 @@ def forked(words: Sequence[str], said: Path, before: Callable[[], None] = lambda
         return pid
     code = 70
     try:
-        with said.open("w") as stream:
+        with said.open("w", encoding="utf-8") as stream:
             os.dup2(stream.fileno(), 1)
             os.dup2(stream.fileno(), 2)
         for number in SIGNALS:

@@ -62,7 +62,7 @@ class BenchScene:
             for b in self.blocks
         ]
         scene = {"blocks": blocks, "friction": self.friction, "dt": self.dt, "theta": self.theta, "steps": steps}
-        path.write_text(json.dumps(scene | {"base_velocity": self.base_velocity(steps + 2).tolist()}))
+        path.write_text(json.dumps(scene | {"base_velocity": self.base_velocity(steps + 2).tolist()}), encoding="utf-8")
 
 
 def cuboid(name: str, low: tuple[float, float, float], high: tuple[float, float, float], fixed: bool = False) -> Block:

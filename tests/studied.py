@@ -145,8 +145,8 @@ def wait_until(holds: Callable[[], bool]) -> None:
 
 def address_in(file: Path) -> str:
     """The address of a scheduler, once it has written the file on itself, which is there and empty for a moment."""
-    wait_until(lambda: file.exists() and file.read_text().endswith("}"))
-    return str(json.loads(file.read_text())["address"])
+    wait_until(lambda: file.exists() and file.read_text(encoding="utf-8").endswith("}"))
+    return str(json.loads(file.read_text(encoding="utf-8"))["address"])
 
 
 # --- tasks that stand in for runs ---------------------------------------------------------------------------------------------------

@@ -80,7 +80,7 @@ def _in_child(folder: Path, command: Sequence[str], aside: Path) -> None:
             os.dup2(file, number)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         sys.stdout, sys.stderr = (
-            TextIOWrapper(FileIO(n, "w", closefd=False), errors="backslashreplace") for n in (1, 2)
+            TextIOWrapper(FileIO(n, "w", closefd=False), encoding="utf-8", errors="backslashreplace") for n in (1, 2)
         )  # whatever they were
         _limit()
         _interrupt_after_steps(aside / MARK)
@@ -108,7 +108,7 @@ def _called(command: Sequence[str]) -> int:
 
 def _limit() -> None:
     """Limits of the system; soft ones, so that the readers of foreign files can set their own."""
-    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[0])
     wanted = {
         resource.RLIMIT_CPU: PROCESSOR,
         resource.RLIMIT_AS: pages * resource.getpagesize() + ADDRESSES,

@@ -15,6 +15,7 @@ from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
 
 from masonry_cd.foundation.quantities import in_words
+from masonry_cd.foundation.system import STOPPING, stays_ignored
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -131,9 +132,6 @@ class TimedOut(Interrupted):
         self.number = 0
 
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)  # those by which a user, a shell or a batch system ends a run
-
-
 class Interrupt:
     """Holds Ctrl-C and its like back until :meth:`check` is called, so that nothing is torn; more of them change nothing.
 
@@ -154,8 +152,8 @@ class Interrupt:
 
     def __enter__(self) -> Interrupt:
         if threading.current_thread() is threading.main_thread():  # elsewhere signals cannot be handled
-            for number in SIGNALS:
-                if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup means it
+            for number in STOPPING:
+                if not stays_ignored(number):
                     self._former[number] = signal.signal(number, self._handle)
             self._former_hook, sys.unraisablehook = sys.unraisablehook, self._unraisable
         return self

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.system import one_process_in, started
 
 NAME = "run.lock"
 
@@ -26,7 +26,7 @@ def locked(folder: Path) -> Iterator[None]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     file, own = folder / NAME, _owner(os.getpid())
-    with _alone(folder):
+    with one_process_in(folder):  # which looks at the lock and takes it
         holder = _read(file)
         if holder and _lives(holder):
             where = f"process {holder['pid']} on {holder['host']}"
@@ -40,30 +40,9 @@ def locked(folder: Path) -> Iterator[None]:
             file.unlink(missing_ok=True)
 
 
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Let one process at a time look at the lock and take it."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        with suppress(OSError):  # some network file systems know no such locks
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
-
-
 def _owner(pid: int) -> dict[str, Any]:
     """A process as the lock names it; its number alone may be used again."""
-    return {"pid": pid, "host": socket.gethostname(), "started": _started(pid)}
-
-
-def _started(pid: int) -> str:
-    """When a process was started, in ticks of the clock since which boot; "" where there is none."""
-    try:
-        after_name = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-        return f"{after_name[19]} {Path('/proc/sys/kernel/random/boot_id').read_text().strip()}"
-    except (OSError, IndexError):
-        return ""
+    return {"pid": pid, "host": socket.gethostname(), "started": started(pid)}
 
 
 def _read(file: Path) -> dict[str, Any]:
@@ -77,4 +56,4 @@ def _read(file: Path) -> dict[str, Any]:
 
 def _lives(holder: dict[str, Any]) -> bool:
     """Whether the holder of a lock may still be at work."""
-    return holder["host"] != socket.gethostname() or (holder["started"] != "" and _started(holder["pid"]) == holder["started"])
+    return holder["host"] != socket.gethostname() or (holder["started"] != "" and started(holder["pid"]) == holder["started"])

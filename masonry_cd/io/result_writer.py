@@ -22,6 +22,7 @@ from types import TracebackType
 import h5py
 import numpy as np
 
+from masonry_cd.foundation import system
 from masonry_cd.foundation.atomic import part_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.jit import compiled_for
@@ -151,12 +152,22 @@ class ResultWriter:
             if "segments" not in self._file:
                 self._file.attrs["constant"] = checksum_of_constants(self._file)
                 self._sealer.begin(self._file, self._known)
+            if not system.RENAMES_OPEN_FILES:
+                self._rename_closed()
             _close_attributes(self._file)
             self._file.swmr_mode = True  # no dataset may be created from here on
             self._sealer.seal()
             self._file.flush()
-            part_of(self.path).replace(self.path)
+            if system.RENAMES_OPEN_FILES:
+                part_of(self.path).replace(self.path)
             self._published = True
+
+    def _rename_closed(self) -> None:
+        """Give the file its name while it is closed: for an instant a reader, or a kill, finds a file that is open and cannot be read."""
+        self._file.close()
+        part_of(self.path).replace(self.path)
+        self._file = h5py.File(self.path, "r+", libver="latest")
+        self._sealer.move_to(self._file)
 
     def _discard(self) -> None:
         """Close the file and take away what never got its name."""

@@ -56,6 +56,10 @@ class Sealer:
         for name, found in _checksums_of_peaks(file).items():
             self._group[name] = np.array([found], dtype=np.uint32)
 
+    def move_to(self, file: h5py.File) -> None:
+        """Go on in the same file, opened anew."""
+        self._group = file[GROUP]
+
     def take(self, name: str, rows: np.ndarray) -> None:
         """Count rows that a dataset gets, as it stores them."""
         self._crc[name] = zlib.crc32(np.ascontiguousarray(rows).data, self._crc.get(name, 0))

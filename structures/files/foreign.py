@@ -15,23 +15,21 @@ could still write where the user may, and is only read where the scene says that
 
 from __future__ import annotations
 
-import ctypes
 import json
 import os
-import resource
-import signal
 import subprocess
 import sys
 import tempfile
 import zipfile
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from masonry_cd.foundation import system
 
 Faces = tuple[tuple[int, ...], ...]
 Piece = tuple[int, str, np.ndarray, Faces]  # a number (block of the file, or course), a name or group, vertices (V, 3), faces
@@ -42,7 +40,7 @@ MEMORY = 4 * GIB  # addresses [B]: gmsh takes 0.4 GiB and VTK with its readers 0
 OUTPUT = GIB  # largest file that a child may write [B], its answer of some 100 B per corner among them
 SECONDS = 120.0  # processor time [s]: an STL of 20,000 boxes takes 6, a VTU 3
 WAIT = 2.0  # wall time, in processor times: another program may have the core, but a child that only waits has to end
-PR_SET_PDEATHSIG = 1  # of prctl, see linux/prctl.h
+LOADER = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # of the environment, what a child needs to start: Windows the latter
 SHOWN = 300  # most characters of a child's message
 CHILD = """import json, sys
 request = json.load(open("request.json", encoding="utf-8"))
@@ -90,7 +88,7 @@ def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, lim
     with tempfile.TemporaryDirectory(prefix="masonry-cd-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
-        code = _run(folder, WAIT * limits.seconds + 10.0)
+        code = _run(folder, limits)
         if (folder / "refused").is_file():
             raise InputError(_line((folder / "refused").read_bytes()))
         if code != 0 or not (folder / "answer.npz").is_file():
@@ -101,37 +99,34 @@ def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, lim
             raise InputError(f"{path.name}: cannot be read: its reader answers nonsense: {_line(str(failure).encode())}") from None
 
 
-def _run(folder: Path, wait: float) -> int | None:
-    """Run the child in its folder: its exit code, negative for a signal; None where it had to be stopped."""
-    loader = {"LD_LIBRARY_PATH": os.environ["LD_LIBRARY_PATH"]} if "LD_LIBRARY_PATH" in os.environ else {}
+def _run(folder: Path, limits: Limits) -> int | None:
+    """Run the child in its folder: its exit code, negative for a signal; None where it took too long."""
+    loader = {name: os.environ[name] for name in LOADER if name in os.environ}
+    homes = dict.fromkeys(("HOME", "USERPROFILE", "TMPDIR", "TEMP", "TMP"), str(folder))
     threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each thread would take addresses for its stack and its arena
     with (folder / "said").open("wb") as said:
         child = subprocess.Popen(
             [sys.executable, "-I", "-c", CHILD],
             cwd=folder,
-            env={"HOME": str(folder), "TMPDIR": str(folder), "LANG": "C.UTF-8", **threads, **loader},
+            env={"LANG": "C.UTF-8", **homes, **threads, **loader},
             stdin=subprocess.DEVNULL,
             stdout=said,
             stderr=said,
             start_new_session=True,
         )
     try:
-        return child.wait(wait)
-    except subprocess.TimeoutExpired:
-        return None
+        return system.wait(child, WAIT * limits.seconds + 10.0, limits.seconds, limits.memory)
     finally:  # also after Ctrl-C, and whatever the child has started itself
-        with suppress(ProcessLookupError):
-            os.killpg(child.pid, signal.SIGKILL)
-        child.wait()
+        system.end(child)
 
 
 def _ending(code: int | None, limits: Limits, advice: str, folder: Path) -> str:
     """How a child ended that gave no answer, in words."""
     memory = f"{limits.memory / GIB:.3g} GiB of memory"
-    if code is None or code == -signal.SIGXCPU:
+    if code is None:
         return f"not done after {limits.seconds:g} s of computing; it is damaged or too large{advice}"
-    if code < 0:
-        return f"its reader crashed ({signal.Signals(-code).name}); it is damaged, or needs more than {memory}"
+    if crash := system.name_of_crash(code):
+        return f"its reader crashed ({crash}); it is damaged, or needs more than {memory}"
     said = (folder / "said").read_bytes()[-2000:].strip().splitlines()
     return f"its reader ended with code {code} and no answer{': ' + _line(said[-1]) if code and said else ''}"
 
@@ -151,13 +146,9 @@ def serve(request: Mapping[str, Any]) -> None:
 
     Ends without the libraries' own clearing up, which is a place to crash, too.
     """
-    _end_with_caller()
+    system.end_with_parent()
     limits, file = Limits(*request["limits"]), request["file"]
-    whole = max(1, round(limits.seconds))
-    _limit(resource.RLIMIT_CPU, whole, whole + 1)
-    _limit(resource.RLIMIT_AS, limits.memory, limits.memory)
-    _limit(resource.RLIMIT_FSIZE, limits.output, limits.output)
-    _limit(resource.RLIMIT_CORE, 0, 0)
+    system.limit_this_process(*limits)
     try:
         module, function = request["reader"].split(":")
         pieces, figures = getattr(import_module(module), function)(Path(file), **request["keywords"])
@@ -170,19 +161,6 @@ def serve(request: Mapping[str, Any]) -> None:
         what = str(failure).strip() or type(failure).__name__
         _refuse(f"{Path(file).name}: cannot be read: {what.splitlines()[0]}")
     os._exit(0)
-
-
-def _limit(what: int, soft: int, hard: int) -> None:
-    """Set a limit of this process, or leave the lower one that it already has."""
-    own = resource.getrlimit(what)[1]
-    most = hard if own == resource.RLIM_INFINITY else min(hard, own)
-    resource.setrlimit(what, (min(soft, most), most))
-
-
-def _end_with_caller() -> None:
-    """Have the kernel end this process when the caller is killed (Linux; elsewhere the limits of time do)."""
-    with suppress(AttributeError, OSError):
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _refuse(message: str) -> None:

@@ -13,6 +13,7 @@ from masonry_cd.app import progress
 from masonry_cd.app.progress import Interrupt, Interrupted, Progress
 from masonry_cd.app.step_costs import AFTER, REST, SETTLING, STRONG, StepCosts, motion_classes
 from masonry_cd.foundation.quantities import force, in_words, length
+from masonry_cd.foundation.system import STOPPING
 
 
 @pytest.mark.parametrize(
@@ -155,7 +156,7 @@ def test_steps_that_adapt_share_their_cost_among_those_of_the_loads():
     assert costs.seconds_left() == pytest.approx(90 * 0.25, rel=0.05)
 
 
-@pytest.mark.parametrize("number", progress.SIGNALS)
+@pytest.mark.parametrize("number", STOPPING)
 def test_signals_wait_for_the_check_however_many_come(number, request):
     former = signal.signal(number, signal.SIG_DFL)  # or else a signal that nohup has tests ignore stays ignored, as it should
     request.addfinalizer(lambda: signal.signal(number, former))

@@ -97,7 +97,7 @@ def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path)
     """Run a body in a forked process, killed at the n-th line that it executes of the files that write; return how many it executed."""
     files = (result_writer.__file__, segments.__file__, checkpoint.__file__, recorder.__file__, run_loop.__file__)
     if (pid := os.fork()) == 0:
-        number = counter.open("w")
+        number = counter.open("w", encoding="utf-8")
 
         def reached(count: int) -> None:
             number.seek(0)
@@ -110,7 +110,7 @@ def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path)
         finally:
             os._exit(0)
     os.waitpid(pid, 0)
-    return int(counter.read_text())
+    return int(counter.read_text(encoding="utf-8"))
 
 
 MORE = pytest.mark.slow(reason="a process per kill, which traces each line")

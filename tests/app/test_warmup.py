@@ -133,7 +133,7 @@ def test_no_second_process_outlives_a_killed_first_one(monkeypatch, tmp_path):
     status = Path(f"/proc/{int(first.stdout.readline())}/stat")
 
     def lives() -> bool:
-        return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
+        return status.exists() and status.read_text(encoding="utf-8").rpartition(")")[2].split()[0] != "Z"
 
     assert lives()
     first.kill()

@@ -29,6 +29,7 @@ from masonry_cd.app.summary import closing_lines
 from masonry_cd.cli import main
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.system import STOPPING
 from masonry_cd.io.problem_files import write_problem
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
@@ -298,7 +299,7 @@ def test_interrupts_are_taken_between_steps_only(block_on_plate, tmp_path, monke
     assert contents(tmp_path / "out" / "result.h5") == contents(tmp_path / "whole" / "result.h5")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
+@pytest.mark.parametrize("number", STOPPING)
 def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path, monkeypatch, request, number):
     former = signal.signal(number, signal.SIG_DFL)  # or else a signal that nohup has tests ignore stays ignored, as it should
     request.addfinalizer(lambda: signal.signal(number, former))

@@ -40,7 +40,7 @@ def base_reaction(folder: Path) -> tuple[float, float]:
 
 
 def test_every_example_is_tested_here():
-    text = Path(__file__).read_text()
+    text = Path(__file__).read_text(encoding="utf-8")
     for scene in EXAMPLES.glob("*.toml"):
         assert f'"{scene.name}"' in text, f"no test runs {scene.name}"
 

@@ -137,7 +137,7 @@ def test_one_file_adds_a_kind_and_one_a_solver() -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=page_name)
 def test_files_that_a_page_names_are_there(page: Path) -> None:
-    text = page.read_text()
+    text = page.read_text(encoding="utf-8")
     named = {name for name in re.findall(r"`((?:[\w-]+/)+[\w-]+\.\w+)`", text) if name not in EXAMPLES}
     named = {name for name in named if (ROOT / name.split("/")[0]).is_dir() and not name.startswith("out/")}
     assert sorted(name for name in named if not (ROOT / name).exists()) == []
@@ -147,7 +147,7 @@ def test_files_that_a_page_names_are_there(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=page_name)
 def test_links_to_a_heading_find_it(page: Path) -> None:
-    for target, anchor in re.findall(r"\]\(([^)\s#]*)#([^)\s]+)\)", page.read_text()):
+    for target, anchor in re.findall(r"\]\(([^)\s#]*)#([^)\s]+)\)", page.read_text(encoding="utf-8")):
         if "://" in target:
             continue
         headings = re.findall(r"^#+ (.*)$", ((page.parent / target) if target else page).read_text(), re.MULTILINE)

@@ -15,7 +15,7 @@ STATUS = Path("/proc/self/status")
 
 def ignored() -> set[int]:
     """The signals that the system does not deliver to this process."""
-    mask = int(re.search(r"SigIgn:\s*(\w+)", STATUS.read_text()).group(1), 16)
+    mask = int(re.search(r"SigIgn:\s*(\w+)", STATUS.read_text(encoding="utf-8")).group(1), 16)
     return {number for number in range(1, 65) if mask >> (number - 1) & 1}
 
 

@@ -66,7 +66,7 @@ def test_bars_of_one_name_are_one_tie_whose_tension_is_their_sum(run):
 
 
 def test_the_table_has_a_row_for_each_tie(run):
-    with open(run / "ties.csv") as file:
+    with open(run / "ties.csv", encoding="utf-8") as file:
         (row,) = csv.DictReader(file)
     assert (row["tie"], row["bars"], row["yielded"]) == ("springings", "4", "true")
     assert float(row["yield_force"]) == pytest.approx(9e3)

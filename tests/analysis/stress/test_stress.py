@@ -79,7 +79,7 @@ def scene(folder: Path, strength: str = "", amplitude: float = 0.0, duration: fl
 
 
 def rows(path: Path) -> list[dict[str, str]]:
-    with path.open() as file:
+    with path.open(encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
