@@ -35,6 +35,7 @@ from benchmarks.bits.cases import HERE
 from benchmarks.bits.runs import read_folder
 from masonry_cd.cli import main
 from masonry_cd.cli.app import app
+from masonry_cd.foundation.system import STOPPING
 from masonry_cd.io import checkpoint, segments
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
@@ -53,7 +54,6 @@ SCENES = {  # by kind: the scene, and changes that make it short
     "parting": ("tower", "run.gravity=[0,0,9.81]", "run.duration=0.1"),  # blocks fall off their support: all joints vanish
     "threads": ("church", "run.duration=0.02", "run.solver=admm", "run.threads=2"),  # of 300 blocks
 }
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 EVERY = ("0", "0.03", "10")  # seconds between two checkpoints
 PATIENCE = 300.0  # seconds after which a run counts as hanging
 SECONDS = re.compile(r'"(wall_seconds|stepping_seconds)": [0-9.e+-]+')
@@ -79,7 +79,7 @@ class Wrong(Exception):
 
 def forked(words: Sequence[str], said: Path, before: Callable[[], None] = lambda: None) -> int:
     """Start a run of the command line in a process of its own; return its number. Strikes are held back until the program begins."""
-    held = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, STOPPING)
     if pid := os.fork():
         signal.pthread_sigmask(signal.SIG_SETMASK, held)
         return pid
@@ -88,7 +88,7 @@ def forked(words: Sequence[str], said: Path, before: Callable[[], None] = lambda
         with said.open("w", encoding="utf-8") as stream:
             os.dup2(stream.fileno(), 1)
             os.dup2(stream.fileno(), 2)
-        for number in SIGNALS:
+        for number in STOPPING:
             signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
         sys.argv = ["masonry-cd", *words]
         before()
@@ -111,7 +111,7 @@ def _command(held: set[int | signal.Signals]) -> int:
     except KeyboardInterrupt:  # a moment before or after the command, which lets none through
         return 128 + signal.SIGINT
     finally:
-        signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+        signal.pthread_sigmask(signal.SIG_BLOCK, STOPPING)
     return 0
 
 
@@ -152,7 +152,7 @@ def strike_at(rng: random.Random, send: Callable[[], None]) -> Callable[[], None
 
 def struck(reference: Reference, words: list[str], said: Path, rng: random.Random, kill: bool) -> int:
     """Run until a strike ends it, or it ends; its exit code."""
-    numbers = [signal.SIGKILL] if kill else [rng.choice(SIGNALS) for _ in range(rng.randint(1, 3))]
+    numbers = [signal.SIGKILL] if kill else [rng.choice(STOPPING) for _ in range(rng.randint(1, 3))]
 
     def send() -> None:
         for number in numbers:
@@ -223,7 +223,7 @@ def trial(reference: Reference, out: Path, rng: random.Random, kill: bool, most:
         words = [*reference.words, "-o", str(out), *go_on, "--set", f"run.checkpoint_every={reference_every(out, rng, begun)}"]
         code = struck(reference, words, said, rng, kill) if strikes < wanted else ended(forked(words, said))
         begun, text = True, said.read_text()
-        expected = (0, -signal.SIGKILL) if kill else (0, *(128 + n for n in SIGNALS), *(-n for n in SIGNALS))
+        expected = (0, -signal.SIGKILL) if kill else (0, *(128 + n for n in STOPPING), *(-n for n in STOPPING))
         if code not in expected or "Traceback" in text:
             raise Wrong(f"exit code {code}: {text[-300:]}")
         strikes += code != 0

@@ -7,9 +7,18 @@ import signal
 import traceback
 from collections.abc import Callable
 
+import pytest
+
+
+def need_fork() -> None:
+    """Skip the test on a system that cannot fork a process."""
+    if not hasattr(os, "fork"):
+        pytest.skip("needs os.fork")
+
 
 def ended(body: Callable[[], str | None], limit: int) -> str:
     """Run a body in a forked process, ended after ``limit`` [s]: what it returns, "" for nothing, or how else it ended."""
+    need_fork()
     read, write = os.pipe()
     if (pid := os.fork()) == 0:
         try:

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 import pytest
 from datasets import contents
+from forked import need_fork
 from models import gravity, stepper, still, tower, wall
 
 from masonry_cd.analysis.damage.joint_damage import bonds, joint_damage
@@ -96,6 +97,7 @@ def lines_until(limit: int, files: tuple[str, ...], reached: Callable[[int], Non
 def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path) -> int:
     """Run a body in a forked process, killed at the n-th line that it executes of the files that write; return how many it executed."""
     files = (result_writer.__file__, segments.__file__, checkpoint.__file__, recorder.__file__, run_loop.__file__)
+    need_fork()
     if (pid := os.fork()) == 0:
         number = counter.open("w", encoding="utf-8")
 

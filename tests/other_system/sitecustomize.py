@@ -16,7 +16,7 @@ OURS = ("masonry_cd", "structures", "loads", "reports")
 MODULES = ("fcntl", "resource", "pwd", "grp", "termios", "tty", "pty", "syslog", "posix")
 GONE = (
     (signal, ("SIGHUP", "SIGQUIT", "SIGXCPU", "SIGUSR1", "SIGUSR2")),
-    (os, ("fork", "forkpty", "killpg", "sched_getaffinity", "getuid")),
+    (os, ("fork", "forkpty", "killpg", "sched_getaffinity")),
 )
 
 _import = builtins.__import__
