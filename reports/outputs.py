@@ -12,6 +12,7 @@ from masonry_cd.analysis.damage.grades import read_grades
 from masonry_cd.analysis.damage.part_damage import PartDamage, Settings, part_damage
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from reports.damage.joint_files import thresholds_of
@@ -48,6 +49,10 @@ def check(settings: Report, blocks: Sequence[Block], end: float, spacing: float)
     Raises:
         InputError: names the key of ``[report]``.
     """
+    if settings.draws:
+        require("report: a picture", "pyvista", "matplotlib", "PIL", without=" (or go without: report.crack_map = false)")
+    if settings.html:
+        require("report.html: the page", "matplotlib")
     read_grades(settings.grades)
     beyond = next((time for time in settings.times if time > end + slack(spacing)), None)
     if beyond is not None:

@@ -98,7 +98,12 @@ class Report(Table):
     @property
     def asks(self) -> bool:
         """Whether anything is to be written beside joints.csv."""
-        return self.damage or self.crack_map or self.vector or bool(self.times) or self.animation or self.html or bool(self.extra)
+        return self.damage or self.html or self.draws
+
+    @property
+    def draws(self) -> bool:
+        """Whether a picture is to be drawn."""
+        return self.crack_map or self.vector or bool(self.times) or self.animation or bool(self.extra)
 
 
 def report_of(text: str, **changes: object) -> Report:

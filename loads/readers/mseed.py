@@ -19,6 +19,7 @@ import numpy as np
 from loads.readers.quantity import of_channel
 from loads.readers.source import RawRecord, Reader, Request, Source, refuse_layout
 from masonry_cd.foundation.errors import suggest
+from masonry_cd.foundation.extras import require
 
 BEGINNINGS = (re.compile(rb"\d{6}[DRQM][ \0]"), re.compile(rb"MS\x03"))  # of files of version 2 and 3
 
@@ -60,10 +61,9 @@ def read(source: Source, request: Request) -> RawRecord:
 
 def _open(source: Source) -> list[Any]:
     """The traces of the file, in order of channel and time."""
-    try:
-        from obspy.io.mseed.core import _read_mseed
-    except ImportError:
-        raise source.error('miniSEED needs obspy; install it by: pip install "masonry-cd[records]"') from None
+    require(f"{source.label}: miniSEED", "obspy")
+    from obspy.io.mseed.core import _read_mseed
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # obspy only warns of broken records, and returns what is left

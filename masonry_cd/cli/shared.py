@@ -44,6 +44,7 @@ def errors_reported() -> Iterator[None]:
     Numbers beyond their range are refused, or reported by name: what numpy says of them besides, by line of this program, helps no user.
     """
     from masonry_cd.foundation.errors import InputError, in_plain_words
+    from masonry_cd.foundation.extras import missing
 
     try:
         with warnings.catch_warnings():
@@ -51,6 +52,12 @@ def errors_reported() -> Iterator[None]:
             yield
     except InputError as error:
         typer.echo(f"masonry-cd: error: {error}", err=True)
+        raise typer.Exit(2) from None
+    except ModuleNotFoundError as failure:
+        line = missing(failure)
+        if line is None:
+            raise
+        typer.echo(f"masonry-cd: error: {line}", err=True)
         raise typer.Exit(2) from None
     except OSError as error:
         typer.echo(f"masonry-cd: error: {in_plain_words(error)}", err=True)

@@ -130,6 +130,6 @@ def test_broken_miniseed_is_refused(samples: Path, name: str, message: str) -> N
 
 
 def test_without_obspy_miniseed_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "obspy.io.mseed.core", None)
-    with pytest.raises(InputError, match=r'miniSEED needs obspy; install it by: pip install "masonry-cd\[records\]"'):
+    monkeypatch.setitem(__import__("sys").modules, "obspy", None)
+    with pytest.raises(InputError, match=r'miniSEED needs obspy, which is not installed: pip install "masonry-cd\[records\]"'):
         load(tmp_path, b"000001D " + bytes(504))

@@ -18,6 +18,7 @@ from pydantic import Field
 
 from masonry_cd.app.scene_text import parse_toml, read_text
 from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.fields import Count, Table
 from masonry_cd.mechanics.solvers import cores
 
@@ -181,10 +182,9 @@ def slurm_cluster(table: SlurmTable) -> Any:
     Raises:
         InputError: dask-jobqueue is not installed.
     """
-    try:
-        from dask_jobqueue import SLURMCluster
-    except ImportError:
-        raise InputError('--slurm needs dask-jobqueue: pip install "masonry-cd[slurm]"') from None
+    require("--slurm", "dask_jobqueue")
+    from dask_jobqueue import SLURMCluster
+
     given: dict[str, Any] = {"python": table.python} if table.python else {}
     return SLURMCluster(
         cores=table.cores,

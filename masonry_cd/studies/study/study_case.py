@@ -11,6 +11,7 @@ from typing import Any
 
 from masonry_cd.app.progress import Interrupt, Interrupted
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.io.lock import locked
 from masonry_cd.studies.study.checks import check_first, check_varied
 from masonry_cd.studies.study.clusters import Where, connected
@@ -77,6 +78,7 @@ def study_case(plan: Plan, folder: Path, options: Options, say: Say) -> dict[str
         InputError: a bad study; the folder of another one; a scheduler that does not answer. Nothing is lost.
         Interrupted: by a signal; rows of finished runs are kept, and the tables are written of them.
     """
+    require("a study", "distributed", "dask", "pyarrow", "matplotlib")
     study, here = plan.maker.study, StudyFolder(folder)
     if options.resume and not (folder / NAME).exists():
         raise InputError(f"--resume: {folder} holds no study")

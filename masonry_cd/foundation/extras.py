@@ -1,0 +1,56 @@
+"""Libraries that only some scenes and commands need, each in an extra of the package; a plain install runs and reports numbers."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+from masonry_cd.foundation.errors import InputError
+
+EXTRA_OF = {
+    "pyvista": "pictures",
+    "vtkmodules": "pictures",
+    "matplotlib": "pictures",
+    "PIL": "pictures",
+    "trimesh": "cad",
+    "meshio": "cad",
+    "clarabel": "limit",
+    "skfem": "modal",
+    "distributed": "studies",
+    "dask": "studies",
+    "pyarrow": "studies",
+    "pandas": "tables",
+    "obspy": "records",
+    "dask_jobqueue": "slurm",
+}
+SOLD_AS = {
+    "PIL": "Pillow",
+    "skfem": "scikit-fem",
+    "vtkmodules": "VTK",
+    "dask_jobqueue": "dask-jobqueue",
+}  # packages of another name
+
+
+def require(what: str, *modules: str, without: str = "") -> None:
+    """Check that libraries are installed before anything takes its time.
+
+    Args:
+        what: needs them, as the message begins.
+        modules: by the name that is imported, each of ``EXTRA_OF``.
+        without: how to go without them, at the end of the message.
+
+    Raises:
+        InputError: one is not, and how to install it.
+    """
+    for module in modules:
+        if find_spec(module) is None:
+            raise InputError(_line(what, module) + without)
+
+
+def missing(failure: ModuleNotFoundError) -> InputError | None:
+    """What to tell the user of a module that is not there; None of one that no extra brings: that is a fault."""
+    module = (failure.name or "").partition(".")[0]
+    return InputError(_line("this", module)) if module in EXTRA_OF else None
+
+
+def _line(what: str, module: str) -> str:
+    return f'{what} needs {SOLD_AS.get(module, module)}, which is not installed: pip install "masonry-cd[{EXTRA_OF[module]}]"'
