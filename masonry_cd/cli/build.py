@@ -40,7 +40,11 @@ def build(
       masonry-cd build scan.toml -o out/scan --repair shells --repair gaps=0.002
       masonry-cd build aqueduct.toml -o out/meshes --format obj --format vtkhdf
     """
+    from masonry_cd.foundation.extras import require
+
     with errors_reported():
+        if picture:
+            require("structure.png", "pyvista", "matplotlib", "PIL", without=" (or go without: --no-picture)")
         formats = _formats(format_)
         free_folder(output, tuple(f"blocks.{name}" for name in formats), force)
         from masonry_cd.app.scene import read_scene

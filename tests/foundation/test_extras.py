@@ -40,6 +40,7 @@ def test_the_table_is_that_of_the_package() -> None:
         ("pyvista", ["run", "trilithon.toml", "--set", "report.crack_map=true"], "report: a picture needs pyvista"),
         ("matplotlib", ["run", "trilithon.toml", "--set", 'report.extra=["energy"]'], "report: a picture needs matplotlib"),
         ("matplotlib", ["run", "trilithon.toml", "--set", "report.html=true"], "report.html: the page needs matplotlib"),
+        ("pyvista", ["build", "trilithon.toml"], "structure.png needs pyvista"),
         ("pyarrow", ["study", "study_arch.toml"], "a study needs pyarrow"),
         ("skfem", ["modal", "trilithon.toml", "--young", "1e9"], "this needs scikit-fem"),
     ],
