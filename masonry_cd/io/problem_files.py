@@ -144,6 +144,7 @@ def _read_fclib(path: Path) -> Problem:
     with open_hdf5(path) as file:
         form = next((name for name in FORMS if isinstance(file.get(name), h5py.Group)), None)
         if form is None:
+            _refuse_other_kinds(path, file)
             raise InputError(f"{path}: an HDF5 file, but no FCLIB one: it has neither fclib_local nor fclib_global")
         group, (equalities, matrices, vectors) = file[form], FORMS[form]
         _refuse_equalities(path, group, equalities)
@@ -155,6 +156,14 @@ def _read_fclib(path: Path) -> Problem:
         return _of_dimension(path, whole, _local(path, matrix["W"], vector["q"], mu))
     f, w = vector["f"], vector["w"]
     return _of_dimension(path, whole, _global(path, matrix["M"], matrix["H"], f, w, mu, np.zeros_like(w)))
+
+
+def _refuse_other_kinds(path: Path, file: h5py.File) -> None:
+    """Name what else the format has: contacts that resist rolling, and what a later version may bring."""
+    for name in file:
+        if name.startswith("fclib_") and isinstance(file[name], h5py.Group):
+            why = "contacts that resist rolling are not supported" if name.endswith("_rolling") else "problems of this kind are not supported"
+            raise InputError(f"{path}: {name}: {why}; {' and '.join(FORMS)} are")
 
 
 def _of_dimension(path: Path, found: Mapping[str, np.ndarray], problem: Problem) -> Problem:

@@ -202,6 +202,9 @@ def test_files_that_are_no_problems(tmp_path: Path) -> None:
     (tmp_path / "folder.npz").mkdir()
     with h5py.File(tmp_path / "other.hdf5", "w") as file:
         file["x"] = 1.0
+    for name, kind in (("rolling", "fclib_global_rolling"), ("later", "fclib_bilateral")):
+        with h5py.File(tmp_path / f"{name}.hdf5", "w") as file:
+            file.create_group(kind)["spacedim"] = np.array([3])
     for name, message in [
         ("none.npz", "no such file"),
         ("text.hdf5", "no HDF5 file"),
@@ -209,6 +212,8 @@ def test_files_that_are_no_problems(tmp_path: Path) -> None:
         ("p.txt", "unknown format"),
         ("folder.npz", "is a folder"),
         ("other.hdf5", "neither fclib_local nor fclib_global"),
+        ("rolling.hdf5", "fclib_global_rolling: contacts that resist rolling are not supported; fclib_local and fclib_global are"),
+        ("later.hdf5", "fclib_bilateral: problems of this kind are not supported"),
     ]:
         with pytest.raises(InputError, match=message):
             read_problem(tmp_path / name)
