@@ -162,8 +162,8 @@ def _refuse_other_kinds(path: Path, file: h5py.File) -> None:
     """Name what else the format has: contacts that resist rolling, and what a later version may bring."""
     for name in file:
         if name.startswith("fclib_") and isinstance(file[name], h5py.Group):
-            why = "contacts that resist rolling are not supported" if name.endswith("_rolling") else "problems of this kind are not supported"
-            raise InputError(f"{path}: {name}: {why}; {' and '.join(FORMS)} are")
+            what = "contacts that resist rolling" if name.endswith("_rolling") else "problems of this kind"
+            raise InputError(f"{path}: {name}: {what} are not supported; {' and '.join(FORMS)} are")
 
 
 def _of_dimension(path: Path, found: Mapping[str, np.ndarray], problem: Problem) -> Problem:
