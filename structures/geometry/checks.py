@@ -320,14 +320,17 @@ def warp(block: Block) -> float:
     """How far the faces of a polyhedron are from planes [m]: corners off their own face, and off a neighbour's that nearly continues it."""
     flat = Polyhedra.of([Polyhedron(block.vertices, block.faces)])
     after, face = flat.loops[next_in_loop(flat.loop_start)], flat.face_of_entry()
-    across = {(int(b), int(a)): int(f) for a, b, f in zip(flat.loops, after, face, strict=True)}
-    neighbour = np.array([across.get((int(a), int(b)), int(f)) for a, b, f in zip(flat.loops, after, face, strict=True)])
+    edge, reverse = flat.loops * len(flat.vertices) + after, after * len(flat.vertices) + flat.loops
+    order = np.argsort(edge, kind="stable")
+    there = order[np.searchsorted(edge[order], reverse) % len(edge)]
+    neighbour = np.where(edge[there] == reverse, face[there], face)
     level = np.einsum("ei,ei->e", flat.normals[face], flat.normals[neighbour]) > math.cos(NEARLY_LEVEL)
-    most = 0.0
-    for f, g in {*zip(face[level].tolist(), neighbour[level].tolist(), strict=True), *((f, f) for f in range(len(block.faces)))}:
-        corners = block.vertices[list(block.faces[g])]
-        most = max(most, float(np.abs((corners - block.vertices[block.faces[f][0]]) @ flat.normals[f]).max()))
-    return most
+    plane, other = np.concatenate([face[level], face]), np.concatenate([neighbour[level], face])
+    counts = np.diff(flat.loop_start)[other]
+    ends = np.cumsum(counts)
+    entry = np.arange(ends[-1]) - np.repeat(ends - counts, counts) + np.repeat(flat.loop_start[other], counts)
+    reach = flat.vertices[flat.loops[entry]] - np.repeat(flat.vertices[flat.loops[flat.loop_start[plane]]], counts, axis=0)
+    return float(np.abs(np.sum(reach * np.repeat(flat.normals[plane], counts, axis=0), axis=1)).max())
 
 
 def _round_up(value: float) -> float:

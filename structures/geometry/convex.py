@@ -79,7 +79,7 @@ def split(block: Block) -> Block:
     """
     if block.parts or is_convex(block):
         return block
-    on = ON_PLANE * _size(block)
+    on = ON_PLANE * size_of(block)
     try:
         with np.errstate(invalid="ignore"):  # faces without area, which the check refuses, have no plane
             inside = [part for part in _cells(block, on) if _winding(block, part.vertices.mean(axis=0)) > 0.5]
@@ -97,10 +97,10 @@ def split(block: Block) -> Block:
 def _why(block: Block, failure: Exception) -> str:
     """The line for a block that cannot be split: what is wrong with its faces as they were given, and what would help."""
     line, mend = f'block "{block.name}": not convex, and cannot be split into convex parts', "give it as convex blocks"
-    size, off = _size(block), warp(block)
+    size, off = size_of(block), warp(block)
     reasons = [str(failure)] if isinstance(failure, _Unsplit) else []
     if ON_PLANE * size < off < WARPED * size:
-        hull = "give its convex hull, " if _excess(block) < WARPED * size else ""
+        hull = "give its convex hull, " if excess(block) < WARPED * size else ""
         flat = f"{1e3 * ON_PLANE * size:.2g} mm would count as flat"
         reasons.append(f"its faces are warped by up to {1e3 * off:.3g} mm ({flat}); make them flat, {hull}or {mend}")
         return f"{line}: {', and '.join(reasons)}"
@@ -113,7 +113,7 @@ def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | Non
     Raises:
         Unsound: its faces are too warped to be cut; names the block.
     """
-    on = ON_PLANE * _size(block)
+    on = ON_PLANE * size_of(block)
     cell = Cell(block.vertices, block.faces)
     try:
         sides = _below(cell, normal, offset, on), _below(cell, -normal, -offset, on)
@@ -131,10 +131,10 @@ def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | Non
 
 def is_convex(block: Block) -> bool:
     """Whether no vertex lies outside the plane of any face, to the tolerance of :mod:`structures.geometry.checks`."""
-    return _excess(block) <= FLATNESS * _size(block)
+    return excess(block) <= FLATNESS * size_of(block)
 
 
-def _excess(block: Block) -> float:
+def excess(block: Block) -> float:
     """How far a vertex lies outside the plane of a face at most [m]."""
     normals, offsets = loop_planes([block.vertices[list(face)] for face in block.faces])
     some = max(1, TABLED // len(block.vertices))
@@ -142,7 +142,8 @@ def _excess(block: Block) -> float:
     return max(float((block.vertices @ normals[own].T - offsets[own]).max()) for own in portions)
 
 
-def _size(block: Block) -> float:
+def size_of(block: Block) -> float:
+    """The diagonal of the box around a block [m]."""
     return float(np.linalg.norm(np.ptp(block.vertices, axis=0)))
 
 

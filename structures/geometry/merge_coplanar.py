@@ -38,7 +38,7 @@ def _with_merged_faces(block: Block) -> Block:
     plain = (group == np.arange(len(group))).all()
     if plain and (used.sum(axis=0) >= 3).all():
         return block
-    faces = _merged(block.faces, group)
+    faces = merged(block.faces, group)
     degree = np.bincount([i for face in faces for i in face], minlength=len(vertices))
     kept = np.flatnonzero(degree >= 3)
     renumbered = {int(old): new for new, old in enumerate(kept)}
@@ -66,7 +66,7 @@ def _groups(block: Block, normals: np.ndarray, offsets: np.ndarray, tolerance: f
     return group
 
 
-def _merged(faces: Faces, group: np.ndarray) -> Faces:
+def merged(faces: Faces, group: np.ndarray) -> Faces:
     """One loop for each group of faces: their directed edges without those that occur in both directions.
 
     Groups that make no single loop, as nearly coplanar ones may not, stay apart.

@@ -10,14 +10,16 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
+from masonry_cd.foundation.quantities import length
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
 from structures.files import blockfile, meshfile
 from structures.files.blockfile import METRES, sound
 from structures.geometry.checks import Unsound, check, check_shells
+from structures.geometry.flatten import flattened
 from structures.geometry.gaps import close_gaps
 from structures.geometry.merge_coplanar import merge_coplanar
 from structures.kinds.solid import SUFFIXES
-from structures.schema import Length
+from structures.schema import Height, Length
 
 
 class FileTable(BaseModel):
@@ -30,6 +32,7 @@ class FileTable(BaseModel):
     up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
     fixed: tuple[str, ...] = Field((), strict=False, description="names of the supports in such a file; * stands for anything")
     repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
+    flatness: Height | None = Field(None, description="faces this near to a plane are made flat; a thousandth of the block when not given")
     gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file")
 
 
@@ -50,6 +53,8 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
         if key in keys.model_fields_set:
             raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
     blocks = _from_mesh(keys, path, density) if is_mesh else blockfile.read_unchecked(path, density)
+    blocks, moved, uneven = flattened(blocks, keys.flatness)
+    notes = [f"{path.name}: faces of {uneven} blocks made flat, corners moved by at most {length(moved)}"] if uneven else []
     if keys.gaps is not None:
         refuse_spheres(blocks, "structure.gaps: closing gaps between faces")
         check_shells(blocks, path.name)
@@ -57,11 +62,14 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
             blocks, moved, pairs = close_gaps(blocks, keys.gaps)
         except Unsound as failure:
             raise Unsound(f"{path.name}: {failure}", failure.faulty, failure.blocks) from None
-        return sound(blocks, path.name), [f"{path.name}: {pairs} pairs of faces brought together, corners moved by at most {moved:.3g} m"]
+        return sound(blocks, path.name), [
+            *notes,
+            f"{path.name}: {pairs} pairs of faces brought together, corners moved by at most {moved:.3g} m",
+        ]
     if is_mesh:
-        return sound(blocks, path.name), []
+        return sound(blocks, path.name), notes
     check(blocks, path.name)
-    return merge_coplanar(blocks), []
+    return merge_coplanar(blocks), notes
 
 
 def _looks_like_json(path: Path) -> bool:
