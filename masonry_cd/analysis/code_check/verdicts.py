@@ -1,8 +1,8 @@
 """The one verdict of a check, which every output has: what decides it, with its numbers.
 
-The least of the checks that were made decides, and of the mechanisms looked at the one with the least capacity over its demand. The Circolare
-lets the check by displacements stand in for that by accelerations (C8.7.1.2.1.7), but it is made of one mechanism only: of the others the
-accelerations are all that is known.
+The least of the checks that were made decides, and of the mechanisms looked at the one with the least capacity over its demand. The
+Circolare lets the check by displacements stand in for that by accelerations (C8.7.1.2.1.7), but it is made of one mechanism only: of the
+others the accelerations are all that is known.
 """
 
 from __future__ import annotations
