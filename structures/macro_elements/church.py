@@ -34,7 +34,7 @@ def parts(layout: Layout) -> list[MacroElement]:
 
 def _back(layout: Layout, name: str, own: np.ndarray, eaves: float) -> list[MacroElement]:
     """The wall of the triumphal arch: in its plane, its arch, and the gable."""
-    whole, upper, *gable = walls.out_of_plane(layout, name, own, (EAST,), eaves, "triumphal arch")
+    whole, _, *gable = walls.out_of_plane(layout, name, own, (EAST,), eaves, "triumphal arch")
     plane = walls.in_plane(layout, own_wall(layout, own), name)
     return [whole, *gable, *plane]
 

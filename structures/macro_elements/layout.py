@@ -1,6 +1,6 @@
 """Stones by wall, and the openings of a wall, read from the names and places of blocks.
 
-Walls in plan name their stones ``WALL.COURSE.NUMBER``, and those around an opening ``WALL.oOPENING.PIECE`` (structures/layout/wall_plan.py).
+Walls in plan name their stones ``WALL.COURSE.NUMBER``, and those around an opening ``WALL.oOPENING.PIECE`` (see structures/layout).
 """
 
 from __future__ import annotations

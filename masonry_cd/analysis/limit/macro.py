@@ -14,7 +14,6 @@ from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
 from masonry_cd.analysis.limit.nonassociated import LeastFound
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
 from masonry_cd.analysis.limit.part import Part, Whole, part_of, resting
-from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
 from masonry_cd.analysis.limit.rigid_groups import RigidGroups, rigid_groups
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
@@ -25,7 +24,7 @@ HELD = 0.99  # share of it from which on a part counts as held
 FREE = "free least mechanism"
 BEGIN_AT = 3  # mechanisms of practice of least factor from which the free search begins as well
 STARTS = 2  # of the search of a mechanism of practice
-SLIDES = 0.3  # half the height of a body times its rate of rotation, over its speed, below which it slides: 1 where it turns about its foot
+SLIDES = 0.5  # speed of the foot of a body over that of its top, or its own, from which on it slides rather than turns over
 
 
 @dataclass(frozen=True)
@@ -44,10 +43,12 @@ class PartMechanism:
     element: MacroElement
     direction: np.ndarray  # (3,) of the push
     name: str  # of the mechanism, in words
-    found: Candidate
+    source: str  # how it was found
     oscillator: Oscillator
+    moving: int  # blocks that move
     height: float  # of the lowest point that moves [m]
     velocity: np.ndarray  # in the unknowns of the part's blocks
+    found: Candidate | None  # of the least mechanism of a part and a push only: a large structure has a megabyte of joints
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +81,7 @@ def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[flo
     except Unbounded as failure:
         remarks.append(f"{FREE}: no answer, the part may not stand with all else held: {failure}")
     found.sort(key=lambda one: one.oscillator.acceleration())
+    found[1:] = [replace(one, found=None) for one in found[1:]]
     return ElementAnalysis(element, way, tuple(found), least, part.problem.points.count, part.interlock, tuple(remarks))
 
 
@@ -91,8 +93,9 @@ def _least_of(whole: Whole, element: MacroElement, way: np.ndarray, made: Sequen
         part = part_of(whole, each.free, way)
         bodies = rigid_groups(part.problem, part.assembly, each.bodies)
         best = by_solver(bodies.problem, bodies.problem.dead, bodies.problem.live, MOST, Options())
-        found = searched(bodies.problem, best, STARTS, 0)
-        if found is not None:
+        begun = [bodies.of_bodies(drawn) for drawn in each.by_hand(whole, way)]
+        found = joined(searched(bodies.problem, best, STARTS, 0), len(begun), ends_of(bodies.problem, begun, MOST))
+        if found is not None and found.optimum.factor < HELD * MOST:
             least.append((found.optimum, part, bodies, each))
         if best.factor < HELD * MOST:
             upper.append((best, part, bodies, each))
@@ -115,28 +118,27 @@ def _free(
         return [], None
     best = by_solver(problem, problem.dead, problem.live, MOST, Options())
     least = searched(problem, best, effort.starts, effort.seed)
-    first = sorted((one for one in known if len(one.velocity) == problem.unknowns), key=lambda one: one.found.factor)[:BEGIN_AT]
+    first = sorted((one for one in known if len(one.velocity) == problem.unknowns), key=lambda one: one.oscillator.alpha)[:BEGIN_AT]
     least = joined(least, len(first), ends_of(problem, [one.velocity for one in first], MOST))
-    ends = [] if least is None else sorted(least.ends, key=lambda end: end.factor)
+    ends = [] if least is None else sorted((end for end in least.ends if end.factor < HELD * MOST), key=lambda end: end.factor)
     upper = [(ASSOCIATED, best)] if best.factor < HELD * MOST else []
     out: list[PartMechanism] = []
     for source, optimum in [*((SEARCH, end) for end in ends), *upper]:
         made = _made(part, element, way, (FREE, source), optimum, dilation(problem, optimum))
-        if not any(alike(made.found, other.found) for other in out):
+        assert made.found is not None
+        if not any(alike(made.found, other.found) for other in out if other.found):
             out.append(replace(made, name=f"{FREE}: {_counts(made.found.mechanism)}"))
     return out, least
 
 
-def _made(
-    part: Part, element: MacroElement, way: np.ndarray, called: tuple[str, str], optimum: Optimum, dilates: float
-) -> PartMechanism:
+def _made(part: Part, element: MacroElement, way: np.ndarray, called: tuple[str, str], optimum: Optimum, dilates: float) -> PartMechanism:
     """A mechanism with its oscillator."""
     moves = _within(mechanism(part.problem, part.assembly, part.whole.joints, optimum.velocity), part)
     found = Candidate(called[1], optimum.factor, moves, dilates)
     low = part.whole.box[0][moves.moving & part.free, 2]
     height = float(low.min()) if len(low) else 0.0
     made = oscillator(found, part.assembly, part.whole.joints, part.push, None)
-    return PartMechanism(element, way, called[0], found, made, height, optimum.velocity)
+    return PartMechanism(element, way, *called, made, int(moves.moving.sum()), height, optimum.velocity, found)
 
 
 def _within(moves: Mechanism, part: Part) -> Mechanism:
@@ -148,12 +150,13 @@ def _within(moves: Mechanism, part: Part) -> Mechanism:
 
 
 def _worded(each: Restriction, part: Part, velocity: np.ndarray) -> str:
-    """The name of a restriction, or that its first body slides."""
-    own, all_ = each.bodies[0], part.problem.block_velocity(velocity, part.assembly.count)
-    height = float(part.whole.box[1][own, 2].max() - part.whole.box[0][own, 2].min())
-    speed = float(np.linalg.norm(all_[own, :3].mean(axis=0)))
-    spin = 0.5 * height * float(np.linalg.norm(all_[own[0], 3:]))
-    return f"{each.name}: it slides" if spin < SLIDES * speed else each.name
+    """The name of a restriction, or that its first body slides at its foot."""
+    own, moved = each.bodies[0], part.problem.block_velocity(velocity, part.assembly.count)
+    low, high = part.whole.box[0][own, 2].min(), part.whole.box[1][own, 2].max()
+    middle, spin = part.assembly.centre[own].mean(axis=0), moved[own[0], 3:]
+    ends = [moved[own[0], :3] + np.cross(spin, [*middle[:2], z] - part.assembly.centre[own[0]]) for z in (low, high)]
+    foot, top = (float(np.linalg.norm(end[:2])) for end in ends)
+    return f"{each.name}: it slides" if foot > SLIDES * max(foot, top) else each.name
 
 
 def _counts(moves: Mechanism) -> str:
@@ -161,5 +164,3 @@ def _counts(moves: Mechanism) -> str:
     both = moves.count("hinge and slide")
     counts = {"hinge": moves.count("hinge") + both, "slide": moves.count("slide") + both, "open": moves.count("open")}
     return ", ".join(f"{number} joints {word}" for word, number in counts.items() if number) or "no joint at work"
-
-

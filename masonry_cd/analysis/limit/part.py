@@ -3,14 +3,15 @@ r"""A part of a structure with all else held: the limit analysis of a macro-elem
 Free are the blocks of the part and those that rest on them alone; all others are held. Three kinds of contacts join the two:
 
 - where the part rests on what is held, or leans on it sideways, contacts bear as everywhere;
-- where a stone of a held wall rests on the part, as in a bonded corner, the held stone would clamp the part for ever: its contact is left out,
-  and friction in the bed takes its place. The force is that of the wall above the overlap, N = A sum gamma h, times mu, times 0.8: with n
-  courses of height h_b and length of overlap l over a cross wall of thickness t_s these beds add up to the
+- where a stone of a held wall rests on the part, as in a bonded corner, the held stone would clamp the part for ever: its contact is left
+  out, and friction in the bed takes its place. The force is that of the wall above the overlap, N = A sum gamma h, times mu, times 0.8.
+  With n courses of height h_b and length of overlap l over a cross wall of thickness t_s these beds add up to the
 
       F = 0.4 n (n + 1) phi mu l^2 t_s w,      phi = h_b / l,
 
   of [C8.7.1.2], Circolare 7 of 2019, of which a bonded corner has every second bed here: the others are contacts, on which the part rests;
-- where a floor or a roof rests on the part and on others, the share of its weight by area acts on the part, and shakes it (Q_k of [C8.7.1.1]).
+- where a floor or a roof rests on the part and on others, the share of its weight by area acts on the part, and shakes it (Q_k of
+  [C8.7.1.1]).
 
 Friction in a bed is a tie that yields: between the part and a point behind it, against the push.
 """
@@ -67,6 +68,10 @@ class Whole:
         """Lowest and highest corner of the box around each block, (B, 3) [m]."""
         blocks = self.assembly.blocks
         return np.array([b.vertices.min(axis=0) for b in blocks]), np.array([b.vertices.max(axis=0) for b in blocks])
+
+    def prepare(self) -> None:
+        """Find what all parts share, so that processes inherit it."""
+        assert self.points.count >= 0 and len(self.upper) == self.joints.count and len(self.box[0])
 
     def overburden(self, joint: int) -> float:
         """Weight of what stands above a bed, over its area [N]; of a floor or a roof, its own weight in this bed."""

@@ -1,13 +1,13 @@
 """The mechanisms that practice checks by hand, as rigid bodies into which the blocks of a macro-element are tied.
 
-What is sound about it: each is a restriction of how the blocks may move, so it starts at no less than the least mechanism of the part, and its
-factor has the virtual work of [C8.7.1.1]. Whether a body turns over or slides is left to the limit analysis, and said of what it finds.
+Each is a restriction of how the blocks may move, so that it starts at no less than the least mechanism of these blocks, and its factor is
+that of virtual work, [C8.7.1.1]. Whether a body turns over or slides is left to the limit analysis, and said of what it finds.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +24,10 @@ from structures.macro_elements.element import (
 )
 
 LEVELS = 4  # beds at most about which a part is overturned, between the heights that it gives
-WEDGES = (15.0, 30.0)  # angles from the upright of the cracks by which a wall takes wedges of the walls that it is bonded with along [degrees]
+WEDGES = (
+    15.0,
+    30.0,
+)  # angles from the upright of the cracks by which a wall takes wedges of the walls that it is bonded with along [degrees]
 HEIGHTS = (0.35, 0.5, 0.65, 0.8)  # shares of the height at which a wall bends that is held at its top
 CRACKS = (30.0, 45.0, 60.0)  # slopes of the diagonal cracks of a wall in its plane [degrees]
 SAME = 1e-6  # [m]
@@ -37,6 +40,13 @@ class Restriction:
     name: str
     free: np.ndarray  # (B,) bool
     bodies: tuple[np.ndarray, ...]  # numbers of the blocks of each; the first one gives the mechanism its name
+
+    def by_hand(self, whole: Whole, direction: np.ndarray) -> list[np.ndarray]:
+        """Velocities (B, 6) of the blocks as practice draws the mechanism under a push along (3,): the search begins there as well."""
+        if self.name == PIERS:
+            return [_rocking(whole, self.bodies, direction)]
+        found = [_turned(whole, self.bodies, direction)]
+        return [*found, _bent(whole, *self.bodies, direction)] if self.name == VERTICAL_BENDING else found
 
 
 def restrictions(whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
@@ -138,6 +148,51 @@ def _made(whole: Whole, name: str, bodies: tuple[np.ndarray, ...]) -> Restrictio
     return Restriction(name, free, tuple(np.flatnonzero(owner == number) for number in range(len(bodies))))
 
 
+def _spin(whole: Whole, blocks: np.ndarray, place: np.ndarray, direction: np.ndarray, rate: float, out: np.ndarray) -> None:
+    """Turn blocks about a level axis through a place [m] so that what is above it moves along the push, at a rate [rad/s]."""
+    axis = rate * np.array([-direction[1], direction[0], 0.0])
+    out[blocks, :3] = np.cross(axis, whole.assembly.centre[blocks] - place)
+    out[blocks, 3:] = axis
+
+
+def _toe(whole: Whole, blocks: np.ndarray, direction: np.ndarray, sense: float = 1.0) -> np.ndarray:
+    """The lowest corner of some blocks that lies farthest along a push [m]."""
+    corners = np.concatenate([whole.assembly.blocks[b].vertices for b in blocks])
+    lowest = corners[corners[:, 2] <= corners[:, 2].min() + SAME]
+    return np.asarray(lowest[np.argmax(sense * (lowest @ direction))])
+
+
+def _turned(whole: Whole, bodies: Sequence[np.ndarray], direction: np.ndarray) -> np.ndarray:
+    """All bodies as one, about the toe."""
+    own, out = np.concatenate(bodies), np.zeros((whole.assembly.count, 6))
+    _spin(whole, own, _toe(whole, own, direction), direction, 1.0, out)
+    return out
+
+
+def _bent(whole: Whole, upper: np.ndarray, lower: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """The lower body about its toe, the upper one back about the edge between the two, so that its top stays in its upright."""
+    out = np.zeros((whole.assembly.count, 6))
+    toe, hinge = _toe(whole, lower, direction), _toe(whole, upper, direction, -1.0)
+    _spin(whole, lower, toe, direction, 1.0, out)
+    own = np.array([-direction[1], direction[0], 0.0])
+    high = max(_reach(whole, upper)[1] - hinge[2], SAME)
+    _spin(whole, upper, hinge, direction, -(hinge[2] - toe[2]) / high, out)
+    out[upper, :3] += np.cross(own, hinge - toe)
+    return out
+
+
+def _rocking(whole: Whole, bodies: Sequence[np.ndarray], direction: np.ndarray) -> np.ndarray:
+    """Each pier about its own toe, and what rests on them along with their tops."""
+    *piers, rest = bodies
+    out = np.zeros((whole.assembly.count, 6))
+    for pier in piers:
+        _spin(whole, pier, _toe(whole, pier, direction), direction, 1.0, out)
+    low, high = _reach(whole, np.concatenate(piers))
+    wide = np.mean([float(np.ptp(whole.box[0][pier] @ direction)) for pier in piers])
+    out[rest, :3] = (high - low) * direction + np.array([0.0, 0.0, wide])
+    return out
+
+
 def _levels(whole: Whole, element: MacroElement) -> list[float]:
     """Heights of some beds [m]: the foot of a part that gives none."""
     low = whole.box[0][element.blocks, 2]
@@ -159,7 +214,7 @@ def _reach(whole: Whole, blocks: np.ndarray) -> tuple[float, float]:
 
 
 def _wedge(whole: Whole, own: np.ndarray, level: float, slope: float) -> np.ndarray:
-    """Blocks of other walls that rest on some blocks, or on one another above them, within a slope of the part; floors and roofs are none."""
+    """Blocks of other walls that rest on some blocks, or on one another above them, within a slope of the part; no floors and roofs."""
     low, high = whole.box
     inside, outside = low[own, :2].min(axis=0), high[own, :2].max(axis=0)
     middle = 0.5 * (low + high)

@@ -4,8 +4,8 @@ With the velocities q of the bodies, v = T q, and T the motion of a block as par
 
     v_i = V + W x (x_i - x_G),      omega_i = W,
 
-equilibrium is asked of the bodies only, T^T (H^T r - G^T N + w_0 + lambda w_1) = 0, and joints within a body bear nothing. Its associated factor is
-at least that of the blocks. Six unknowns a body, three in a plane: milliseconds.
+equilibrium is asked of the bodies only, T^T (H^T r - G^T N + w_0 + lambda w_1) = 0, and joints within a body bear nothing. Its associated
+factor is at least that of the blocks. Six unknowns a body, three in a plane: milliseconds.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.linalg import spsolve
 
 from masonry_cd.analysis.limit.interfaces import Interfaces
 from masonry_cd.analysis.limit.problem import LimitProblem
@@ -31,6 +32,13 @@ class RigidGroups:
     def of_blocks(self, velocity: np.ndarray) -> np.ndarray:
         """Velocities of the blocks, in the unknowns of their problem, from those of the bodies."""
         return np.asarray(self.motion @ velocity)
+
+    def of_bodies(self, blocks: np.ndarray) -> np.ndarray:
+        """Velocities of the bodies nearest to velocities (B, 6) of all blocks [m/s, rad/s]."""
+        problem = self.problem
+        scale = np.where(problem.columns < 3, 1.0, problem.length)
+        wanted = (blocks[problem.free][:, problem.columns] * scale).ravel()
+        return np.asarray(spsolve((self.motion.T @ self.motion).tocsc(), self.motion.T @ wanted))
 
 
 def rigid_groups(problem: LimitProblem, assembly: Assembly, bodies: Sequence[np.ndarray]) -> RigidGroups:
