@@ -17,7 +17,7 @@ from masonry_cd.analysis.limit.part import Part, Whole, part_of, resting
 from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
 from masonry_cd.analysis.limit.rigid_groups import RigidGroups, rigid_groups
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
-from structures.macro_elements.element import MacroElement
+from structures.macro_elements.element import HORIZONTAL_BENDING, MacroElement
 
 MOST = 5.0  # load factor, in g, beyond which nothing is looked for: a part that bears so much is held
 HELD = 0.99  # share of it from which on a part counts as held
@@ -150,7 +150,9 @@ def _within(moves: Mechanism, part: Part) -> Mechanism:
 
 
 def _worded(each: Restriction, part: Part, velocity: np.ndarray) -> str:
-    """The name of a restriction, or that its first body slides at its foot."""
+    """The name of a restriction, and where its first body slides at its foot, that it does."""
+    if each.name == HORIZONTAL_BENDING:
+        return each.name
     own, moved = each.bodies[0], part.problem.block_velocity(velocity, part.assembly.count)
     low, high = part.whole.box[0][own, 2].min(), part.whole.box[1][own, 2].max()
     middle, spin = part.assembly.centre[own].mean(axis=0), moved[own[0], 3:]

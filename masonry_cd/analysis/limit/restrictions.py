@@ -82,7 +82,7 @@ def _vertical_bending(whole: Whole, element: MacroElement, direction: np.ndarray
         upper = _above(whole, own, low + share * (high - low))
         lower = np.setdiff1d(own, upper)
         if len(upper) and len(lower):
-            yield _made(whole, VERTICAL_BENDING, (upper, lower))
+            yield _made(whole, VERTICAL_BENDING, (lower, upper))
 
 
 def _horizontal_bending(whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
@@ -169,7 +169,7 @@ def _turned(whole: Whole, bodies: Sequence[np.ndarray], direction: np.ndarray) -
     return out
 
 
-def _bent(whole: Whole, upper: np.ndarray, lower: np.ndarray, direction: np.ndarray) -> np.ndarray:
+def _bent(whole: Whole, lower: np.ndarray, upper: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """The lower body about its toe, the upper one back about the edge between the two, so that its top stays in its upright."""
     out = np.zeros((whole.assembly.count, 6))
     toe, hinge = _toe(whole, lower, direction), _toe(whole, upper, direction, -1.0)
