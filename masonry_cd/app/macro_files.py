@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,11 @@ from masonry_cd.analysis.limit.analysis import Collapse
 from masonry_cd.analysis.limit.macro import PartMechanism
 from masonry_cd.app.limit_macro import MacroCase, least_rows, lines
 from masonry_cd.app.macro_verdicts import MacroRow, way_words
+from masonry_cd.mechanics.model.joints import Joints
 from reports.limit.macro_page import CSV, JSON, PAGE, PICTURES, MacroPage, damage_by_group, write_macro_csv, write_macro_page
+
+if TYPE_CHECKING:
+    from reports.limit.picture import Subject
 
 MACRO_OUTPUTS = (CSV, JSON, PAGE)
 
@@ -106,7 +110,7 @@ def _damage(case: MacroCase, run: Path) -> dict[str, str]:
 
 def _draw(case: MacroCase, least: list[MacroRow], folder: Path, view: str) -> Mapping[Path, str]:
     """A picture of the least mechanism of each part, by what it shows."""
-    from reports.limit.picture import Subject, mechanism_picture
+    from reports.limit.picture import mechanism_picture
 
     folder.mkdir()
     drawn: dict[Path, str] = {}
@@ -117,7 +121,7 @@ def _draw(case: MacroCase, least: list[MacroRow], folder: Path, view: str) -> Ma
             continue
         seen.add(row.element)
         path = folder / f"{len(seen):02d}_{re.sub('[^a-z0-9]+', '_', row.element.lower()).strip('_')}.png"
-        subject = Subject(_collapse(case, one), case.assembly.blocks, case.joints)
+        subject = _subject(case, one)
         mechanism_picture(
             subject, path, f"{case.scene.title}: {row.element}", f"push {row.push} · {row.mechanism} · α0 {row.alpha0:.4g}", view
         )
@@ -125,9 +129,25 @@ def _draw(case: MacroCase, least: list[MacroRow], folder: Path, view: str) -> Ma
     return drawn
 
 
-def _collapse(case: MacroCase, one: PartMechanism) -> Collapse:
-    """A mechanism as the pictures take it; without forces."""
-    count = case.joints.count
+def _subject(case: MacroCase, one: PartMechanism) -> Subject:
+    """The blocks of a part and those that move with it, in their mechanism; what is held would hide them. Without forces."""
+    from reports.limit.picture import Subject
+
     assert one.found is not None
-    nothing = np.zeros(count)
-    return Collapse(one.found.mechanism, nothing, nothing, np.full((count, 3), np.nan), np.zeros(0))
+    moves, joints = one.found.mechanism, case.joints
+    shown = np.union1d(one.element.blocks, np.flatnonzero(moves.moving))
+    number = np.full(case.assembly.count, -1)
+    number[shown] = np.arange(len(shown))
+    between = np.flatnonzero((number[joints.block_a] >= 0) & (number[joints.block_b] >= 0))
+    corners = [np.arange(joints.polygon_start[j], joints.polygon_start[j + 1]) for j in between]
+    some = Joints(
+        number[joints.block_a[between]], number[joints.block_b[between]], joints.area[between], joints.normal[between],
+        np.cumsum([0, *map(len, corners)]), joints.polygon[np.concatenate([*corners, np.zeros(0, dtype=np.int64)])],
+    )  # fmt: skip
+    of_joints = ("opening", "least_opening", "sliding", "rotation", "hinge", "state")
+    part = replace(
+        moves, velocity=moves.velocity[shown], speed=moves.speed[shown], **{name: getattr(moves, name)[between] for name in of_joints}
+    )
+    nothing = np.zeros(some.count)
+    collapse = Collapse(part, nothing, nothing, np.full((some.count, 3), np.nan), np.zeros(0))
+    return Subject(collapse, [case.assembly.blocks[b] for b in shown], some)
