@@ -46,7 +46,10 @@ class Restriction:
         if self.name == PIERS:
             return [_rocking(whole, self.bodies, direction)]
         found = [_turned(whole, self.bodies, direction)]
-        return [*found, _bent(whole, *self.bodies, direction)] if self.name == VERTICAL_BENDING else found
+        if self.name != VERTICAL_BENDING:
+            return found
+        lower, upper = self.bodies
+        return [*found, _bent(whole, lower, upper, direction)]
 
 
 def restrictions(whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
