@@ -171,7 +171,7 @@ def largest_factor(problem: LimitProblem, options: Options) -> tuple[Optimum, fl
     if size == 0.0:
         raise InputError(NO_WORK)
     scale = max(float(np.linalg.norm(problem.dead)), 1e-300) / size
-    scaled = _by_solver(problem, problem.dead, scale * problem.live, CAP, options)
+    scaled = by_solver(problem, problem.dead, scale * problem.live, CAP, options)
     if scaled.factor > 0.99 * CAP:
         raise InputError(NO_WORK)
     return replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity), scale * CAP
@@ -208,12 +208,12 @@ def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
 def _solve(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:
     """By the solver that fits; what has no answer is an error of the input."""
     try:
-        return _by_solver(problem, dead, live, cap, options)
+        return by_solver(problem, dead, live, cap, options)
     except Unbounded as failure:
         raise InputError(f"limit: no answer: {failure}") from None
 
 
-def _by_solver(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:
+def by_solver(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:
     """Exact in a plane, by an interior point method in space."""
     if problem.axis is not None:
         return solve_linear(problem, dead, live, cap)
