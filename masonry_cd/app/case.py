@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.app import time_step_checks
+from masonry_cd.app.crushing_checks import refuse_crushing_in_a_run
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import SceneKind, compiling
@@ -166,6 +167,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
 
             limit_table(scene.limit)
         strength_by_group(scene.material.strength, structure.assembly.groups)
+        refuse_crushing_in_a_run(scene.material)
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 
