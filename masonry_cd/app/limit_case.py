@@ -122,6 +122,10 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         notes.append(f"joints as built have gaps or overlaps of up to {gap:.2g} m, which count as none")
     if assembly.laws.apex.any():
         notes.append("bond counts as plastic: it is brittle, and what it adds to the factor is an upper bound")
+    if analysis.problem.sections is not None:
+        notes.append(
+            "joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value"
+        )
     return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), time.perf_counter() - begin, followed)
 
 
@@ -186,9 +190,11 @@ def _mechanism(case: LimitCase) -> dict[str, Any]:
     """Which blocks move and how many joints are at work."""
     moves = case.collapse.mechanism
     names = [case.assembly.names[b] for b in np.flatnonzero(moves.moving)]
-    return {"of": "least" if case.analysis.least else "associated", "moving_blocks": names} | {
-        f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES
-    }
+    return (
+        {"of": "least" if case.analysis.least else "associated", "moving_blocks": names}
+        | {f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES}
+        | {"joints_crushing": int(moves.crushing.sum())}
+    )
 
 
 def lines(case: LimitCase) -> list[str]:
@@ -232,13 +238,19 @@ def _how_lines(case: LimitCase) -> list[str]:
     from reports.limit.ties import tie_lines
 
     return [
-        f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]),
+        f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]) + _crushed(case),
         *tie_lines(case.ties, NAMED),
         f"certificate: static {made.static:.8g}, kinematic {made.kinematic:.8g}, gap {made.gap:.1e}; residuals: "
         f"equilibrium {made.equilibrium:.1e}, friction {made.friction:.1e}, flow {made.flow:.1e}; "
         f"{answer.optimum.method}, {in_words(answer.seconds)}",
         *([] if case.curve is None else curve_lines(case.curve, case.assembly.names)),
     ]
+
+
+def _crushed(case: LimitCase) -> str:
+    """How many joints crush; nothing where none can."""
+    crushing = int(case.collapse.mechanism.crushing.sum())
+    return f"; {crushing} of them crush" if case.analysis.problem.sections is not None else ""
 
 
 def _who(case: LimitCase) -> str:

@@ -18,7 +18,7 @@ friction is not counted here: it is in the mechanisms that are found with the ti
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -55,7 +55,7 @@ def candidates(analysis: Analysis, assembly: Assembly, joints: Joints, options: 
         options: of the analysis; the search without ties is made as they say.
     """
     found = _named("", analysis.associated.optimum, analysis.least)
-    if len(analysis.problem.strength):
+    if analysis.problem.ties:
         found += _without_ties(analysis.problem, options)
     out: list[Candidate] = []
     for source, optimum in found:
@@ -70,9 +70,9 @@ def candidates(analysis: Analysis, assembly: Assembly, joints: Joints, options: 
 def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
     """The factor at which a mechanism found without ties starts once those of a problem are there; infinite where one holds it."""
     velocity = untied.velocity / float(problem.live @ untied.velocity)
-    longer = problem.bars @ velocity
+    longer = problem.bars[: problem.ties] @ velocity
     grows = longer > STILL * float(np.abs(velocity).max(initial=0.0))
-    return untied.factor + float(np.sum(longer[grows] * problem.strength[grows]))
+    return untied.factor + float(np.sum(longer[grows] * problem.strength[: problem.ties][grows]))
 
 
 def _named(suffix: str, associated: Optimum, least: LeastFound | None) -> list[tuple[str, Optimum]]:
@@ -84,7 +84,7 @@ def _named(suffix: str, associated: Optimum, least: LeastFound | None) -> list[t
 
 def _without_ties(problem: LimitProblem, options: Options) -> list[tuple[str, Optimum]]:
     """What is found of a problem without its ties; nothing where it has no factor then."""
-    bare = replace(problem, bars=problem.bars[:0], strength=problem.strength[:0])
+    bare = problem.without_ties()
     try:
         best, _ = largest_factor(bare, options)
         return _named(UNTIED, best, searched(bare, best, options.starts, options.seed))

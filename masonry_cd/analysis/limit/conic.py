@@ -9,9 +9,9 @@ c = -w_0 + H^T (a n), u = H v, and t, y, w >= 0: t is the multiplier of the cap 
 that yields. A point without friction takes u_kn - y_k >= 0.
 
 **Strips** instead of cones, |r_kt| <= s_k whatever the normal force, take u_kn - y_k >= 0 and (z_k, u_kt) in K with s_k z_k as their work:
-they slide and open nothing. **Prices** of forces, p_k . r'_k, added to a factor that is now the least, take
+they slide and open nothing. **Prices** of forces, p_k . r'_k + q . N, added to a factor that is now the least, take
 
-    w_1 . v + t = -1  and  ((u_kn - y_k + p_kn)/mu_k, u_kt + p_kt) in K.
+    w_1 . v + t = -1,    ((u_kn - y_k + p_kn)/mu_k, u_kt + p_kt) in K,    G v <= w + q.
 
 **Pyramids** inside the cones, with edges n + mu d_e in so many directions d_e, take u_kn - y_k + mu_k d_e . u_kt >= 0 for each edge: the
 programme is linear then, its factor at most that of the cones. The multipliers of these rows are shares of the edges.
@@ -108,14 +108,16 @@ def _rows_of(points: np.ndarray) -> np.ndarray:
     return (3 * points[:, None] + np.arange(3)).ravel()
 
 
-def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray) -> ConeProgramme:
-    """The programme of the least lambda + sum of prices (P, 3) times r'; its cones must not be strips."""
+def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray, of_bars: np.ndarray | None = None) -> ConeProgramme:
+    """The programme of the least lambda + sum of prices (P, 3) times r' and ``of_bars`` (T,) times N; its cones must not be strips."""
     matrix, right = programme.matrix.tolil(), programme.right.copy()
     matrix[0, : problem.unknowns] = -matrix[0, : problem.unknowns]
     asked = prices[programme.cones].copy()
     asked[:, 0] /= problem.mu[programme.cones]
     right[1 : 1 + programme.edges.shape[1]] = programme.edges.T @ prices.ravel()
     right[1 + programme.lines :] = asked.ravel()
+    if of_bars is not None:
+        right[1 + programme.lines - len(of_bars) : 1 + programme.lines] = of_bars
     return replace(programme, matrix=matrix.tocsc(), right=right, sense=-1.0)
 
 

@@ -3,7 +3,7 @@ r"""Coulomb friction that does not dilate, in space: a factor that belongs to it
 The sequence of :mod:`masonry_cd.analysis.limit.nonassociated` with circles for strips, |r_t| <= mu N_k (Portioli, Casapulla, Gilbert &
 Cascini, Computers & Structures 142, 2014), and its descent: for the mechanism found, the forces of least lambda + M g,
 
-    g(r, v) = sum over the points of  u_n (r_n + f) + mu r'_n |u_t| + r_t . u_t,
+    g(r, v) = sum over the points of  u_n (r_n + f) + mu r'_n |u_t| + r_t . u_t  and over the ties of  (N_y - N) G v, or -N G v where slack,
 
 a cone programme too; the velocities of least g for forces r are those of the strips mu r'_n. Cone programmes are solved to a tolerance,
 so g is small and not zero; it is reported.
@@ -34,7 +34,7 @@ def least_factor_in_space(problem: LimitProblem, associated: Optimum, starts: in
 
     def search(normal: np.ndarray, blend: float) -> Pair | None:
         try:
-            return _descend(problem, _sequence(problem, normal, blend, cap), cap)
+            return descend(problem, _sequence(problem, normal, blend, cap), cap)
         except Unbounded:
             return None
 
@@ -67,8 +67,11 @@ def _sequence(problem: LimitProblem, normal: np.ndarray, blend: float, cap: floa
     return found.velocity / float(problem.live @ found.velocity)
 
 
-def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | None:
-    """By turns the forces of least lambda + M g for a mechanism, and the mechanism of least g for these forces: the least pair so found."""
+def descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | None:
+    """The least pair from a mechanism (unknowns,) with w_1 . v = 1, None where none has a small g.
+
+    By turns the forces of least lambda + M g for a mechanism are found, and the mechanism of least g for these forces.
+    """
     best: Pair | None = None
     for _ in range(ROUNDS):
         pair = _forces(problem, velocity, cap)
@@ -88,10 +91,13 @@ def _forces(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair:
     size = np.linalg.norm(moved[:, 1:], axis=1)
     prices = moved.copy()
     prices[:, 0] = np.maximum(moved[:, 0], 0.0) + problem.mu * size
-    programme = priced(problem, cone_programme(problem, problem.dead, problem.live, cap), PENALTY * prices)
-    found = solve_programme(problem, programme)
+    longer, yields = problem.bars @ velocity, np.isfinite(problem.strength)
+    slack = np.where(yields, -longer, np.maximum(-longer, 0.0))
+    programme = cone_programme(problem, problem.dead, problem.live, cap)
+    found = solve_programme(problem, priced(problem, programme, PENALTY * prices, PENALTY * slack))
     lifted = found.force + np.stack([problem.apex, 0.0 * problem.apex, 0.0 * problem.apex], axis=1)
     least = float(np.maximum(moved[:, 0], 0.0) @ np.maximum(problem.apex - problem.tension, 0.0))
+    least -= float(np.maximum(longer[yields], 0.0) @ problem.strength[yields])
     power = abs(float(problem.dead @ velocity)) + abs(found.factor) + 1e-300
     pair = replace(found, velocity=velocity, method="sequence of cone programmes (Clarabel)")
-    return pair, abs(float(np.sum(prices * lifted)) - least) / power
+    return pair, abs(float(np.sum(prices * lifted)) + float(slack @ found.bars) - least) / power
