@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.code_check.verdicts import Judgement, refused
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse
+from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
-from masonry_cd.app.limit_search import search_words, ways
+from masonry_cd.app.limit_search import search_numbers, search_words, ways
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force, in_words
@@ -51,6 +53,7 @@ class LimitCase:
     notes: tuple[str, ...]
     seconds: float
     curve: FollowedCurve | None = None
+    verdict: Judgement | None = None  # the one that all outputs show; None where no check is asked for
 
     @cached_property
     def collapse(self) -> Collapse:
@@ -106,10 +109,12 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         followed = None if table is None else follow(table, assembly, joints, loads, how.curve, scene.run.gravity)
         check = None
         if asked.check is not None and analysis.stands and not analysis.bears_nothing:
+            analysis, untied = with_untied(analysis, assembly, joints, how.analysis)
             known = None if followed is None else followed.curve
-            check = check_mechanism(asked.check, analysis, (assembly, joints), loads, scene.run.gravity, scene.folder, how, known)
+            check = check_mechanism(asked.check, analysis, untied, (assembly, joints), loads, scene.run.gravity, scene.folder, how, known)
         elif asked.check is not None:
             notes.append("limit.check: no check: there is no load factor at which a mechanism would start")
+        verdict = None if asked.check is None else check.judgement if check is not None else _unchecked(analysis)
         notes += analysis.remarks
     except InputError as error:
         raise scene.at_fault(error) from None
@@ -126,7 +131,15 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         notes.append(
             "joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value"
         )
-    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), time.perf_counter() - begin, followed)
+    seconds = time.perf_counter() - begin
+    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict)
+
+
+def _unchecked(analysis: Analysis) -> Judgement:
+    """The verdict on a structure that has no load factor at which a mechanism would start."""
+    if not analysis.stands:
+        return refused(f"the structure does not stand under its dead loads, it bears {100.0 * max(analysis.standing, 0.0):.3g} % of them")
+    return refused("the structure bears no such load, the least of it sets it in motion", search_numbers(analysis))
 
 
 def _analyse(assembly: Assembly, joints: Joints, loads: StaticLoads, options: Options) -> Analysis:
@@ -165,6 +178,7 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "mechanism": _mechanism(case),
         "ties": [tie.row() for tie in case.ties],
         "check": None if case.check is None else case.check.numbers(),
+        "verdict": None if case.verdict is None else case.verdict.numbers(),
         "certificate": asdict(answer.certificate) if analysis.stands else None,
         "solver": {"method": answer.optimum.method, "iterations": answer.optimum.iterations, "seconds": answer.seconds},
         "seconds": case.seconds,
@@ -200,7 +214,8 @@ def _mechanism(case: LimitCase) -> dict[str, Any]:
 def lines(case: LimitCase) -> list[str]:
     """The analysis in words: what was found, the check by a code, and what to know of both."""
     how = _how_lines(case) if case.analysis.stands else ()
-    return [*found_lines(case), *how, *(case.check.lines() if case.check else ()), *case.notes]
+    checked = case.check.lines() if case.check else [case.verdict.words] if case.verdict else []
+    return [*found_lines(case), *how, *checked, *case.notes]
 
 
 def found_lines(case: LimitCase) -> list[str]:
@@ -222,13 +237,24 @@ def found_lines(case: LimitCase) -> list[str]:
         angle = f", an angle of {math.degrees(math.atan(answer.factor)):.4g} degrees" if case.loads.kind == "tilt" else ""
         out.append(f"{case.loads.words}: load factor {answer.factor:.5g}{angle} (associated: sliding opens joints; an upper value)")
     if least is not None:
-        out.append(search_words(analysis))
+        out += [search_words(analysis), *_started_before(case)]
         apart = answer.factor - least.optimum.factor > SAME * abs(answer.factor)
         between = f"Coulomb's law allows {least.optimum.factor:.5g} to {answer.factor:.5g} at least; a run finds one of its values"
         out.append(between if apart else "both agree: how joints slide makes no difference here")
     elif not analysis.problem.moves_support:
         out.append(search_words(analysis))
     return out
+
+
+def _started_before(case: LimitCase) -> list[str]:
+    """A line where a mechanism found without the ties starts, with them, below the least factor of the search."""
+    least, looked = case.analysis.least, () if case.check is None else case.check.basis.looked
+    factors = [one.alpha0 for one in looked if UNTIED in one.found]
+    if least is None or not factors or min(factors) >= (1.0 - SAME) * least.optimum.factor:
+        return []
+    return [
+        f"a mechanism found without the ties starts, with the work of the ties added, at {min(factors):.5g}: less than the search found"
+    ]
 
 
 def _how_lines(case: LimitCase) -> list[str]:

@@ -11,20 +11,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.analysis.limit.analysis import Analysis
-from masonry_cd.analysis.limit.candidates import UNTIED, Candidate, candidates
+from masonry_cd.analysis.limit.candidates import Candidate, Untied, candidates
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.analysis.limit.oscillator import ANOTHER, Oscillator, oscillator
-from masonry_cd.app.limit_search import Ways, doubt, search_words
+from masonry_cd.app.limit_search import Ways, doubt, search_numbers, search_words
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
-    from masonry_cd.analysis.code_check.steps import CodeCheck, Looked
+    from masonry_cd.analysis.code_check.steps import CodeCheck
     from masonry_cd.analysis.code_check.table import CheckTable
+    from masonry_cd.analysis.code_check.verdicts import Looked
     from masonry_cd.app.static_loads import StaticLoads
 
 LEVEL = 1e-9
+TIES_ASK = (
+    "ties make a mechanism start later and stiffer: by displacements, and under the spectrum of a floor, its shorter period may be asked "
+    "for more than without them"
+)
 
 
 def suits(loads: StaticLoads, gravity: Sequence[float]) -> None:
@@ -45,6 +50,7 @@ def suits(loads: StaticLoads, gravity: Sequence[float]) -> None:
 def check_mechanism(
     table: CheckTable,
     analysis: Analysis,
+    untied: Untied,
     structure: tuple[Assembly, Joints],
     loads: StaticLoads,
     gravity: Sequence[float],
@@ -54,16 +60,17 @@ def check_mechanism(
 ) -> CodeCheck:
     """Check the mechanism of the least acceleration a0* of all that were found, of a structure that stands and bears some of the push.
 
-    Where the check is by displacements as well, a mechanism is followed until its factor vanishes, unless a curve is ``known`` that does.
+    ``untied`` are those found without the ties. Where the check is by displacements as well, a mechanism is followed until its factor
+    vanishes, unless a curve is ``known`` that does.
 
     Raises:
         InputError: a record that cannot be read.
     """
     from masonry_cd.analysis.code_check.check import code_check
-    from masonry_cd.analysis.code_check.steps import Basis
+    from masonry_cd.analysis.code_check.verdicts import Basis
 
     push = math.hypot(*gravity) * np.asarray(loads.direction)
-    found = candidates(analysis, *structure, how.analysis)
+    found = candidates(analysis, untied, *structure)
     each = [oscillator(one, *structure, push, None) for one in found]
     order = sorted(range(len(found)), key=lambda k: each[k].acceleration())
     least, made = found[order[0]], each[order[0]]
@@ -79,18 +86,22 @@ def check_mechanism(
             curve = capacity_curve(*structure, loads.at(), CurveOptions(how.curve, control=control))
         made = oscillator(least, *structure, push, curve)
     looked = tuple(_looked(found[k], each[k], table.confidence_factor) for k in order)
-    search = search_words(analysis) + ("" if _untied(found, loads) else "; without the ties none was found that can start with them")
-    return code_check(table, made, folder, Basis(search, doubt(analysis), looked))
+    words = "; ".join([search_words(analysis), *([untied.remark] if untied.remark else [])])
+    made_check = code_check(table, made, folder, Basis(words, doubt(analysis), looked, search_numbers(analysis)))
+    return _with_tie_note(made_check, table, loads)
 
 
-def _untied(found: Sequence[Candidate], loads: StaticLoads) -> bool:
-    """Whether mechanisms found without the ties are among those looked at, or there are no ties."""
-    return not len(loads.bars.strength) or any(UNTIED in one.source for one in found)
+def _with_tie_note(check: CodeCheck, table: CheckTable, loads: StaticLoads) -> CodeCheck:
+    """A check that says where ties may ask for more."""
+    by_displacements = any(one.check == "non-linear" for one in check.verdicts)
+    if not len(loads.bars.strength) or not (by_displacements or table.height):
+        return check
+    return replace(check, notes=(*check.notes, TIES_ASK))
 
 
 def _looked(found: Candidate, made: Oscillator, confidence: float) -> Looked:
     """A mechanism and its oscillator as a check tells of them."""
-    from masonry_cd.analysis.code_check.steps import Looked
+    from masonry_cd.analysis.code_check.verdicts import Looked
 
     moving = int(found.mechanism.moving.sum())
     return Looked(found.source, moving, found.factor, made.fraction, made.acceleration() / confidence, made.doubt)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from masonry_cd.analysis.code_check.verdicts import SearchNumbers
 from masonry_cd.analysis.limit.analysis import Analysis, Options
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.nonassociated import AGREE
@@ -56,6 +57,14 @@ def search_words(analysis: Analysis) -> str:
     wide = f", the largest found is {100.0 * least.spread:.2g} % above it" if len(least.found) > 1 else ""
     sure = f"{least.agreeing} of {least.starts} starts came to it, none to less{ended}{wide}; no proof that it is the least"
     return f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}"
+
+
+def search_numbers(analysis: Analysis) -> SearchNumbers:
+    """What a search came to, in numbers."""
+    least, upper = analysis.least, analysis.associated.factor
+    if least is None:
+        return SearchNumbers(upper, None, analysis.starts, 0, 0, None)
+    return SearchNumbers(upper, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)
 
 
 def doubt(analysis: Analysis) -> str:

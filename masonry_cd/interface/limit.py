@@ -83,6 +83,15 @@ class LimitAnalysis:
         return frame_of_rows(numbers["steps"], "symbol", verdicts=numbers["verdicts"])
 
     @property
+    def verdict(self) -> dict[str, Any] | None:
+        """The one verdict of the check: ``state``, ``ratio``, ``demand``, ``capacity``, ``margin``, ``mechanism``, ``search``, ``words``.
+
+        None without a table ``[limit.check]``.
+        """
+        found: dict[str, Any] | None = self.summary["verdict"]
+        return found
+
+    @property
     def capacity(self) -> DataFrame | None:
         """The capacity curve, point by point: displacement of the control block [m], factor, what moves; ``attrs["end"]`` says why it ends.
 

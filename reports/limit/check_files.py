@@ -12,7 +12,7 @@ STEPS = ("symbol", "value", "unit", "clause", "meaning")
 
 
 def write_check(check: Mapping[str, Any], path: Path) -> None:
-    """Write the steps of a check, and below them its verdicts.
+    """Write the steps of a check, below them its checks.
 
     Args:
         check: its ``steps`` and ``verdicts``.

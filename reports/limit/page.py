@@ -63,7 +63,7 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
     block = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene)
     values = {
         "header": header(summary["title"], page.lines, summary["notes"], _numbers(summary), block),
-        "check": _check(summary["check"]),
+        "check": _check(summary["check"], summary["verdict"]),
         "pictures": pictures({picture: CAPTIONS[picture.name] for picture in drawn if picture.exists()}),
         "mechanism": _mechanism(summary),
         "ties": _ties(summary),
@@ -86,15 +86,20 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object]]:
         out.append(("least factor found without dilation", number(float(f"{summary['least']['factor']:.4g}"))))
     moving = summary["mechanism"]["moving_blocks"]
     out.append(("blocks that move", f"{len(moving)}<small> of {summary['blocks']}</small>"))
+    if summary["verdict"]:
+        out.append(("verdict of the check", escaped(summary["verdict"]["state"])))
     for one in (summary["check"] or {}).get("verdicts", []):
         out.append((f"{escaped(one['check'])} check, {one['state']}: borne over asked for", number(float(f"{one['ratio']:.3g}"))))
     return out
 
 
-def _check(check: Mapping[str, Any] | None) -> str:
-    """The check by a code: its verdicts, the mechanisms looked at, and every value."""
-    if check is None:
+def _check(check: Mapping[str, Any] | None, verdict: Mapping[str, Any] | None) -> str:
+    """The check by a code: its verdict, the checks made, the mechanisms looked at, and every value."""
+    if verdict is None:
         return ""
+    said = f'<p><span class="verdict {VERDICTS[verdict["state"]]}">{verdict["state"]}</span> {escaped(verdict["reason"])}.</p>'
+    if check is None:
+        return section("check", "Check by a code", said)
     state = f", limit state {check['limit_state']}" if check["limit_state"] else ""
     verdicts = "".join(
         f'<li><span class="verdict {VERDICTS[one["state"]]}">{one["state"]}</span> '
@@ -102,11 +107,12 @@ def _check(check: Mapping[str, Any] | None) -> str:
         for one in check["verdicts"]
     )
     rows = [[escaped(step["symbol"]), _value(step), escaped(step["clause"]), escaped(step["meaning"])] for step in check["steps"]]
-    more = "".join(f'<p class="note">{escaped(note)}</p>' for note in check["notes"])
+    left = [f"Left open by the clauses: {one}." for one in check["left_open"]]
+    more = "".join(f'<p class="note">{escaped(note)}</p>' for note in [*check["notes"], *left])
     return section(
         "check",
         "Check by a code",
-        f'<p>{escaped(check["edition"])}{state}; {escaped(check["ground"])}.</p><ul class="said">{verdicts}</ul>{more}'
+        f'{said}<p>{escaped(check["edition"])}{state}; {escaped(check["ground"])}.</p><ul class="said">{verdicts}</ul>{more}'
         + _looked(check["basis"])
         + table(("symbol", "value", "clause", "meaning"), rows, (1,)),
     )

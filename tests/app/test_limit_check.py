@@ -56,7 +56,14 @@ def test_every_output_has_the_same_verdict(tmp_path: Path) -> None:
     with (folder / "check.csv").open() as file:
         last = list(csv.DictReader(file))[-1]
     assert (last["symbol"], last["value"], last["meaning"]) == ("linear check", "not decided", words)
+    verdict = case.verdict
+    assert verdict is not None and verdict == case.check.judgement
+    assert (verdict.state, verdict.ratio, verdict.margin) == ("not decided", pytest.approx(1.03, rel=1e-3), 0.05)
+    assert verdict.search is not None and verdict.search.starts == 4 and verdict.search.agreeing >= 2
+    assert made["verdict"] == json.loads((folder / "limit.json").read_text())["verdict"]
+    assert made["verdict"]["words"] == verdict.words and verdict.words in lines(case)
     page = (folder / "limit.html").read_text()
+    assert "verdict of the check" in page and page.count('<span class="verdict look">not decided</span>') == 2
     assert (
         '<span class="verdict look">not decided</span> linear check: ' in page and "linear check, not decided: borne over asked for" in page
     )
@@ -109,6 +116,28 @@ def test_the_mechanism_of_the_least_acceleration_is_checked_and_those_looked_at_
     assert {step.symbol: step.value for step in case.check.steps}["a0*"] == pytest.approx(least[0])
     write(case, tmp_path / "out", pictures=False)
     assert "found without the ties" in (tmp_path / "out" / "limit.html").read_text()
+
+
+def test_what_does_not_stand_or_bears_nothing_does_not_satisfy_its_check(tmp_path: Path) -> None:
+    aside = [ground(2.0), box("under", (0.0, -0.2, 0.0), (0.5, 0.2, 0.5)), box("a", (0.3, -0.2, 0.5), (1.3, 0.2, 1.0))]
+    case = limit_case(scene(tmp_path, aside, '[limit]\npush = "x"\n[limit.check]\nspectrum = "EC8"\nag = 0.5\n'))
+    assert not case.analysis.stands and case.check is None
+    assert case.verdict is not None and case.verdict.state == "NOT satisfied"
+    assert case.verdict.words in lines(case) and "does not stand under its dead loads" in case.verdict.words
+    write(case, tmp_path / "out", pictures=False)
+    assert '<span class="verdict doubtful">NOT satisfied</span>' in (tmp_path / "out" / "limit.html").read_text()
+    assert json.loads((tmp_path / "out" / "limit.json").read_text())["verdict"]["passed"] is False
+
+
+def test_what_the_clauses_leave_open_is_said(tmp_path: Path) -> None:
+    here = checked(tmp_path, 1.5)
+    assert any("left open: FC = 1.35" in line for line in lines(here))
+    assert any("left open: not looked at: the motion at a height" in line for line in lines(here))
+    more = "height = 6.0\nbuilding_height = 12.0\nbuilding_period = 0.4\nstoreys = 3\nconfidence_factor = 1.2\n"
+    check = f'[limit.check]\nspectrum = "EC8"\nag = 1.0\ndisplacements = false\n{more}'
+    high = lines(limit_case(scene(tmp_path, pillar(), f"[limit]\npush = 'x'\n{check}")))
+    for words in ("FC = 1.2 as given", "1.1 xi1^-0.5 = 4.92", "second and higher modes"):
+        assert any("left open: " in line and words in line for line in high), words
 
 
 def test_what_dilates_has_no_oscillator_and_no_check_by_displacements(tmp_path: Path) -> None:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from masonry_cd.analysis.code_check import ec8, ntc2008, ntc2018
 from masonry_cd.analysis.code_check.ground import ground_of
-from masonry_cd.analysis.code_check.steps import Basis, CodeCheck
+from masonry_cd.analysis.code_check.steps import CodeCheck
 from masonry_cd.analysis.code_check.table import CheckTable
+from masonry_cd.analysis.code_check.verdicts import Basis
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 CODES = {"NTC2018": ntc2018.check, "NTC2008": ntc2008.check, "EC8": ec8.check}

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from masonry_cd.analysis.code_check.floors import part_acceleration
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity
+from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity
 from masonry_cd.analysis.code_check.table import CheckTable
+from masonry_cd.analysis.code_check.verdicts import Verdict
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "EN 1998-1:2004, 4.3.5.2, with EN 1998-3:2005"

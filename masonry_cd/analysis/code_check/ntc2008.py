@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity, no_end
+from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity, no_end
 from masonry_cd.analysis.code_check.table import CheckTable
+from masonry_cd.analysis.code_check.verdicts import Verdict
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "NTC 2008 with Circolare 617/2009"

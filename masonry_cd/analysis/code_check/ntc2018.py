@@ -6,12 +6,14 @@ import math
 
 from masonry_cd.analysis.code_check.floors import Floor
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity, no_end
+from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity, no_end
 from masonry_cd.analysis.code_check.table import CheckTable
+from masonry_cd.analysis.code_check.verdicts import Verdict
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "NTC 2018 with Circolare 7/2019"
 AT = Clauses("[C8.7.1.1]", "[C8.7.1.5]", "C8.7.1.2.1.3", "[C8.7.1.3]", "[C8.7.1.4]")
+LC1 = 1.35  # FC of the lowest level of knowledge
 LIMITS = {"SLV": (0.4, 1.68, "[C8.7.1.10]", 0.08), "SLC": (0.6, 1.56, "[C8.7.1.11]", 0.10)}  # of d0, factor and clause of T, damping
 
 
@@ -27,7 +29,26 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
         verdicts.append(_non_linear(table, oscillator, ground, borne / starts, steps))
     elif table.by_displacements:
         notes.append(no_end(oscillator))
-    return CodeCheck("NTC2018", EDITION, table.limit_state, ground.words, tuple(steps), tuple(verdicts), tuple(notes))
+    return CodeCheck(
+        "NTC2018", EDITION, table.limit_state, ground.words, tuple(steps), tuple(verdicts), tuple(notes), left_open=_left_open(table)
+    )
+
+
+def _left_open(table: CheckTable) -> tuple[str, ...]:
+    """What the clauses leave to the engineer, and what was taken."""
+    factor = f"FC = {table.confidence_factor:g}"
+    asked = "alpha0 does not account for the compressive strength, for which C8.7.1.2.1.3 asks for the 1.35 of LC1"
+    out = [f"{factor}: {asked}" if table.confidence_factor == LC1 else f"{factor} as given: where {asked}"]
+    if not table.height:
+        out.append("not looked at: the motion at a height of the building (C7.2.3), the mechanism counts as held at the ground")
+        return tuple(out)
+    ratio = 1.1 / math.sqrt(table.building_damping)
+    out.append(
+        f"[C7.2.6]: xi1 is taken as a ratio, 1.1 xi1^-0.5 = {ratio:.3g}; the text says per cent, which makes it {0.1 * ratio:.2g}, less in "
+        "resonance than at rest"
+    )
+    out.append("not looked at: the second and higher modes of the building ([C7.2.5]), whose shares add to SeZ")
+    return tuple(out)
 
 
 def _asked_at_once(table: CheckTable, ground: Ground, steps: list[Step]) -> float:

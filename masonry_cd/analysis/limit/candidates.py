@@ -18,13 +18,15 @@ friction is not counted here: it is in the mechanisms that are found with the ti
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from masonry_cd.analysis.limit.analysis import Analysis, Options, largest_factor, searched
+from masonry_cd.analysis.limit.from_mechanisms import ends_of, joined
 from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound
+from masonry_cd.analysis.limit.nonassociated_space import MOST
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.foundation.errors import InputError
@@ -45,23 +47,55 @@ class Candidate:
     dilation: float  # work of normal forces on joints that open, as a share of the power of the loads
 
 
-def candidates(analysis: Analysis, assembly: Assembly, joints: Joints, options: Options) -> tuple[Candidate, ...]:
-    """The mechanisms that an analysis of a standing structure found, and those found without its ties that can start with them; each once.
+@dataclass(frozen=True, eq=False)
+class Untied:
+    """What was found of a structure without its ties."""
+
+    found: tuple[tuple[str, Optimum], ...] = ()  # source and optimum of each mechanism
+    remark: str = ""  # why there is none, in words
+
+
+def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options: Options) -> tuple[Analysis, Untied]:
+    """An analysis whose search with ties has begun at the mechanisms found without them as well, and these mechanisms.
 
     Args:
-        analysis: of the structure with its ties.
+        analysis: of a structure that stands, with its ties.
         assembly: its blocks.
         joints: of them.
         options: of the analysis; the search without ties is made as they say.
     """
-    found = _named("", analysis.associated.optimum, analysis.least)
-    if analysis.problem.ties:
-        found += _without_ties(analysis.problem, options)
+    problem = analysis.problem
+    if not problem.ties:
+        return analysis, Untied()
+    bare = problem.without_ties()
+    try:
+        best, _ = largest_factor(bare, options)
+        least = searched(bare, best, options.starts, options.seed)
+    except (InputError, Unbounded) as failure:
+        return analysis, Untied((), f"without its ties no load factor is found, and no mechanism: {failure}")
+    untied = Untied(tuple(_named(UNTIED, best, least)))
+    if least is None:
+        return analysis, untied
+    ends = ends_of(problem, [end.velocity for end in least.ends], MOST * max(abs(analysis.associated.factor), 1e-3))
+    found = joined(analysis.least, len(least.ends), ends)
+    moves = None if found is None else mechanism(problem, assembly, joints, found.optimum.velocity)
+    return replace(analysis, least=found, least_mechanism=moves, starts=analysis.starts + len(least.ends)), untied
+
+
+def candidates(analysis: Analysis, untied: Untied, assembly: Assembly, joints: Joints) -> tuple[Candidate, ...]:
+    """The mechanisms that an analysis of a standing structure found, and those found without its ties that can start with them; each once.
+
+    Args:
+        analysis: of the structure with its ties.
+        untied: from :func:`with_untied`.
+        assembly: its blocks.
+        joints: of them.
+    """
     out: list[Candidate] = []
-    for source, optimum in found:
+    for source, optimum in (*_named("", analysis.associated.optimum, analysis.least), *untied.found):
         moves = mechanism(analysis.problem, assembly, joints, optimum.velocity)
         factor = tied_factor(analysis.problem, optimum) if UNTIED in source else optimum.factor
-        made = Candidate(source, factor, moves, _dilation(analysis.problem, optimum))
+        made = Candidate(source, factor, moves, dilation(analysis.problem, optimum))
         if np.isfinite(factor) and not any(_alike(made, other) for other in out):
             out.append(made)
     return tuple(out)
@@ -82,17 +116,7 @@ def _named(suffix: str, associated: Optimum, least: LeastFound | None) -> list[t
     return [(source + suffix + (STOPPED if optimum.stopped else ""), optimum) for source, optimum in found]
 
 
-def _without_ties(problem: LimitProblem, options: Options) -> list[tuple[str, Optimum]]:
-    """What is found of a problem without its ties; nothing where it has no factor then."""
-    bare = problem.without_ties()
-    try:
-        best, _ = largest_factor(bare, options)
-        return _named(UNTIED, best, searched(bare, best, options.starts, options.seed))
-    except (InputError, Unbounded):
-        return []
-
-
-def _dilation(problem: LimitProblem, found: Optimum) -> float:
+def dilation(problem: LimitProblem, found: Optimum) -> float:
     """Work of normal forces, less what a bond takes up, on joints that open, over the power of the loads."""
     opening = np.maximum((problem.jacobian @ found.velocity)[:: problem.directions], 0.0)
     power = abs(float(problem.dead @ found.velocity)) + abs(found.factor * float(problem.live @ found.velocity))

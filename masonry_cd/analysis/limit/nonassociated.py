@@ -94,6 +94,11 @@ def least_factor(problem: LimitProblem, associated: Optimum, starts: int, seed: 
     return least_of_starts(search, (associated.force[:, 0] + problem.apex, programmes.least_normal), starts, seed)
 
 
+def descend(problem: LimitProblem, velocity: np.ndarray) -> Pair | None:
+    """The exact pair of least factor that a descent from a mechanism (unknowns,) comes to, None where there is none."""
+    return _Search(problem).descend(velocity)
+
+
 def least_of_starts(
     search: Callable[[np.ndarray, float], Pair | None], given: tuple[np.ndarray, Callable[[], np.ndarray | None]], starts: int, seed: int
 ) -> LeastFound | None:

@@ -11,8 +11,8 @@ import pytest
 from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
 from masonry_cd.analysis.code_check.check import code_check
-from masonry_cd.analysis.code_check.steps import Basis, Verdict
 from masonry_cd.analysis.code_check.table import CheckTable
+from masonry_cd.analysis.code_check.verdicts import Basis, Verdict
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.errors import InputError, parse_table
 

@@ -10,7 +10,7 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
-from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, UNTIED, Candidate, candidates, tied_factor
+from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, UNTIED, Candidate, Untied, candidates, tied_factor, with_untied
 from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
 from masonry_cd.analysis.limit.problem import Bars, limit_problem
@@ -24,7 +24,8 @@ def found_of(blocks: list[Block], friction: float, bars: Bars | None = None, sta
     assembly, joints = joined(blocks, friction)
     loads, options = replace(push_loads(assembly), bars=bars or Bars.none()), Options(starts=starts)
     analysis = analyse(assembly, joints, loads, options)
-    looked = list(candidates(analysis, assembly, joints, options))
+    analysis, untied = with_untied(analysis, assembly, joints, options)
+    looked = list(candidates(analysis, untied, assembly, joints))
     return analysis, looked, [oscillator(one, assembly, joints, GRAVITY * X, None) for one in looked]
 
 
@@ -47,6 +48,27 @@ def test_a_mechanism_found_without_its_tie_has_the_work_of_the_tie_in_its_factor
     assert [one.fraction for one in made] == pytest.approx([1.0] * len(made), rel=1e-6)
 
 
+def test_without_the_ties_that_hold_it_up_a_structure_has_no_mechanism_and_a_remark_says_so() -> None:
+    """A beam that its rod holds: on its edge alone it falls."""
+    beam = [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 0.5)), box("beam", (0.2, -0.2, 0.5), (2.2, 0.2, 0.8))]
+    assembly, joints = joined(beam, 0.65)
+    rod = Bars(np.array([[2, 0]]), np.array([[[0.3, 0.0, 0.7], [0.3, 0.0, -0.2]]]), np.array([1e5]))
+    loads = replace(push_loads(assembly), bars=rod)
+    analysis = analyse(assembly, joints, loads, Options(starts=1))
+    assert analysis.stands
+    kept, untied = with_untied(analysis, assembly, joints, Options(starts=1))
+    assert kept is analysis and not untied.found and "without its ties" in untied.remark
+
+
+def test_in_space_a_tie_that_a_mechanism_stretches_pulls_in_the_search() -> None:
+    """The pillar beside a block that makes it no structure in a plane; its rod bears as by hand."""
+    aside = box("aside", (3.0, 0.5, 0.0), (4.0, 1.5, 0.3))
+    analysis, _, _ = found_of([ground(5.0), *pillar()[1:], aside], 0.65, rod(500.0))
+    by_hand = (2000.0 * GRAVITY * 0.3 * 0.25 + 500.0 * np.sqrt(0.5) * 1.5) / (2000.0 * GRAVITY * 0.3 * 0.75)
+    assert analysis.problem.axis is None and analysis.least is not None
+    assert analysis.least.optimum.factor == pytest.approx(by_hand, rel=1e-4)
+
+
 def test_what_a_tie_that_does_not_yield_holds_never_starts() -> None:
     lower = box("b", (1.0, -0.2, 0.0), (1.5, 0.2, 1.2))  # leans at 0.5 / 1.2, the other one at 0.5 / 1.5 and not before its rod yields
     _, looked, _ = found_of([*pillar(), lower], 0.65, rod(np.inf))
@@ -58,7 +80,7 @@ def test_a_mechanism_of_a_solver_that_ended_early_says_so() -> None:
     analysis, _, _ = found_of(pillar(), 0.65)
     early = replace(analysis.associated, optimum=replace(analysis.associated.optimum, stopped="MaxIterations"))
     assembly, joints = joined(pillar(), 0.65)
-    sources = [one.source for one in candidates(replace(analysis, associated=early), assembly, joints, Options())]
+    sources = [one.source for one in candidates(replace(analysis, associated=early), Untied(), assembly, joints)]
     assert sources == [SEARCH, f"{ASSOCIATED}, the solver ended before its tolerance"]
 
 
@@ -78,7 +100,7 @@ def test_what_spreads_over_many_bodies_is_no_oscillator() -> None:
     assembly, joints = joined([ground(20.0), *apart], 0.65)
     options = Options(starts=0)
     analysis = analyse(assembly, joints, push_loads(assembly), options)
-    (lean,) = candidates(analysis, assembly, joints, options)
+    (lean,) = candidates(analysis, Untied(), assembly, joints)
     every = replace(lean.mechanism, velocity=np.tile([1.0, 0, 0, 0, 0, 0], (13, 1)), speed=np.r_[0.0, np.ones(12)])
     assert "12 bodies" in oscillator(replace(lean, mechanism=every), assembly, joints, GRAVITY * X, None).doubt
     some = replace(every, speed=np.r_[0.0, np.ones(5), np.zeros(7)])

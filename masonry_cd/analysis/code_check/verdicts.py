@@ -1,0 +1,157 @@
+"""The one verdict of a check, which every output has: what decides it, with its numbers.
+
+The least of the checks that were made decides, and of the mechanisms looked at the one with the least capacity over its demand. The
+Circolare lets the check by displacements stand in for that by accelerations (C8.7.1.2.1.7), but it is made of one mechanism only: of the
+others the accelerations are all that is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+HOLDS = 1e-9  # share by which a demand may exceed a capacity and be met
+MARGIN = 0.05  # share of a capacity that is kept: held pushes have moved structures up to so far below the least factor that a search found
+NO_SEARCH = "the least factor without dilation is not known"
+NOT_SATISFIED, NOT_DECIDED, SATISFIED = "NOT satisfied", "not decided", "satisfied"
+WORST_FIRST = (NOT_SATISFIED, NOT_DECIDED, SATISFIED)
+
+
+@dataclass(frozen=True)
+class SearchNumbers:
+    """The search for the least factor without dilation."""
+
+    associated: float  # the factor of sliding that dilates, an upper value
+    least: float | None  # None: not searched for, or no start came to an end
+    starts: int  # that were made; 0: no search
+    ended: int  # that came to an end
+    agreeing: int  # that came to the least factor
+    spread: float | None  # the largest factor found less the least, over the least
+
+
+@dataclass(frozen=True)
+class Looked:
+    """A mechanism that was looked at, and the acceleration at which it starts."""
+
+    found: str  # how
+    moving_blocks: int
+    alpha0: float
+    fraction: float  # e* as taken
+    acceleration: float  # a0*, over the confidence factor [m/s2]
+    doubt: str  # why e* = 1 is taken, if it is
+
+
+@dataclass(frozen=True)
+class Basis:
+    """What a check rests on: the search for the least factor without dilation, and the mechanisms it looked at."""
+
+    search: str = ""  # starts, agreement and spread, in words
+    doubt: str = NO_SEARCH  # why "satisfied" does not follow, in words; empty where it may
+    looked: tuple[Looked, ...] = ()  # the one that is checked first
+    numbers: SearchNumbers | None = None  # of the search
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A demand and a capacity.
+
+    That a mechanism starts under the demand shows that the structure does not meet it, however that mechanism was found. That those which
+    were found do not start shows it of the others only where the search is sure, and with a margin.
+    """
+
+    check: str  # linear or non-linear
+    demand: float
+    capacity: float
+    unit: str
+    clause: str
+    unmoved: float = 0.0  # a0* over the acceleration under which the mechanism starts at all, where that decides as well
+    doubt: str = NO_SEARCH  # why "satisfied" does not follow, in words; empty where it may
+
+    @property
+    def state(self) -> str:
+        """satisfied, NOT satisfied or not decided."""
+        if not self._met(1.0 + HOLDS):
+            return NOT_SATISFIED
+        return NOT_DECIDED if self.doubt or not self._met(1.0 - MARGIN) else SATISFIED
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether the capacity is enough; None where that is not decided."""
+        return {SATISFIED: True, NOT_SATISFIED: False}.get(self.state)
+
+    @property
+    def ratio(self) -> float:
+        """Capacity over demand."""
+        return self.capacity / self.demand
+
+    @property
+    def words(self) -> str:
+        """The verdict in a line."""
+        sides = f"{self.capacity:.4g} {self.unit} borne, {self.demand:.4g} {self.unit} asked for, ratio {self.ratio:.3g}"
+        end = "; the mechanism does not start" if self.unmoved >= 1.0 and self.demand > self.capacity else ""
+        if self.state == NOT_DECIDED:
+            end += f"; {self.doubt or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
+        return f"{self.check} check {self.state}: {sides}{end} ({self.clause})"
+
+    def _met(self, share: float) -> bool:
+        """Whether this share of the capacity is enough, or of what it takes to start the mechanism."""
+        return max(self.ratio, self.unmoved) * share >= 1.0
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What a check amounts to."""
+
+    state: str  # satisfied, NOT satisfied or not decided
+    reason: str  # in words
+    check: str = ""  # linear or non-linear: the check that decides; empty where none was needed
+    demand: float | None = None
+    capacity: float | None = None
+    unit: str = ""
+    ratio: float | None = None  # capacity over demand
+    margin: float | None = None  # share of the capacity that is kept for "satisfied"
+    mechanism: Looked | None = None  # that decides
+    search: SearchNumbers | None = None
+
+    @property
+    def words(self) -> str:
+        """The verdict in a line."""
+        return f"verdict: {self.state}: {self.reason}"
+
+    def numbers(self) -> dict[str, Any]:
+        """What limit.json holds of it."""
+        return asdict(self) | {"passed": {SATISFIED: True, NOT_SATISFIED: False}.get(self.state), "words": self.words}
+
+
+def refused(reason: str, search: SearchNumbers | None = None) -> Judgement:
+    """That of a structure which needs no check to fail."""
+    return Judgement(NOT_SATISFIED, reason, search=search)
+
+
+def judgement(verdicts: Sequence[Verdict], basis: Basis, notes: Sequence[str] = ()) -> Judgement:
+    """The verdict of some checks: that of the least; of none, why there is none."""
+    if not verdicts:
+        return Judgement(NOT_DECIDED, "; ".join(notes), margin=MARGIN, search=basis.numbers)
+    least = min(verdicts, key=lambda one: (WORST_FIRST.index(one.state), max(one.ratio, one.unmoved)))
+    looked = basis.looked[0] if basis.looked else None
+    found = basis.numbers
+    of = f", {looked.found}, alpha0 {looked.alpha0:.4g}, e* {looked.fraction:.3g}" if looked else ""
+    sides = f"{least.capacity:.4g} {least.unit} borne, {least.demand:.4g} {least.unit} asked for, ratio {least.ratio:.3g}"
+    reason = f"{least.check} check, {sides}{of}{_searched(found)}"
+    if least.state == NOT_DECIDED:
+        reason += f"; {least.doubt or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
+    better = [one for one in verdicts if one.state == SATISFIED and least.state != SATISFIED]
+    if better:
+        reason += f"; the {better[0].check} check alone is satisfied"
+    return Judgement(
+        least.state, reason, least.check, least.demand, least.capacity, least.unit, least.ratio, MARGIN, looked, found
+    )  # fmt: skip
+
+
+def _searched(found: SearchNumbers | None) -> str:
+    """The starts of a search, their agreement and their spread."""
+    if found is None or not found.starts:
+        return ""
+    spread = "" if found.spread is None else f", spread {100.0 * found.spread:.2g} %"
+    return f"; {found.agreeing} of {found.starts} starts agree{spread}"

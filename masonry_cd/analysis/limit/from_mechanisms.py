@@ -1,0 +1,60 @@
+r"""The least factor without dilation from mechanisms that are known: a start of the search that needs no sequence of its own.
+
+The descent of :mod:`masonry_cd.analysis.limit.nonassociated` begins at velocities. Those of another problem will do: of the same structure
+without its ties, of one of its macro-elements, of a few rigid bodies. Four cone programmes take the place of some twenty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from masonry_cd.analysis.limit import nonassociated, nonassociated_space
+from masonry_cd.analysis.limit.mechanism import STILL
+from masonry_cd.analysis.limit.nonassociated import LeastFound, Pair
+from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.solution import Unbounded
+
+
+def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float) -> list[Pair]:
+    """The pairs that descents from velocities (unknowns,) come to, those that come to an end.
+
+    Args:
+        problem: whose least factor is sought.
+        mechanisms: velocities that the live loads drive, w_1 . v > 0, and no tie holds that does not yield; others are passed over.
+        cap: the largest factor that is looked for.
+    """
+    ends = []
+    for velocity in mechanisms:
+        power = float(problem.live @ velocity)
+        end = _descend(problem, velocity / power, cap) if power > 0.0 and not _held(problem, velocity) else None
+        if end is not None:
+            ends.append(end)
+    return ends
+
+
+def _held(problem: LimitProblem, velocity: np.ndarray) -> bool:
+    """Whether a mechanism stretches a tie that does not yield."""
+    longer = (problem.bars @ velocity)[~np.isfinite(problem.strength)]
+    return bool((longer > STILL * np.abs(velocity).max(initial=0.0)).any())
+
+
+def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | None:
+    if problem.axis is not None:
+        return nonassociated.descend(problem, velocity)
+    try:
+        return nonassociated_space.descend(problem, velocity, cap)
+    except Unbounded:
+        return None
+
+
+def joined(least: LeastFound | None, starts: int, ends: Sequence[Pair]) -> LeastFound | None:
+    """A search with so many more starts that came to some ends; None of none."""
+    if not ends:
+        return None if least is None else replace(least, starts=least.starts + starts)
+    pairs = ([] if least is None else [(least.optimum, least.gap)]) + list(ends)
+    best, gap = min(pairs, key=lambda pair: pair[0].factor)
+    before, known = (0, ()) if least is None else (least.starts, least.ends)
+    return LeastFound(best, gap, before + starts, (*known, *(optimum for optimum, _ in ends)))
