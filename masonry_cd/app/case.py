@@ -160,6 +160,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     from masonry_cd.app.static_loads import limit_table
 
     begin = time.perf_counter()
+    scene.refuse_static()
     structure = structure or structure_of(scene)
     try:
         if scene.limit:

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.code_check.verdicts import Judgement, refused
+from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement, judgement, refused
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse
 from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
+from masonry_cd.app.limit_finite import unlimited_lines
 from masonry_cd.app.limit_search import search_numbers, search_words, ways
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
@@ -106,9 +107,11 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         how = ways(assembly, joints, loads, asked, scene.run.seed)
         analysis = _analyse(assembly, joints, loads, how.analysis)
         table = asked.curve or (CurveTable() if curve else None)
+        if analysis.unlimited:
+            table = None
         followed = None if table is None else follow(table, assembly, joints, loads, how.curve, scene.run.gravity)
         check = None
-        if asked.check is not None and analysis.stands and not analysis.bears_nothing:
+        if asked.check is not None and analysis.stands and not (analysis.bears_nothing or analysis.unlimited):
             analysis, untied = with_untied(analysis, assembly, joints, how.analysis)
             known = None if followed is None else followed.curve
             check = check_mechanism(asked.check, analysis, untied, (assembly, joints), loads, scene.run.gravity, scene.folder, how, known)
@@ -139,6 +142,8 @@ def _unchecked(analysis: Analysis) -> Judgement:
     """The verdict on a structure that has no load factor at which a mechanism would start."""
     if not analysis.stands:
         return refused(f"the structure does not stand under its dead loads, it bears {100.0 * max(analysis.standing, 0.0):.3g} % of them")
+    if analysis.unlimited:
+        return judgement((), Basis(numbers=search_numbers(analysis)), ("no finite load factor was found", NO_SEARCH))
     return refused("the structure bears no such load, the least of it sets it in motion", search_numbers(analysis))
 
 
@@ -151,6 +156,8 @@ def _analyse(assembly: Assembly, joints: Joints, loads: StaticLoads, options: Op
         turned = loads.at(1.0 / math.sqrt(1.0 + factor**2))
         found = analyse(assembly, joints, turned, replace(options, starts=0))  # the search is for the last angle
         factor, last = found.associated.factor, factor
+        if found.unlimited:
+            return found
         if not found.stands or abs(factor - last) <= SAME_TILT * (1.0 + abs(factor)):
             return analyse(assembly, joints, turned, options) if found.stands and options.starts else found
     raise InputError(f"limit.tilt: the angle of collapse is not found in {TURNS} rounds; push gives the factor of a body force")
@@ -172,6 +179,7 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "stands": analysis.stands,
         "dead_load_borne": analysis.standing,
         "bears_nothing": analysis.stands and analysis.bears_nothing,
+        "no_finite_factor": analysis.unlimited,
         "associated": None,
         "least": None,
         "starts": analysis.starts,
@@ -179,12 +187,12 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "ties": [tie.row() for tie in case.ties],
         "check": None if case.check is None else case.check.numbers(),
         "verdict": None if case.verdict is None else case.verdict.numbers(),
-        "certificate": asdict(answer.certificate) if analysis.stands else None,
+        "certificate": asdict(answer.certificate) if analysis.stands and not analysis.unlimited else None,
         "solver": {"method": answer.optimum.method, "iterations": answer.optimum.iterations, "seconds": answer.seconds},
         "seconds": case.seconds,
         "notes": list(case.notes),
     }
-    if not analysis.stands:
+    if not analysis.stands or analysis.unlimited:
         return out
     if analysis.problem.moves_support:
         out["support_force"] = -answer.factor * analysis.problem.weight
@@ -213,7 +221,7 @@ def _mechanism(case: LimitCase) -> dict[str, Any]:
 
 def lines(case: LimitCase) -> list[str]:
     """The analysis in words: what was found, the check by a code, and what to know of both."""
-    how = _how_lines(case) if case.analysis.stands else ()
+    how = _how_lines(case) if case.analysis.stands and not case.analysis.unlimited else ()
     checked = case.check.lines() if case.check else [case.verdict.words] if case.verdict else []
     return [*found_lines(case), *how, *checked, *case.notes]
 
@@ -229,6 +237,8 @@ def found_lines(case: LimitCase) -> list[str]:
         out.append(f"does not stand under its dead loads{borne}: {_who(case)} give way")
         return out
     out.append("stands under its dead loads")
+    if analysis.unlimited:
+        return [*out, *unlimited_lines(case.loads, case.assembly)]
     if analysis.problem.moves_support:
         out.append(f"{case.loads.words}: the supports that move still bear {force(-answer.factor * analysis.problem.weight)} against it")
     elif analysis.bears_nothing:
@@ -344,6 +354,8 @@ def _facts(case: LimitCase) -> str:
     analysis = case.analysis
     if not analysis.stands:
         return "does not stand under its dead loads"
+    if analysis.unlimited:
+        return f"{case.loads.words}: no finite load factor; the forces are those under the dead loads"
     if analysis.problem.moves_support:
         return f"{case.loads.words}: the supports still bear {force(-analysis.associated.factor * analysis.problem.weight)}"
     if analysis.bears_nothing:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, replace
 
@@ -26,6 +27,10 @@ SEARCHES = 3  # of the least factor at most, each with the cells of joints that 
 NO_FORCE = 1e-6  # share of the mean weight of a block below which a joint bears nothing
 RESTS = "whether it stands"
 NO_WORK = "limit: the load does no work on any mechanism: no factor of it sets the structure in motion"
+
+
+class NoFiniteFactor(InputError):
+    """Loads of which any multiple is borne: no mechanism on which they do work."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +97,7 @@ class Analysis:
     least_mechanism: Mechanism | None
     starts: int  # of the search for it that were made
     remarks: tuple[str, ...]  # which programmes ended before their tolerance
+    unlimited: bool = False  # any multiple of the live loads is borne; ``associated`` is then what bears the dead ones
 
     @property
     def stands(self) -> bool:
@@ -101,6 +107,8 @@ class Analysis:
     @property
     def bears_nothing(self) -> bool:
         """Whether the least of the live loads sets it in motion: what is borne of them is nothing beside the dead ones."""
+        if self.unlimited:
+            return False
         borne = abs(self.associated.factor) * float(np.linalg.norm(self.problem.live))
         return not self.problem.moves_support and borne <= NOTHING * float(np.linalg.norm(self.problem.dead))
 
@@ -157,6 +165,10 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         problem, best = solved_finely(problem, lambda finer: largest_factor(finer, options)[0])
     except Unbounded as failure:
         raise InputError(f"limit: no answer: {failure}") from None
+    except NoFiniteFactor:
+        still = replace(alone, factor=0.0, velocity=np.zeros(problem.unknowns))
+        answer = replace(_answer(problem, assembly, joints, still, 0.0, time.perf_counter() - begin), factor=math.inf)
+        return Analysis(problem, min(alone.factor, 1.0), answer, None, None, 0, _remarks({RESTS: alone}), unlimited=True)
     answer = _answer(problem, assembly, joints, best, CAP * _scale(problem), time.perf_counter() - begin)
     starts = 0 if problem.moves_support else options.starts
     problem, least = _searched_finely(problem, best, starts, options.seed)
@@ -175,11 +187,11 @@ def largest_factor(problem: LimitProblem, options: Options) -> tuple[Optimum, fl
         Unbounded: no forces bear the dead loads with any factor.
     """
     if not problem.live.any():
-        raise InputError(NO_WORK)
+        raise NoFiniteFactor(NO_WORK)
     scale = _scale(problem)
     scaled = by_solver(problem, problem.dead, scale * problem.live, CAP, options)
     if scaled.factor > 0.99 * CAP:
-        raise InputError(NO_WORK)
+        raise NoFiniteFactor(NO_WORK)
     return replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity), scale * CAP
 
 
