@@ -20,6 +20,7 @@ from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
 from masonry_cd.app.limit_finite import unlimited_lines
+from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
 from masonry_cd.app.limit_search import search_numbers, search_words, ways
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
@@ -105,8 +106,15 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
             suits(loads, scene.run.gravity)
         joints = find_joints(assembly)
         how = ways(assembly, joints, loads, asked, scene.run.seed)
-        analysis = _analyse(assembly, joints, loads, how.analysis)
+        analysis, built = _analyse(assembly, joints, loads, how.analysis), (assembly, joints)
+        if asked.begin is not None:
+            left = left_state(asked, scene.folder, assembly, joints, loads)
+            assembly, joints, loads, whole = left.assembly, left.joints, left.loads, analysis
+            analysis = _analyse(assembly, joints, loads, how.analysis)
+            notes.append(f"{left.words}; {against_undamaged(analysis, whole)}")
         table = asked.curve or (CurveTable() if curve else None)
+        if table is not None and asked.begin is not None:
+            raise InputError(NO_CURVE)
         if analysis.unlimited:
             table = None
         followed = None if table is None else follow(table, assembly, joints, loads, how.curve, scene.run.gravity)
@@ -121,11 +129,11 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         notes += analysis.remarks
     except InputError as error:
         raise scene.at_fault(error) from None
-    notes += doubts(scene, assembly, joints)
-    loose = loose_contacts(assembly)
+    notes += doubts(scene, *built)
+    loose = loose_contacts(built[0])
     if loose:
         notes.append(f"{loose} pairs of blocks touch along a line or in a point only: these contacts bear nothing here")
-    gap = built_gap(assembly)
+    gap = built_gap(built[0])
     if gap > 1e-8 * assembly.width:
         notes.append(f"joints as built have gaps or overlaps of up to {gap:.2g} m, which count as none")
     if assembly.laws.apex.any():
