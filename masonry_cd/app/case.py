@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.app import time_step_checks
+from masonry_cd.app.crushing_checks import refuse_crushing_in_a_run
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import SceneKind, compiling
@@ -159,6 +160,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     from masonry_cd.app.static_loads import limit_table
 
     begin = time.perf_counter()
+    scene.refuse_static()
     structure = structure or structure_of(scene)
     try:
         if scene.limit:
@@ -166,6 +168,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
 
             limit_table(scene.limit)
         strength_by_group(scene.material.strength, structure.assembly.groups)
+        refuse_crushing_in_a_run(scene.material)
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 

@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.code_check.verdicts import Judgement, refused
+from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement, judgement, refused
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse
 from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
+from masonry_cd.app.limit_finite import unlimited_lines
+from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
 from masonry_cd.app.limit_search import search_numbers, search_words, ways
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
@@ -104,11 +106,20 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
             suits(loads, scene.run.gravity)
         joints = find_joints(assembly)
         how = ways(assembly, joints, loads, asked, scene.run.seed)
-        analysis = _analyse(assembly, joints, loads, how.analysis)
+        analysis, built = _analyse(assembly, joints, loads, how.analysis), (assembly, joints)
+        if asked.begin is not None:
+            left = left_state(asked, scene.folder, assembly, joints, loads)
+            assembly, joints, loads, whole = left.assembly, left.joints, left.loads, analysis
+            analysis = _analyse(assembly, joints, loads, how.analysis)
+            notes.append(f"{left.words}; {against_undamaged(analysis, whole)}")
         table = asked.curve or (CurveTable() if curve else None)
+        if table is not None and asked.begin is not None:
+            raise InputError(NO_CURVE)
+        if analysis.unlimited:
+            table = None
         followed = None if table is None else follow(table, assembly, joints, loads, how.curve, scene.run.gravity)
         check = None
-        if asked.check is not None and analysis.stands and not analysis.bears_nothing:
+        if asked.check is not None and analysis.stands and not (analysis.bears_nothing or analysis.unlimited):
             analysis, untied = with_untied(analysis, assembly, joints, how.analysis)
             known = None if followed is None else followed.curve
             check = check_mechanism(asked.check, analysis, untied, (assembly, joints), loads, scene.run.gravity, scene.folder, how, known)
@@ -118,15 +129,19 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         notes += analysis.remarks
     except InputError as error:
         raise scene.at_fault(error) from None
-    notes += doubts(scene, assembly, joints)
-    loose = loose_contacts(assembly)
+    notes += doubts(scene, *built)
+    loose = loose_contacts(built[0])
     if loose:
         notes.append(f"{loose} pairs of blocks touch along a line or in a point only: these contacts bear nothing here")
-    gap = built_gap(assembly)
+    gap = built_gap(built[0])
     if gap > 1e-8 * assembly.width:
         notes.append(f"joints as built have gaps or overlaps of up to {gap:.2g} m, which count as none")
     if assembly.laws.apex.any():
         notes.append("bond counts as plastic: it is brittle, and what it adds to the factor is an upper bound")
+    if analysis.problem.sections is not None:
+        notes.append(
+            "joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value"
+        )
     seconds = time.perf_counter() - begin
     return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict)
 
@@ -135,6 +150,8 @@ def _unchecked(analysis: Analysis) -> Judgement:
     """The verdict on a structure that has no load factor at which a mechanism would start."""
     if not analysis.stands:
         return refused(f"the structure does not stand under its dead loads, it bears {100.0 * max(analysis.standing, 0.0):.3g} % of them")
+    if analysis.unlimited:
+        return judgement((), Basis(numbers=search_numbers(analysis)), ("no finite load factor was found", NO_SEARCH))
     return refused("the structure bears no such load, the least of it sets it in motion", search_numbers(analysis))
 
 
@@ -147,6 +164,8 @@ def _analyse(assembly: Assembly, joints: Joints, loads: StaticLoads, options: Op
         turned = loads.at(1.0 / math.sqrt(1.0 + factor**2))
         found = analyse(assembly, joints, turned, replace(options, starts=0))  # the search is for the last angle
         factor, last = found.associated.factor, factor
+        if found.unlimited:
+            return found
         if not found.stands or abs(factor - last) <= SAME_TILT * (1.0 + abs(factor)):
             return analyse(assembly, joints, turned, options) if found.stands and options.starts else found
     raise InputError(f"limit.tilt: the angle of collapse is not found in {TURNS} rounds; push gives the factor of a body force")
@@ -168,6 +187,7 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "stands": analysis.stands,
         "dead_load_borne": analysis.standing,
         "bears_nothing": analysis.stands and analysis.bears_nothing,
+        "no_finite_factor": analysis.unlimited,
         "associated": None,
         "least": None,
         "starts": analysis.starts,
@@ -175,12 +195,12 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "ties": [tie.row() for tie in case.ties],
         "check": None if case.check is None else case.check.numbers(),
         "verdict": None if case.verdict is None else case.verdict.numbers(),
-        "certificate": asdict(answer.certificate) if analysis.stands else None,
+        "certificate": asdict(answer.certificate) if analysis.stands and not analysis.unlimited else None,
         "solver": {"method": answer.optimum.method, "iterations": answer.optimum.iterations, "seconds": answer.seconds},
         "seconds": case.seconds,
         "notes": list(case.notes),
     }
-    if not analysis.stands:
+    if not analysis.stands or analysis.unlimited:
         return out
     if analysis.problem.moves_support:
         out["support_force"] = -answer.factor * analysis.problem.weight
@@ -200,14 +220,16 @@ def _mechanism(case: LimitCase) -> dict[str, Any]:
     """Which blocks move and how many joints are at work."""
     moves = case.collapse.mechanism
     names = [case.assembly.names[b] for b in np.flatnonzero(moves.moving)]
-    return {"of": "least" if case.analysis.least else "associated", "moving_blocks": names} | {
-        f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES
-    }
+    return (
+        {"of": "least" if case.analysis.least else "associated", "moving_blocks": names}
+        | {f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES}
+        | {"joints_crushing": int(moves.crushing.sum())}
+    )
 
 
 def lines(case: LimitCase) -> list[str]:
     """The analysis in words: what was found, the check by a code, and what to know of both."""
-    how = _how_lines(case) if case.analysis.stands else ()
+    how = _how_lines(case) if case.analysis.stands and not case.analysis.unlimited else ()
     checked = case.check.lines() if case.check else [case.verdict.words] if case.verdict else []
     return [*found_lines(case), *how, *checked, *case.notes]
 
@@ -223,6 +245,8 @@ def found_lines(case: LimitCase) -> list[str]:
         out.append(f"does not stand under its dead loads{borne}: {_who(case)} give way")
         return out
     out.append("stands under its dead loads")
+    if analysis.unlimited:
+        return [*out, *unlimited_lines(case.loads, case.assembly)]
     if analysis.problem.moves_support:
         out.append(f"{case.loads.words}: the supports that move still bear {force(-answer.factor * analysis.problem.weight)} against it")
     elif analysis.bears_nothing:
@@ -258,13 +282,19 @@ def _how_lines(case: LimitCase) -> list[str]:
     from reports.limit.ties import tie_lines
 
     return [
-        f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]),
+        f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]) + _crushed(case),
         *tie_lines(case.ties, NAMED),
         f"certificate: static {made.static:.8g}, kinematic {made.kinematic:.8g}, gap {made.gap:.1e}; residuals: "
         f"equilibrium {made.equilibrium:.1e}, friction {made.friction:.1e}, flow {made.flow:.1e}; "
         f"{answer.optimum.method}, {in_words(answer.seconds)}",
         *([] if case.curve is None else curve_lines(case.curve, case.assembly.names)),
     ]
+
+
+def _crushed(case: LimitCase) -> str:
+    """How many joints crush; nothing where none can."""
+    crushing = int(case.collapse.mechanism.crushing.sum())
+    return f"; {crushing} of them crush" if case.analysis.problem.sections is not None else ""
 
 
 def _who(case: LimitCase) -> str:
@@ -332,6 +362,8 @@ def _facts(case: LimitCase) -> str:
     analysis = case.analysis
     if not analysis.stands:
         return "does not stand under its dead loads"
+    if analysis.unlimited:
+        return f"{case.loads.words}: no finite load factor; the forces are those under the dead loads"
     if analysis.problem.moves_support:
         return f"{case.loads.words}: the supports still bear {force(-analysis.associated.factor * analysis.problem.weight)}"
     if analysis.bears_nothing:

@@ -77,6 +77,8 @@ def check_mechanism(
     elsewhere = abs(analysis.associated.factor - least.factor) > ANOTHER * abs(least.factor)
     if table.by_displacements and elsewhere and not how.curve.starts and not made.doubt:
         made = replace(made, end="a curve follows the mechanism without dilation only where limit.starts asks for it")
+    elif table.by_displacements and structure[0].laws.crushing.any():
+        made = replace(made, end="joints that crush are not followed at finite displacements")
     elif table.by_displacements and not made.doubt:
         curve = known
         if curve is None or not curve.falls or not least.mechanism.moving[curve.control.block]:

@@ -112,7 +112,7 @@ def limit_bracket(case: Case) -> dict[str, float | None] | None:
         found = analyse(assembly, case.joints, loads.at(), Options(starts=STARTS, seed=scene.run.seed))
     except InputError:  # the run stands for itself: it needs no factor of limit analysis
         return None
-    if not found.stands:
+    if not found.stands or found.unlimited:
         return None
     return {"least_found": None if found.least is None else found.least.optimum.factor, "associated": found.associated.factor}
 

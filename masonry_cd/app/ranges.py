@@ -76,7 +76,7 @@ RANGES = {
     "stiffness": Range(1e8, 1e15, _STIFFNESS, "joints of masonry have 1e8 to 1e13 N/m3", ("material.joints*_stiffness",)),
     "compression": Range(
         1e5, 5e8, _STRENGTH, "from rubble, 0.1 MPa, to the hardest stone, 500",
-        ("material.compressive_strength*", "material.masonry.compressive_strength"),
+        ("material.compressive_strength*", "material.masonry.compressive_strength", "material.joints*compressive_strength"),
     ),
     "bond": Range(
         1e3, 2e7, _STRENGTH, "mortar and bricks have 0.001 to 20 MPa",

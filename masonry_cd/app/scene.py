@@ -32,6 +32,7 @@ from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
 
 LONGEST_VALUE = 60  # characters of a --set that messages repeat
+STATIC = {"dt": 0.1, "duration": 1.0}  # in place of [run], of which limit analysis reads gravity and seed only; prepare() refuses it
 FORMAT = 1  # of the keys of a scene; raised when an older program would misread them
 
 
@@ -50,8 +51,8 @@ class SceneTables(Table):
     """What it is made of."""
     loads: list[dict[str, Any]] = Field(default_factory=list)
     """What shakes it, [[loads]] each; they add up. Gravity acts in full without one."""
-    run: dict[str, Any]
-    """How it is computed."""
+    run: dict[str, Any] | None = None
+    """How it is computed. A scene with [limit] needs none for limit analysis, which has no time step."""
     report: dict[str, Any] = Field(default_factory=dict)
     """What is drawn and written after the run."""
     limit: dict[str, Any] = Field(default_factory=dict)
@@ -129,6 +130,7 @@ class Scene:
     limit: dict[str, Any] = field(default_factory=dict)  # checked by loads
     quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are meant so
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
+    static: bool = False  # there is no [run]: for limit analysis, modal analysis and pictures alone
 
     @property
     def folder(self) -> Path:
@@ -145,6 +147,15 @@ class Scene:
     def stress(self) -> bool:
         """Whether the run keeps stress: where a report is asked for, or a strength to compare it with is given."""
         return self.report.stress or self.material.compressive_strength is not None
+
+    def refuse_static(self) -> None:
+        """Refuse a scene without [run] where it is run.
+
+        Raises:
+            InputError: there is none.
+        """
+        if self.static:
+            raise InputError(f"{self.origin.path}: run: missing: a run needs dt and duration; masonry-cd limit takes this scene as it is")
 
     def at_fault(self, error: InputError) -> InputError:
         """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
@@ -203,6 +214,8 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
     try:
         top = parse_table(SceneTables, tables, "")
         _check_structures(top)
+        if top.run is None and not top.limit:
+            raise InputError("run: missing")
         _check_quiet(tables, top.quiet_checks)
         return Scene(
             title=top.title or path.stem,
@@ -210,13 +223,14 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
             structures=tuple(top.structures),
             material=parse_table(Material, top.material, "material"),
             loads=tuple(top.loads),
-            run=parse_table(Run, top.run, "run"),
+            run=parse_table(Run, STATIC if top.run is None else top.run, "run"),
             report=parse_table(Report, top.report, "report"),
             text=text,
             path=path,
             origin=origin,
             limit=top.limit,
             quiet_checks=tuple(top.quiet_checks),
+            static=top.run is None,
         )
     except InputError as error:
         raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None

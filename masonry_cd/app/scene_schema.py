@@ -44,7 +44,8 @@ def scene_schema() -> Schema:
     either = [{"required": ["density"]}, {"required": ["masonry"]}]
     density = {"properties": {"material": {"anyOf": either}}}  # only blocks of a file may bring their own
     one = [{"required": ["structure"]}, {"required": ["structures"]}]
-    return {"$schema": DRAFT, "title": TITLE, **top, "oneOf": one, "if": of_file, "else": density}
+    run = [{"required": ["run"]}, {"required": ["limit"]}]
+    return {"$schema": DRAFT, "title": TITLE, **top, "oneOf": one, "anyOf": run, "if": of_file, "else": density}
 
 
 def limit_schema() -> Schema:

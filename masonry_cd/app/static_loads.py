@@ -66,6 +66,10 @@ class LimitTable(Table):
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
     """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves ten or
     twenty cone programmes, 4 with a check of up to 10,000 contact points and none else."""
+    begin: Annotated[str, Field(min_length=1)] | None = Field(None, alias="from")
+    """Folder of a run of these blocks, from that of the scene on: the analysis is of where it left them."""
+    time: Annotated[float, Unit("s"), Field(ge=0.0)] | None = None
+    """Of that run, the end when not given."""
     check: CheckTable | None = None
     """By the kinematic approach of a code, of the mechanism with the least a0* of those that a push or a tilt sets in motion."""
     curve: CurveTable | None = None
@@ -87,6 +91,8 @@ class LimitTable(Table):
         named = [name for name in ("push", "tilt", "live") if getattr(self, name)]
         if len(named) > 1:
             raise ValueError(f"{' and '.join(named)} are given; a limit analysis takes one pattern: one direction at a time")
+        if self.time is not None and self.begin is None:
+            raise ValueError("time: needs from beside it, the folder of a run")
         if 0 < self.sides < 3:
             raise ValueError("sides: a friction pyramid has at least 3")
         return self

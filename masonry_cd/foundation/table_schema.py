@@ -40,7 +40,7 @@ def key_texts(model: type[BaseModel]) -> dict[str, str]:
             texts |= _docstrings(part)
     texts |= {name: field.description for name, field in model.model_fields.items() if field.description}
     plain = {name: " ".join(texts.get(name, "").replace("``", "").split()) for name in model.model_fields}
-    said = {name: in_brackets(text, unit_of(model.model_fields[name])) for name, text in plain.items()}
+    said = {model.model_fields[name].alias or name: in_brackets(text, unit_of(model.model_fields[name])) for name, text in plain.items()}
     return {name: text for name, text in said.items() if text}
 
 

@@ -92,6 +92,7 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
 
     asked = parse_table(VibrationOptions, options, "modal")
     scene = read_scene(scene_path, changes)
+    scene.refuse_static()
     blocks = build_blocks(scene)
     try:
         refuse_spheres(blocks, "structure: the modal check")

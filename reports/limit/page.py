@@ -80,6 +80,8 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object]]:
     out: list[tuple[str, object]] = [("stands under its dead loads", "yes" if summary["stands"] else "no")]
     if summary["bears_nothing"]:
         out.append(("load factor", "none"))
+    elif summary["no_finite_factor"]:
+        out.append(("load factor", "not finite"))
     elif summary.get("associated") is not None:
         out.append(("load factor, an upper value", number(float(f"{summary['associated']:.4g}"))))
     if summary.get("least") and not summary["bears_nothing"]:
@@ -148,6 +150,8 @@ def _value(step: Mapping[str, Any]) -> str:
 def _mechanism(summary: Mapping[str, Any]) -> str:
     """What moves and how."""
     found = summary["mechanism"]
+    if summary["no_finite_factor"]:
+        return section("mechanism", "Mechanism", "<p>There is none on which the load does work.</p>")
     counts = ", ".join(f"{found[f'joints_{key}'] or 'none'} {words}" for key, words in STATES.items())
     names = found["moving_blocks"]
     some = ", ".join(names[:NAMED]) + (" …" if len(names) > NAMED else "")

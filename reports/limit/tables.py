@@ -17,6 +17,7 @@ BLOCKS = ("block", "group", "moves", "speed", "vx", "vy", "vz", "wx_per_m", "wy_
 JOINTS = (
     "joint", "block_a", "block_b", "area_m2", "state", "opening", "least_opening", "sliding", "rotation_per_m",
     "hinge_x_m", "hinge_y_m", "hinge_z_m", "normal_force_n", "shear_force_n", "force_x_m", "force_y_m", "force_z_m",
+    "closing", "stress_block_share",
 )  # fmt: skip
 
 
@@ -44,7 +45,7 @@ def joint_rows(collapse: Collapse, assembly: Assembly, joints: Joints) -> list[l
     for j in range(joints.count):
         names = [assembly.names[joints.block_a[j]], assembly.names[joints.block_b[j]]]
         rates = [moves.opening[j], moves.least_opening[j], moves.sliding[j], moves.rotation[j], *moves.hinge[j]]
-        forces = [collapse.normal_force[j], collapse.shear_force[j], *collapse.force_point[j]]
+        forces = [collapse.normal_force[j], collapse.shear_force[j], *collapse.force_point[j], moves.closing[j], collapse.block_share[j]]
         rows.append([j, *names, float(joints.area[j]), STATES[moves.state[j]], *map(float, rates), *map(float, forces)])
     return rows
 

@@ -62,6 +62,7 @@ CASES = [
     ('material={density=2000.0, friction=0.6, deformable="uniform", young=1500.0}', "material.young = 1500 Pa: ", '"1500 MPa"'),
     ("material.joints={normal_stiffness=20.0}", "material.joints.normal_stiffness = 20 N/m3: ", '"20 N/mm3"'),
     ("material.joints={cohesion=0.2}", "material.joints.cohesion = 0.2 Pa: ", 'if MPa is meant: "0.2 MPa"'),
+    ("material.joints={compressive_strength=2.4}", "material.joints.compressive_strength = 2.4 Pa: ", '"2.4 MPa"'),
     ("material.compressive_strength=2e4", "material.compressive_strength = 20000 Pa: ", '"20000 kPa"'),
     ('structure.ties=[{along="x", height=1.0, diameter=0.03, yield_force=160}]', "structure.ties[0].yield_force = 160 N is", '"160 kN"'),
     ('structure.ties=[{along="x", height=1.0, diameter=30, yield_force=1e8}]', "structure.ties[0].diameter = 30 m: ", '"30 mm"'),

@@ -228,7 +228,6 @@ def test_what_falls_by_itself_is_named(tmp_path):
         (PUSH + PUSH.replace('"x"', '"y"'), "several patterns"),
         ("[limit]\npush = 'x'\ntilt = 'y'\n", "one pattern"),
         ("[limit]\npush = ['x', 'y']\n", "vector of three numbers"),
-        ("[limit]\npush = '-z'\n", "does no work on any mechanism"),
         ("[limit]\ntilt = 'z'\n", "must be level"),
         ("[limit]\nlive = [0]\n", "no load of kind point"),
         ("[limit]\nlive = [0, 0]\n", "each of the [[loads]] once"),

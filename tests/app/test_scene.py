@@ -104,6 +104,8 @@ def test_joint_laws_by_pairs_of_groups_or_one_for_all(write):
             "material.joints.default: damping_frequency needs damping beside",
         ),
         ("[material.joints]\ndamping = 0.05\ndamping_frequency = 5", "material.joints.default: damping needs normal_stiffness"),
+        ("[material.joints]\ncompressive_strength = 0", "material.joints.default.compressive_strength: input should be greater than 0"),
+        ("[material.joints]\ncompressive_strength = inf", "material.joints.default.compressive_strength: input should be a finite number"),
         ("[material.joints]\ntension = 1e5", "material.joints.default: tension needs normal_stiffness"),
         (
             "[material.joints]\ntheta = 0.5\n[material.joints.arch-base]\ntheta = 0.6",

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from masonry_cd.analysis.limit.conic import solve_conic
+from masonry_cd.analysis.limit.crushing import block_shares, crushable, cut_where_it_crushes, refuse_crushed_at_rest, solved_finely
 from masonry_cd.analysis.limit.linear import solve_linear
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
-from masonry_cd.analysis.limit.nonassociated import LeastFound, least_factor
+from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, least_factor
 from masonry_cd.analysis.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.analysis.limit.problem import LimitProblem, Loads, limit_problem
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
@@ -21,9 +23,14 @@ from masonry_cd.mechanics.model.joints import Joints
 CAP = 1e4  # largest factor looked for, with the live loads scaled to the dead ones
 STANDS = 1e-5  # a structure stands that bears its dead loads but for this share
 NOTHING = 1e-6  # share of the dead loads below which live ones count as none; the cone programmes end at 1e-8
+SEARCHES = 3  # of the least factor at most, each with the cells of joints that crush cut by the mechanisms of the one before
 NO_FORCE = 1e-6  # share of the mean weight of a block below which a joint bears nothing
 RESTS = "whether it stands"
 NO_WORK = "limit: the load does no work on any mechanism: no factor of it sets the structure in motion"
+
+
+class NoFiniteFactor(InputError):
+    """Loads of which any multiple is borne: no mechanism on which they do work."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +74,7 @@ class Collapse:
     shear_force: np.ndarray  # (J,) [N]
     force_point: np.ndarray  # (J, 3) where the resultant crosses the joint [m]; nan without a normal force
     bars: np.ndarray  # (T,) tensions of the ties [N]
+    block_share: np.ndarray  # (J,) share of the joint's area under stress at its strength, N / (f A); nan of joints that do not crush
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +97,7 @@ class Analysis:
     least_mechanism: Mechanism | None
     starts: int  # of the search for it that were made
     remarks: tuple[str, ...]  # which programmes ended before their tolerance
+    unlimited: bool = False  # any multiple of the live loads is borne; ``associated`` is then what bears the dead ones
 
     @property
     def stands(self) -> bool:
@@ -98,6 +107,8 @@ class Analysis:
     @property
     def bears_nothing(self) -> bool:
         """Whether the least of the live loads sets it in motion: what is borne of them is nothing beside the dead ones."""
+        if self.unlimited:
+            return False
         borne = abs(self.associated.factor) * float(np.linalg.norm(self.problem.live))
         return not self.problem.moves_support and borne <= NOTHING * float(np.linalg.norm(self.problem.dead))
 
@@ -123,7 +134,9 @@ def collapse_of(problem: LimitProblem, best: Optimum, moves: Mechanism, joints: 
     sums = np.stack([np.bincount(joint, normal * part, minlength=joints) for part in points.point.T], axis=1)
     bears = np.abs(total) > NO_FORCE * weight
     place = np.where(bears[:, None], sums / np.where(bears, total, 1.0)[:, None], np.nan)
-    return Collapse(moves, total, np.linalg.norm(shear, axis=1), place, weight * best.bars)
+    return Collapse(
+        moves, total, np.linalg.norm(shear, axis=1), place, weight * best.bars[: problem.ties], block_shares(problem, best, joints)
+    )
 
 
 def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options | None = None) -> Analysis:
@@ -135,6 +148,8 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     options = options or Options()
     begin = time.perf_counter()
     problem, alone = at_rest(assembly, joints, loads, options)
+    if alone.factor < 1.0 - STANDS and problem.sections is not None:
+        refuse_crushed_at_rest(problem, alone, assembly, lambda bare: _rests(bare, options).factor >= 1.0 - STANDS)
     if problem.axis is None and options.sides and options.starts:
         raise InputError(
             "limit.sides: in space, sliding without dilation is searched for with circular cones; limit.starts = 0 leaves that out"
@@ -144,15 +159,19 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         fall = _answer(nothing, assembly, joints, alone, 1.0, time.perf_counter() - begin)
         return Analysis(problem, alone.factor, fall, None, None, 0, _remarks({RESTS: alone}))
     if loads.support_velocity is not None:
-        problem = limit_problem(assembly, joints, loads)
+        problem = crushable(limit_problem(assembly, joints, loads), assembly, joints)
     begin = time.perf_counter()
     try:
-        best, cap = largest_factor(problem, options)
+        problem, best = solved_finely(problem, lambda finer: largest_factor(finer, options)[0])
     except Unbounded as failure:
         raise InputError(f"limit: no answer: {failure}") from None
-    answer = _answer(problem, assembly, joints, best, cap, time.perf_counter() - begin)
+    except NoFiniteFactor:
+        still = replace(alone, factor=0.0, velocity=np.zeros(problem.unknowns))
+        answer = replace(_answer(problem, assembly, joints, still, 0.0, time.perf_counter() - begin), factor=math.inf)
+        return Analysis(problem, min(alone.factor, 1.0), answer, None, None, 0, _remarks({RESTS: alone}), unlimited=True)
+    answer = _answer(problem, assembly, joints, best, CAP * _scale(problem), time.perf_counter() - begin)
     starts = 0 if problem.moves_support else options.starts
-    least = searched(problem, best, starts, options.seed)
+    problem, least = _searched_finely(problem, best, starts, options.seed)
     moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
     programmes = {RESTS: alone, "the load factor, whose certificate says how far it holds": best}
     if least is not None:
@@ -167,14 +186,18 @@ def largest_factor(problem: LimitProblem, options: Options) -> tuple[Optimum, fl
         InputError: live loads that do no work on any mechanism.
         Unbounded: no forces bear the dead loads with any factor.
     """
-    size = float(np.linalg.norm(problem.live))
-    if size == 0.0:
-        raise InputError(NO_WORK)
-    scale = max(float(np.linalg.norm(problem.dead)), 1e-300) / size
+    if not problem.live.any():
+        raise NoFiniteFactor(NO_WORK)
+    scale = _scale(problem)
     scaled = by_solver(problem, problem.dead, scale * problem.live, CAP, options)
     if scaled.factor > 0.99 * CAP:
-        raise InputError(NO_WORK)
+        raise NoFiniteFactor(NO_WORK)
     return replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity), scale * CAP
+
+
+def _scale(problem: LimitProblem) -> float:
+    """The size of the dead loads over that of the live ones."""
+    return max(float(np.linalg.norm(problem.dead)), 1e-300) / float(np.linalg.norm(problem.live))
 
 
 def searched(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
@@ -182,6 +205,24 @@ def searched(problem: LimitProblem, associated: Optimum, starts: int, seed: int)
     if not starts:
         return None
     return (least_factor_in_space if problem.axis is None else least_factor)(problem, associated, starts, seed)
+
+
+def _searched_finely(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> tuple[LimitProblem, LeastFound | None]:
+    """What :func:`searched` finds, and the problem of it: joints that crush cut where the mechanisms found crush, until that changes it by
+    no more than ALIKE."""
+    least = searched(problem, associated, starts, seed)
+    for _ in range(SEARCHES):
+        finer = problem
+        for end in () if least is None else least.ends:
+            finer = cut_where_it_crushes(finer, end) or finer
+        again = None if finer is problem else searched(finer, associated, starts, seed)
+        if least is None or again is None:
+            break
+        change = abs(again.optimum.factor - least.optimum.factor)
+        problem, least = finer, again
+        if change <= ALIKE * abs(least.optimum.factor):
+            break
+    return problem, least
 
 
 def _remarks(programmes: dict[str, Optimum]) -> tuple[str, ...]:
@@ -201,14 +242,14 @@ def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     """
     if not assembly.fixed.any():
         raise InputError("structure: no block is fixed: nothing carries it, and a limit analysis has no answer")
-    problem = limit_problem(assembly, joints, replace(loads, support_velocity=None))
-    return problem, _solve(problem, np.zeros_like(problem.dead), problem.dead, 1.0, options or Options())
+    problem = crushable(limit_problem(assembly, joints, replace(loads, support_velocity=None)), assembly, joints)
+    return solved_finely(problem, lambda finer: _rests(finer, options or Options()))
 
 
-def _solve(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:
-    """By the solver that fits; what has no answer is an error of the input."""
+def _rests(problem: LimitProblem, options: Options) -> Optimum:
+    """The largest share of the dead loads that is borne, at most 1; what has no answer is an error of the input."""
     try:
-        return by_solver(problem, dead, live, cap, options)
+        return by_solver(problem, np.zeros_like(problem.dead), problem.dead, 1.0, options)
     except Unbounded as failure:
         raise InputError(f"limit: no answer: {failure}") from None
 

@@ -65,9 +65,9 @@ def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options:
         options: of the analysis; the search without ties is made as they say.
     """
     problem = analysis.problem
-    if not len(problem.strength):
+    if not problem.ties:
         return analysis, Untied()
-    bare = replace(problem, bars=problem.bars[:0], strength=problem.strength[:0])
+    bare = problem.without_ties()
     try:
         best, _ = largest_factor(bare, options)
         least = searched(bare, best, options.starts, options.seed)
@@ -104,9 +104,9 @@ def candidates(analysis: Analysis, untied: Untied, assembly: Assembly, joints: J
 def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
     """The factor at which a mechanism found without ties starts once those of a problem are there; infinite where one holds it."""
     velocity = untied.velocity / float(problem.live @ untied.velocity)
-    longer = problem.bars @ velocity
+    longer = problem.bars[: problem.ties] @ velocity
     grows = longer > STILL * float(np.abs(velocity).max(initial=0.0))
-    return untied.factor + float(np.sum(longer[grows] * problem.strength[grows]))
+    return untied.factor + float(np.sum(longer[grows] * problem.strength[: problem.ties][grows]))
 
 
 def _named(suffix: str, associated: Optimum, least: LeastFound | None) -> list[tuple[str, Optimum]]:

@@ -126,6 +126,10 @@ def capacity_curve(assembly: Assembly, joints: Joints, loads: Loads, options: Cu
     options = options or CurveOptions()
     if loads.support_velocity is not None:
         raise InputError("limit.curve: supports that move have no load factor to follow; push, tilt or live loads have")
+    if assembly.laws.crushing.any():
+        raise InputError(
+            "limit.curve: joints that crush are not followed at finite displacements; their load factor is known at the start only"
+        )
     if at_rest(assembly, joints, loads, options.analysis)[1].factor < 1.0 - STANDS:
         raise InputError("limit.curve: the structure does not stand under its dead loads: there is no factor to follow")
     return _Path(assembly, joints, loads, options).followed()

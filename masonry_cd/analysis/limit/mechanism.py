@@ -4,7 +4,8 @@ Velocities are over the largest one of any corner of a free block. In a joint, u
 
     slides     where | u_t | of the corner that opens least is above STILL
     hinges     where the corners open by amounts that differ by more than STILL, or blocks turn that touch along a line only
-    opens      where all corners open by more than STILL beyond what associated sliding lifts them, mu | u_t |.
+    opens      where all corners open by more than STILL beyond what associated sliding lifts them, mu | u_t |
+    crushes    where a corner closes by more than STILL, whatever else the joint does.
 """
 
 from __future__ import annotations
@@ -33,11 +34,17 @@ class Mechanism:
     rotation: np.ndarray  # (J,) relative angular velocity [1/m]
     hinge: np.ndarray  # (J, 3) the corners that open least, their mean [m]
     state: np.ndarray  # (J,) index into STATES
+    closing: np.ndarray  # (J,) largest of the joint's corners; zero of joints that do not crush
 
     @property
     def moving(self) -> np.ndarray:
         """(B,) blocks that move."""
         return self.speed > STILL
+
+    @property
+    def crushing(self) -> np.ndarray:
+        """(J,) joints that crush."""
+        return self.closing > STILL
 
     def count(self, state: str) -> int:
         """How many joints are in a state."""
@@ -49,7 +56,7 @@ def mechanism(problem: LimitProblem, assembly: Assembly, joints: Joints, unknown
     velocity = problem.block_velocity(unknowns, assembly.count)
     speed = _corner_speeds(assembly, velocity)
     largest = max(float(speed.max(initial=0.0)), 1e-300)
-    moved = (problem.jacobian @ unknowns).reshape(problem.points.count, problem.directions) / largest
+    moved = problem.point_velocity(unknowns) / largest
     velocity, speed = velocity / largest, speed / largest
     joint, normal = problem.points.joint, moved[:, 0]
     slip = np.linalg.norm(moved[:, 1:], axis=1)
@@ -72,6 +79,7 @@ def mechanism(problem: LimitProblem, assembly: Assembly, joints: Joints, unknown
     return Mechanism(
         velocity=velocity, speed=speed, opening=np.maximum(most, 0.0), least_opening=np.maximum(least, 0.0), sliding=sliding,
         rotation=spin, hinge=np.stack(place, axis=1) / np.maximum(weight, 1)[:, None], state=state,
+        closing=np.maximum(-least, 0.0) if problem.sections is not None else np.zeros(joints.count),
     )  # fmt: skip
 
 

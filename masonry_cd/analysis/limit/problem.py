@@ -27,6 +27,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, hstack
 
 from masonry_cd.analysis.limit.interfaces import Interfaces, interfaces
+from masonry_cd.analysis.limit.sections import Sections
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.middle_plane import middle_plane
@@ -90,7 +91,7 @@ class LimitProblem:
     weight: float  # W [N]
     length: float  # L [m]
     jacobian: csr_matrix  # (P m, n F + 1 or + 0) H
-    bars: csr_matrix  # (T, ...) G
+    bars: csr_matrix  # (T, ...) G, the cells of joints that crush behind the ties
     dead: np.ndarray  # (n F ...)
     live: np.ndarray  # (n F ...)
     mu: np.ndarray  # (P,)
@@ -98,6 +99,26 @@ class LimitProblem:
     tension: np.ndarray  # (P,) f_k
     strength: np.ndarray  # (T,) N_y
     moves_support: bool
+    sections: Sections | None = None  # of joints that crush; None: there are none
+
+    @property
+    def ties(self) -> int:
+        """How many of the bars are ties."""
+        return len(self.strength) - (0 if self.sections is None else len(self.sections.cells.owner))
+
+    @property
+    def rates(self) -> int:
+        """How many of the unknowns, the last ones, are closing rates of joints that crush."""
+        return 0 if self.sections is None else len(self.sections.joint) * (1 + self.sections.levers)
+
+    def point_velocity(self, v: np.ndarray) -> np.ndarray:
+        """(P, m) relative velocities of the blocks at the points, from the unknowns."""
+        left = self.unknowns - self.rates
+        return np.asarray(self.jacobian[:, :left] @ v[:left]).reshape(self.points.count, self.directions)
+
+    def without_ties(self) -> LimitProblem:
+        """The problem of the same joints under the same loads."""
+        return replace(self, bars=self.bars[self.ties :], strength=self.strength[self.ties :])
 
     @property
     def directions(self) -> int:

@@ -31,7 +31,7 @@ _FRICTION: dict[str, Any] = {"anyOf": [_COEFFICIENT, {"type": "object", "minProp
 NO_SHARE = "an arm over a radius should be a number between 0 and 1"
 _SHARE = {"type": "number", "minimum": 0, "maximum": 1}
 _ROLLING: dict[str, Any] = {"anyOf": [_SHARE, {"type": "object", "minProperties": 1, "additionalProperties": _SHARE}]}
-TABLES = 7  # of JointLaws
+TABLES = 8  # of JointLaws
 Stiffness = Annotated[Number, Unit("N/m3"), Field(ge=1.0, le=1e20)]  # on 1 Pa such joints shorten by a metre, and by less than rounding
 
 
@@ -46,6 +46,8 @@ class JointLaw(Table):
     """Shear strength without compression, of a joint that has not broken yet."""
     tension: Annotated[Number, Unit("Pa"), Field(ge=0)] | None = None
     """Tensile strength of a joint that has not broken yet; when not given, cohesion / friction, where Mohr-Coulomb's line ends."""
+    compressive_strength: Annotated[Number, Unit("Pa"), Field(gt=0)] | None = None
+    """Pressure at which the joint crushes; that of the masonry where ``masonry.crushing`` asks for it, else it never does."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
     """Of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
     damping: Annotated[Number, Field(ge=0, le=10)] = 0.0
@@ -106,7 +108,7 @@ class Material(ElasticBlocks):
     or values by pair of groups, as friction. Pairs without a value roll freely."""
     compressive_strength: Strength = None
     """Of the blocks, with which reports compare their stress: one value, or values by group, ``compressive_strength.arch = 5e6``,
-    which may be patterns, and ``default``. Nothing crushes: the run itself does not know of it."""
+    which may be patterns, and ``default``. Nothing crushes by it: ``joints.compressive_strength`` is where joints do."""
     joints: Annotated[dict[str, JointLaw], Field(json_schema_extra=one_or_by_name(JointLaw))] = Field(default_factory=dict)
     """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
     without a law is dry, and rigid where no masonry is named."""
@@ -149,11 +151,13 @@ class Material(ElasticBlocks):
 
     @property
     def joint_laws(self) -> dict[str, JointLaw]:
-        """The laws of the joints, with the bond that masonry gives them."""
-        if self.masonry is None or not self.masonry.cohesion:
+        """The laws of the joints, with the bond and the compressive strength that masonry gives them."""
+        if self.masonry is None or not (self.masonry.cohesion or self.masonry.crushing):
             return self.joints
-        bond = self.masonry.cohesion
-        return {pair: law if law.cohesion else law.model_copy(update={"cohesion": bond}) for pair, law in self.joints.items()}
+        strength = self.masonry.strength if self.masonry.crushing else None
+        given = {"cohesion": self.masonry.cohesion, "compressive_strength": strength}
+        laws = {pair: law.model_copy(update={k: v for k, v in given.items() if not getattr(law, k)}) for pair, law in self.joints.items()}
+        return laws if strength is None else {"default": JointLaw(compressive_strength=strength), **laws}
 
     @property
     def joint_moduli(self) -> tuple[float, float] | None:
@@ -215,6 +219,7 @@ class JointLaws:
     theta: np.ndarray  # of the spring over the step, 1/2 to 1
     retardation: np.ndarray  # coefficient of the dashpot over the stiffness [s]
     at_first_period: np.ndarray  # share of critical of dashpots whose retardation follows from the first elastic period; 0 elsewhere
+    crushing: np.ndarray  # compressive strength [Pa]; 0: never crushes
     moduli: tuple[float, float] | None = None  # E and G of the masonry, whose joints are as stiff as joint_stiffness.py has it [Pa]
 
     @property
@@ -285,6 +290,7 @@ def joint_table(
         out.tension[i, j] = out.apex[i, j] if law.tension is None else law.tension
         out.theta[i, j], out.retardation[i, j] = law.theta, law.retardation
         out.at_first_period[i, j] = law.damping if law.damping_frequency is None else 0.0
+        out.crushing[i, j] = law.compressive_strength or 0.0
     return out
 
 

@@ -68,7 +68,12 @@ class Maker:
         return tables
 
     def planned(self, asked: Asked) -> Planned:
-        """The run with its name."""
+        """The run with its name.
+
+        Raises:
+            InputError: a scene without [run].
+        """
+        self.study.scene.refuse_static()
         tables = self.tables(asked)
         run = tables["run"]
         step = run.get("dt") if isinstance(run.get("dt"), float) else 1.0

@@ -69,6 +69,12 @@ def test_bond_by_the_table_and_a_tension_that_is_stated():
     assert own.joint_laws["default"].cohesion == 1e5
 
 
+def test_joints_crush_at_the_strength_of_the_kind_where_that_is_asked_for():
+    assert material(masonry="solid brick", joints={"theta": 0.5}).joint_laws["default"].compressive_strength is None
+    made = material(masonry={"kind": "solid brick", "crushing": True}, joints={"a-b": {"compressive_strength": 1e6}, "b-b": {"theta": 0.5}})
+    assert {pair: law.compressive_strength for pair, law in made.joint_laws.items()} == {"default": 3.45e6, "a-b": 1e6, "b-b": 3.45e6}
+
+
 def test_laws_of_joints_of_masonry_need_no_stiffness_of_their_own():
     law = material(masonry="solid brick", joints={"damping": 0.05, "damping_frequency": 5.0}).joint_laws["default"]
     assert law.normal_stiffness is None and law.retardation > 0.0

@@ -65,3 +65,9 @@ def test_laws_that_friction_does_not_allow(law, mu, message):
 
 def test_a_tension_without_friction_or_cohesion_is_its_own_limit():
     assert joint_table({"default": JointLaw(normal_stiffness=1e9, tension=1e5)}, GROUPS, 0 * MU).apex[0, 0] == 1e5
+
+
+def test_joints_crush_where_a_strength_says_so():
+    laws = joint_table({"arch-base": JointLaw(compressive_strength=2e6), "default": JointLaw()}, GROUPS, MU)
+    assert laws.crushing[0, 1] == laws.crushing[1, 0] == 2e6
+    assert not laws.crushing[1, 1] and not joint_table({}, GROUPS, MU).crushing.any()

@@ -1,0 +1,39 @@
+"""Runs refuse joints with a compressive strength, and name the key that is missing."""
+
+from __future__ import annotations
+
+import pytest
+
+from masonry_cd.app.crushing_checks import refuse_crushing_in_a_run
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model.materials import Material
+
+
+def material(**keys):
+    return Material.model_validate({"density": 2000.0, "friction": 0.6} | keys)
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        (
+            {"joints": {"a-b": {"compressive_strength": 2e6}, "default": {}}},
+            r"^material\.joints\.a-b\.normal_stiffness: missing beside compressive_strength",
+        ),
+        (
+            {"joints": {"compressive_strength": 2e6, "normal_stiffness": 1e10}},
+            r"^material\.joints\.default\.compressive_strength: a run does not know",
+        ),
+        (
+            {"masonry": {"kind": "solid brick", "stiffness": "rigid", "crushing": True}},
+            r"^material\.joints\.default\.normal_stiffness: missing",
+        ),
+    ],
+)
+def test_a_run_refuses_joints_that_crush(keys, message):
+    with pytest.raises(InputError, match=message):
+        refuse_crushing_in_a_run(material(**keys))
+
+
+def test_blocks_with_a_strength_for_reports_are_no_joints_that_crush():
+    refuse_crushing_in_a_run(material(compressive_strength=5e6, joints={"normal_stiffness": 1e10}))

@@ -1,0 +1,60 @@
+"""Limit analysis of scenes whose joints crush: what is said and written, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from models import box, ground
+from typer.testing import CliRunner
+
+from masonry_cd.app.limit_case import limit_case, lines, write
+from masonry_cd.cli.app import app
+from structures.files import blockfile
+
+WEIGHT = 2000.0 * 9.81 * 1.5  # pressure under the pillar [Pa]
+
+
+def scene(folder: Path, strength: str, tables: str = "[limit]\npush = 'x'\n") -> Path:
+    """A pillar of 0.5 x 0.4 x 1.5 m."""
+    blockfile.write(folder / "blocks.json", [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 1.5))])
+    path = folder / "scene.toml"
+    path.write_text(
+        'structure = {kind = "file", path = "blocks.json"}\nrun = {dt = 1e-3, duration = 1.0}\n'
+        f"material = {{density = 2000.0, friction = 2.0, joints = {{compressive_strength = {strength}}}}}\n{tables}"
+    )
+    return path
+
+
+def test_joints_that_crush_are_said_and_written(tmp_path):
+    case = limit_case(scene(tmp_path, '"117.72 kPa"'))
+    assert case.analysis.associated.factor == pytest.approx(0.5 / 1.5 * (1.0 - WEIGHT / 117.72e3), rel=1e-6)
+    assert any(line.startswith("mechanism: 1 of 1 blocks") and line.endswith("; 1 of them crush") for line in lines(case))
+    assert any("the factor is an upper value" in line for line in lines(case))
+    write(case, tmp_path / "out", pictures=False)
+    assert json.loads((tmp_path / "out" / "limit.json").read_text())["mechanism"]["joints_crushing"] == 1
+    with (tmp_path / "out" / "joints.csv").open() as file:
+        (row,) = csv.DictReader(file)
+    assert float(row["stress_block_share"]) == pytest.approx(WEIGHT / 117.72e3, rel=1e-4) and float(row["closing"]) > 0.0
+
+
+def test_joints_without_a_strength_do_not(tmp_path):
+    path = scene(tmp_path, "1e7")
+    path.write_text(path.read_text().replace("compressive_strength = 1e7", "cohesion = 0.0"))
+    case = limit_case(path)
+    assert not any("crush" in line for line in lines(case)) and not case.collapse.mechanism.crushing.any()
+
+
+@pytest.mark.parametrize(
+    ("strength", "tables", "fault"),
+    [
+        ("2e4", "[limit]\npush = 'x'\n", 'material.joints: the joint "ground" - "a"'),
+        ("2e6", "[limit]\npush = 'x'\n[limit.curve]\n", "limit.curve: joints that crush are not followed"),
+    ],
+)
+def test_what_has_no_answer_is_one_line(strength, tables, fault, tmp_path):
+    done = CliRunner().invoke(app, ["limit", str(scene(tmp_path, strength, tables)), "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2 and fault in done.output and done.output.count("\n") == 1
+    assert not (tmp_path / "out" / "limit.json").exists()

@@ -1,0 +1,62 @@
+"""No finite load factor is a result, with what would make it finite; a scene of limit analysis needs no [run]."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from models import box, ground
+from typer.testing import CliRunner
+
+from masonry_cd.app.limit_case import limit_case, lines
+from masonry_cd.app.scene import read_scene
+from masonry_cd.cli.app import app
+from masonry_cd.foundation.errors import InputError
+from structures.files import blockfile
+
+
+def scene(folder: Path, tables: str, joints: str = "") -> Path:
+    """A pillar without a table [run]."""
+    blockfile.write(folder / "blocks.json", [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 1.5))])
+    path = folder / "scene.toml"
+    path.write_text(
+        f'structure = {{kind = "file", path = "blocks.json"}}\nmaterial = {{density = 2000.0, friction = 0.6{joints}}}\n{tables}'
+    )
+    return path
+
+
+def test_a_load_that_no_mechanism_yields_to_is_a_result(tmp_path):
+    path = scene(tmp_path, "[limit]\npush = '-z'\n")
+    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--no-picture"])
+    assert done.exit_code == 0, done.output
+    assert "push along -z: no finite load factor" in done.output and "(material.joints.compressive_strength)" in done.output
+    made = json.loads((tmp_path / "out" / "limit.json").read_text())
+    assert made["no_finite_factor"] and made["associated"] is None and made["certificate"] is None and made["stands"]
+    assert "not finite" in (tmp_path / "out" / "limit.html").read_text()
+
+
+def test_joints_that_crush_make_it_finite(tmp_path):
+    weight = 2000.0 * 9.81 * 1.5
+    found = limit_case(scene(tmp_path, "[limit]\npush = '-z'\n", f", joints = {{compressive_strength = {3.0 * weight}}}"))
+    assert not found.analysis.unlimited and found.analysis.associated.factor == pytest.approx(2.0, rel=1e-6)
+
+
+def test_a_curve_of_it_is_none(tmp_path):
+    case = limit_case(scene(tmp_path, "[limit]\npush = '-z'\n[limit.curve]\n"))
+    assert case.curve is None and any("no finite load factor" in line for line in lines(case))
+
+
+def test_a_scene_with_limit_needs_no_run(tmp_path):
+    path = scene(tmp_path, "[limit]\npush = 'x'\n")
+    assert read_scene(path).static
+    assert limit_case(path).analysis.associated.factor == pytest.approx(0.5 / 1.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(("tables", "message"), [("[limit]\npush = 'x'\n", "a run needs dt and duration"), ("", "run: missing")])
+def test_what_is_run_needs_one(tables, message, tmp_path):
+    done = CliRunner().invoke(app, ["run", str(scene(tmp_path, tables)), "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2 and "run: missing" in done.output and message in done.output and done.output.count("\n") == 1
+    if not tables:
+        with pytest.raises(InputError, match="run: missing"):
+            read_scene(tmp_path / "scene.toml")
