@@ -37,7 +37,8 @@ def row_of(millimetres: float, **more: Any) -> dict[str, Any]:
     grade = 2 if millimetres < 150.0 else 4
     return {
         "status": "done", "reason": "", "run": f"{millimetres:g}",
-        "displacement_max": 1e-3 * millimetres, "max_opening": 5e-4 * millimetres, "residual_opening": 1e-4 * millimetres, "grade_number": grade, "grade": f"D{grade}", "collapsed_blocks": 0, "load_factor": None,
+        "displacement_max": 1e-3 * millimetres, "max_opening": 5e-4 * millimetres, "residual_opening": 1e-4 * millimetres,
+        "grade_number": grade, "grade": f"D{grade}", "collapsed_blocks": 0, "load_factor": None,
         "steps": 100, "steps_missed": 0, "error_max": 1e-6, "provisional": None, "seconds": 1.5,
     } | more  # fmt: skip
 

@@ -53,7 +53,7 @@ def _lead(lines: list[str]) -> list[str]:
 
 def _tiles(found: Assessment) -> list[tuple[str, object]]:
     """The numbers at the head."""
-    out: list[tuple[str, object]] = [("runs", sum(one.done for one in found.members))]
+    out: list[tuple[str, object]] = [("runs", len({one.row["run"] for one in found.members if one.done}))]
     for answer in found.answers:
         low, high = found.range(answer)
         name = f"{answer.name}, base case"

@@ -50,8 +50,8 @@ def of_level(plan: AssessPlan, name: str, level: str) -> Scene:
 def test_a_scene_without_masonry_is_rigid_and_varied_over_what_stone_has() -> None:
     plan = AssessPlan(scene())
     found = levels(plan)
-    assert found["joint stiffness"] == ["E 3.3 GPa", "E 1.5 GPa", "E 700 MPa"]
-    soft = of_level(plan, "joint stiffness", "E 700 MPa")
+    assert found["joint stiffness"] == ["E 3.3 GPa", "E 1.5 GPa", "E 0.7 GPa"]
+    soft = of_level(plan, "joint stiffness", "E 0.7 GPa")
     assert soft.material.joint_moduli == pytest.approx((0.7e9, 0.7e9 / 3.0), rel=0.01)
     assert soft.material.block_density == 2000.0
     assert found["damping"] == ["0 %", "2 %", "5 %"]
@@ -76,7 +76,7 @@ def test_stated_stiffnesses_give_way_and_the_rest_of_the_law_stays() -> None:
     rigid = of_level(plan, "joint stiffness", "rigid").material
     assert (rigid.joints["wall-wall"].normal_stiffness, rigid.joints["wall-wall"].damping) == (None, 0.0)
     assert rigid.joints["wall-wall"].cohesion == 1e5
-    soft = of_level(plan, "joint stiffness", "E 700 MPa").material
+    soft = of_level(plan, "joint stiffness", "E 0.7 GPa").material
     assert soft.joints["wall-wall"].normal_stiffness is None
     assert soft.joints["wall-wall"].damping == 0.05
     assert of_level(plan, "damping", "0 %").material.joints["wall-wall"].damping == 0.0

@@ -18,7 +18,6 @@ from typing import Any
 
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.scene import Scene
-from masonry_cd.foundation.quantities import pressure
 from masonry_cd.mechanics.dynamics.settings import AUTO, LONGEST_STEP, RUNGS
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
 from structures.variants import rebonded, resized
@@ -36,6 +35,7 @@ STONE = {"least": 0.7e9, "mean": 1.5e9, "largest": 3.3e9}  # E [Pa]: of irregula
 STAND_IN = "split stone"  # kind that gives G / E = 1/3, as all stone of that table; density stays that of the scene
 OF_STIFFNESS = ("normal_stiffness", "tangential_stiffness")
 OF_DAMPING = ("damping", "damping_frequency")
+GIGA = 1e9  # [Pa]
 ELASTIC_COST = 1.5  # times a rigid run, about (church of 308 blocks)
 
 
@@ -149,7 +149,7 @@ def _stiffness(scene: Scene, asked: AssessTable) -> Assumption:
     levels = [Level(RIGID, _rigid, 1.0 if base == RIGID else 1.0 / ELASTIC_COST)]
     for level in ("largest", "mean", "least"):
         change = _elastic(level, None if by_kind else ends[level])
-        levels.append(Level(f"E {pressure(ends[level])}", change, ELASTIC_COST if base == RIGID else 1.0))
+        levels.append(Level(_modulus(ends[level]), change, ELASTIC_COST if base == RIGID else 1.0))
     return Assumption(STIFFNESS, base, tuple(level for level in levels if level.name != base))
 
 
@@ -159,7 +159,12 @@ def _base_stiffness(scene: Scene) -> str:
     if given:
         return f"{given[0]:.3g}{f' to {given[-1]:.3g}' if len(given) > 1 else ''} N/m3"
     moduli = scene.material.joint_moduli
-    return RIGID if moduli is None else f"E {pressure(moduli[0])}"
+    return RIGID if moduli is None else _modulus(moduli[0])
+
+
+def _modulus(young: float) -> str:
+    """E in the unit of a range of it: ``E 0.7 GPa``."""
+    return f"E {young / GIGA:.3g} GPa"
 
 
 def _friction(tables: Tables, asked: AssessTable) -> Assumption:
