@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     "status", "reason", "displacement_max", "max_opening", "residual_opening", "grade", "collapsed_blocks", "load_factor", "steps",
-    "steps_missed", "error_max", "provisional", "seconds",
+    "steps_missed", "error_max", "provisional", "remark", "seconds",
 )  # fmt: skip
 UNITS = {"displacement_max": "m", "max_opening": "m", "residual_opening": "m", "seconds": "s"}
 

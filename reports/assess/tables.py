@@ -12,7 +12,7 @@ from masonry_cd.foundation.csv_files import write_csv
 CSV = "assess.csv"
 NUMBERS = (
     "displacement_max", "max_opening", "residual_opening", "grade", "collapsed_blocks", "load_factor", "steps", "steps_missed", "error_max",
-    "provisional", "seconds",
+    "provisional", "remark", "seconds",
 )  # fmt: skip
 SHORT = {
     "displacement_max": "displ.", "max_opening": "opening", "residual_opening": "residual", "grade_number": "grade",
@@ -69,7 +69,7 @@ def note_of(member: Member) -> str:
     if not member.done:
         return f"{member.row.get('status')}: {member.row.get('reason')}"
     missed = f"{MISSED} {member.row['steps_missed']} steps missed" if member.missed else ""
-    return missed or ("provisional" if member.row.get("provisional") else "")
+    return ", ".join(filter(None, [missed, member.row.get("remark"), "provisional" if member.row.get("provisional") else ""]))
 
 
 def rows_of(found: Assessment) -> Iterator[list[str]]:

@@ -64,6 +64,11 @@ def test_runs_without_data_and_runs_that_missed_are_named() -> None:
     assert found.bar(KNOWN[1], DISPLACEMENT).values == (("0.6", pytest.approx(0.098)),)
 
 
+def test_an_assumption_all_of_whose_runs_failed_is_no_idle_one() -> None:
+    found = made({("friction", "0.4"): FAILED, ("friction", "0.6"): FAILED})
+    assert verdict(found).endswith("damping, time step and tolerance do not; nothing is known of friction")
+
+
 def test_a_run_that_is_not_graded_has_no_part_in_the_range_of_grades() -> None:
     unreliable = row_of(240.0, grade_number=None, grade="not graded")
     found = made({("joint stiffness", "E 700 MPa"): unreliable, ("damping", "0 %"): 120.0, ("damping", "5 %"): 120.0})

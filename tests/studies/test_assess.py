@@ -18,7 +18,7 @@ from masonry_cd.mechanics.model.masonry_kinds import KINDS
 from masonry_cd.studies.assess.plan import AssessPlan
 from masonry_cd.studies.assess.task import assess_task
 from masonry_cd.studies.study.checks import scene_of_run
-from masonry_cd.studies.study.task import Task
+from masonry_cd.studies.study.task import Outcome, Task
 
 WALL: dict[str, Any] = {
     "structure": {"kind": "wall", "length": 2.0, "height": 1.5, "thickness": 0.3, "course_height": 0.5},
@@ -185,6 +185,20 @@ def test_a_run_answers_with_residual_opening_and_grade(tmp_path: Path) -> None:
     assert row["residual_opening"] <= row["max_opening"]
     assert row["load_factor"] == pytest.approx(0.3 / 1.5, rel=1e-3)  # thickness over height: it overturns
     assert "limit" not in plan.maker.tables(plan.runs[1].asked)  # of the ensemble: statics does not change
+
+
+def test_joints_that_do_not_settle_take_the_weight_at_once_and_the_row_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def run(task: Task) -> Outcome:
+        asked.append(task.tables["run"].get("settle", True))
+        reason = 'run.settle: block "b" does not come to rest under its weight' if asked[-1] else ""
+        return Outcome(task.name, {"status": "failed" if reason else "done", "reason": reason, "seconds": 1.0})
+
+    monkeypatch.setattr("masonry_cd.studies.assess.task.run_task", run)
+    row = assess_task(Task("a", {"run": {"dt": 1e-3}}, 60.0)).row
+    assert asked == [True, False]
+    assert (row["status"], row["remark"]) == ("done", "weight at once")
 
 
 # --- the command ----------------------------------------------------------------------------------------------------------------------

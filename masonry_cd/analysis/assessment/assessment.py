@@ -24,6 +24,7 @@ from masonry_cd.foundation.files import read_text
 
 FILE = "assess.json"
 BASE, ENSEMBLE, LEVEL, PAIR = "base", "ensemble", "level", "pair"
+UNSETTLED = "weight at once"  # remark on a run whose joints would not settle under their weight before it
 LEAST = 3  # members of an ensemble that is one
 CONFIDENCE = 0.95  # of the test against chance
 FELT = 0.05  # share of the base case below which a difference is none to an engineer

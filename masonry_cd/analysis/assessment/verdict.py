@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FACTOR, GRADE, LEVEL, Answer, Assessment, Known, Member
+from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FACTOR, GRADE, LEVEL, UNSETTLED, Answer, Assessment, Known, Member
 from masonry_cd.analysis.damage.grades import NAMES
 
 MOST = 0.5  # share of the largest weight from which an assumption decides beside it
@@ -40,6 +40,9 @@ def verdict(found: Assessment) -> str:
         parts.append(f"{_named(then)} {'counts' if len(then) == 1 else 'count'} as well")
     if idle and first:
         parts.append(f"{_named(idle)} {'does' if len(idle) == 1 else 'do'} not")
+    unknown = [one for one in found.assumptions if not found.tested(one)]
+    if unknown:
+        parts.append(f"nothing is known of {_named(unknown)}")
     return "; ".join(parts)
 
 
@@ -67,6 +70,11 @@ def warnings_of(found: Assessment) -> list[str]:
     cut = [one for one in found.members if one.done and one.row.get("provisional")]
     if cut:
         out.append(f"{len(cut)} runs ended before their blocks were still, so that what remains is provisional: {_some(cut)}")
+    at_once = [one for one in found.members if one.done and one.row.get("remark") == UNSETTLED]
+    if at_once:
+        out.append(
+            f"{len(at_once)} runs began with the weight coming upon their joints at once, since they did not settle: {_some(at_once)}"
+        )
     numerical = [one.name for one in found.deciding if one.numerical]
     if numerical:
         out.append(f"{' and '.join(numerical)} change the answers: make them finer until they do not, before anything else is concluded")
