@@ -31,7 +31,7 @@ def assess(
     scene as it is runs again as a small ensemble, which shows what chance does. A scene with a table [limit] has its load factor
     among the answers. Ranges of its own stand in the table [assess].
 
-    DIR gets assess.png, a tornado chart, the page assess.html, assess.csv and assess.json. The same command again goes on where the
+    DIR gets assess.png, a tornado chart, the page assess.html, assess.csv and assess.json. The same command again continues where the
     last one ended.
 
     \b

@@ -150,7 +150,7 @@ def assess(
         force: begin anew, whatever the folder holds.
 
     Runs are made in processes of their own; a script needs no guard for them. Ctrl-C ends it: what is returned holds the runs that have
-    ended, and the same call goes on. Warnings are shown as :class:`RunWarning`.
+    ended, and the same call continues it. Warnings are shown as :class:`RunWarning`.
 
     Raises:
         InputError: anything wrong with the scene, or the folder of another one.
