@@ -20,7 +20,7 @@ CAPTION = (
     "white diamond is the case that the levels of an assumption are compared with where that is not the base case."
 )
 READ = (
-    "The base case is the scene as it is, run until its blocks are still. Chance is judged by the studentised range of as many runs as a "
+    "The base case is the scene as it is. Chance is judged by the studentised range of as many runs as a "
     f"bar has (Tukey's test), and a difference under {100 * FELT:.0f} % of the base case counts as none. Assumptions are ranked by the "
     "share of the range of each answer that their bars take."
 )

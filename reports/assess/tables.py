@@ -62,14 +62,15 @@ def _cell(answer: Answer, member: Member) -> str:
     return shown(answer, member.of(answer))
 
 
-def note_of(member: Member) -> str:
-    """What to know of a run: why it is no data, that steps missed the tolerance."""
+def note_of(found: Assessment, member: Member) -> str:
+    """What to know of a run: why it is no data, that steps missed the tolerance, that it alone was cut off."""
     if not member.row:
         return WAITS
     if not member.done:
         return f"{member.row.get('status')}: {member.row.get('reason')}"
+    cut = "provisional" if member.row.get("provisional") and not found.base.row.get("provisional") else ""
     missed = f"{MISSED} {member.row['steps_missed']} steps missed" if member.missed else ""
-    return ", ".join(filter(None, [missed, member.row.get("remark"), "provisional" if member.row.get("provisional") else ""]))
+    return ", ".join(filter(None, [missed, member.row.get("remark"), cut]))
 
 
 def rows_of(found: Assessment) -> Iterator[list[str]]:
@@ -86,7 +87,7 @@ def rows_of(found: Assessment) -> Iterator[list[str]]:
         name, level = heading(member)
         if member.kind == BASE:
             level = "as the scene has it"
-        yield ["" if name == shown_name and name != "ensemble" else name, level, *cells_of(found, member), note_of(member)]
+        yield ["" if name == shown_name and name != "ensemble" else name, level, *cells_of(found, member), note_of(found, member)]
         shown_name = name
 
 

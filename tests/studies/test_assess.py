@@ -144,7 +144,9 @@ def test_each_run_is_named_by_its_scene_and_the_base_case_is_first() -> None:
     assert len({run.name for run in plan.runs}) == len(plan.runs) - 1
     again = AssessPlan(scene(assess={"leave_out": ["friction"]}))
     assert again.runs[0].name == plan.runs[0].name  # what is varied is no part of a scene that runs
-    assert scene_of_run(plan.maker.tables(plan.runs[0].asked)).until_still
+    assert not scene_of_run(plan.maker.tables(plan.runs[0].asked)).until_still  # as the scene is
+    graded = AssessPlan(scene(report={"damage": True}))
+    assert scene_of_run(graded.maker.tables(graded.runs[0].asked)).until_still
 
 
 def test_members_of_the_ensemble_differ_by_a_billionth() -> None:

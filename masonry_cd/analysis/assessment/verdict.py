@@ -69,7 +69,8 @@ def warnings_of(found: Assessment) -> list[str]:
         out.append(f"{len(ungraded)} runs cannot be relied on and have no grade: {', '.join(place_of(one) for one in ungraded)}")
     cut = [one for one in found.members if one.done and one.row.get("provisional")]
     if cut:
-        out.append(f"{len(cut)} runs ended before their blocks were still, so that what remains is provisional: {_some(cut)}")
+        said = "run.until_still = true has them go on" if found.base in cut else _some(cut)
+        out.append(f"{len(cut)} runs ended before their blocks were still, so that what remains, and grades, are provisional: {said}")
     at_once = [one for one in found.members if one.done and one.row.get("remark") == UNSETTLED]
     if at_once:
         out.append(

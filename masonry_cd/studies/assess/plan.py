@@ -126,7 +126,7 @@ def _asked(part: Part) -> Asked:
 
 
 def _tables_of(scene: Scene) -> dict[str, Any]:
-    """The tables of a scene as numbers, its damage graded, without what no run of an assessment needs."""
+    """The tables of a scene as numbers, without what no run of an assessment needs."""
     try:
         tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
     except InputError as error:
@@ -135,7 +135,6 @@ def _tables_of(scene: Scene) -> dict[str, Any]:
     tables["quiet_checks"] = []
     if isinstance(tables.get("limit"), Mapping):
         tables["limit"] = {key: value for key, value in tables["limit"].items() if key != "curve"}
-    tables["report"] = {**tables.get("report", {}), "damage": True}  # so that a run goes on until its blocks are still
     return tables
 
 
