@@ -18,6 +18,7 @@ from typing import Any
 __version__ = "0.1.0"
 
 NAMES = {
+    "Assessment": "masonry_cd.interface.assessing:Assessment",
     "Block": "masonry_cd.mechanics.model.blocks:Block",
     "Comparison": "masonry_cd.interface.comparison:Comparison",
     "InputError": "masonry_cd.foundation.errors:InputError",
@@ -27,6 +28,7 @@ NAMES = {
     "Scene": "masonry_cd.interface.scenes:Scene",
     "Structure": "masonry_cd.interface.structure:Structure",
     "Study": "masonry_cd.interface.studies:Study",
+    "assess": "masonry_cd.interface.assessing:assess",
     "box": "structures.geometry.prism:box",
     "compare": "masonry_cd.interface.comparison:compare",
     "limit_analysis": "masonry_cd.interface.limit:limit_analysis",

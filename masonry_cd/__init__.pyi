@@ -1,4 +1,6 @@
 from masonry_cd.foundation.errors import InputError as InputError
+from masonry_cd.interface.assessing import Assessment as Assessment
+from masonry_cd.interface.assessing import assess as assess
 from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
@@ -21,6 +23,7 @@ from structures.geometry.prism import box as box
 __version__: str
 NAMES: dict[str, str]
 __all__ = [
+    "Assessment",
     "Block",
     "Comparison",
     "InputError",
@@ -30,6 +33,7 @@ __all__ = [
     "Scene",
     "Structure",
     "Study",
+    "assess",
     "box",
     "compare",
     "limit_analysis",

@@ -8,13 +8,14 @@ nothing of the curve's joints: it finds its contacts itself.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.materials import JointLaws
 
 PLACES = (0.1, 0.3, 0.5, 0.7, 0.9)  # points that are judged, as shares of the curve
 WIDE = 0.08  # first factors tried, to either side, as a share of the first factor of the curve
@@ -36,18 +37,18 @@ class Bracket:
     missed: int  # steps on the way whose solution missed its tolerance
 
 
-def brackets(curve: CapacityCurve, direction: np.ndarray, gravity: np.ndarray) -> tuple[Bracket, ...]:
-    """Judge some points of a curve under gravity (3,) [m/s2] and a body force along a direction (3,)."""
+def brackets(curve: CapacityCurve, laws: JointLaws, direction: np.ndarray, gravity: np.ndarray) -> tuple[Bracket, ...]:
+    """Judge some points of a curve under gravity (3,) [m/s2] and a body force along a direction (3,), on joints of some laws."""
     last = float(curve.displacement[-1])
     places = sorted({int(np.argmin(np.abs(curve.displacement - share * last))) for share in PLACES} - {0})
-    return tuple(_Release(curve, k, direction, gravity).bracket() for k in places)
+    return tuple(_Release(curve, k, laws, direction, gravity).bracket() for k in places)
 
 
 class _Release:
     """Blocks released from rest at point k of a curve, again and again."""
 
-    def __init__(self, curve: CapacityCurve, k: int, direction: np.ndarray, gravity: np.ndarray) -> None:
-        self.curve, self.k, self.direction, self.gravity = curve, k, direction, gravity
+    def __init__(self, curve: CapacityCurve, k: int, laws: JointLaws, direction: np.ndarray, gravity: np.ndarray) -> None:
+        self.curve, self.k, self.laws, self.direction, self.gravity = curve, k, laws, direction, gravity
         self.missed = 0  # steps so far that missed their tolerance
 
     def bracket(self) -> Bracket:
@@ -63,7 +64,7 @@ class _Release:
 
     def goes_on(self, factor: float) -> bool:
         """Whether they go on along the curve under a factor."""
-        placed, control = self.curve.stages[self.k].assembly, self.curve.control
+        placed, control = replace(self.curve.stages[self.k].assembly, laws=self.laws), self.curve.control
         pull = np.tile(self.gravity + factor * math.hypot(*self.gravity) * self.direction, (STEPS + 1, 1))
         run = Run.model_validate({"dt": STEP, "duration": STEP * STEPS, "tolerance": TOLERANCE})
         machine = Stepper(placed, np.zeros((STEPS + 1, 1, 3)), pull, run)

@@ -10,6 +10,7 @@ import ast
 import importlib.util
 from pathlib import Path
 
+from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.scene import SceneTables
 from masonry_cd.foundation.table_schema import DRAFT, Schema, as_text, table_schema
 from masonry_cd.mechanics.dynamics.settings import Run
@@ -35,7 +36,8 @@ def scene_schema() -> Schema:
     keys["run"] |= table_schema(Run)
     keys["report"] |= table_schema(Report)
     keys["limit"] |= limit_schema()
-    for table in ("structure", "material", "run", "report", "limit"):
+    keys["assess"] |= table_schema(AssessTable)
+    for table in ("structure", "material", "run", "report", "limit", "assess"):
         if keys[table].get(REFUSED) is True:
             del keys[table][REFUSED]
     keys["structure"]["required"] = ["kind"]

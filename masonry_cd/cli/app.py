@@ -12,6 +12,7 @@ import typer
 
 from masonry_cd import __version__
 from masonry_cd.cli.accuracy import accuracy
+from masonry_cd.cli.assess import assess
 from masonry_cd.cli.build import build
 from masonry_cd.cli.compare import compare
 from masonry_cd.cli.export import export
@@ -68,6 +69,7 @@ for command in (
     solve,
     accuracy,
     study,
+    assess,
     schema,
 ):  # in the order of the help text
     app.command()(command)

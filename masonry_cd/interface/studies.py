@@ -36,7 +36,10 @@ if TYPE_CHECKING:
     from masonry_cd.studies.study.study_case import Plan
 
 COUNTS = ("seed", "collapsed_blocks", "grade_number", "steps", "steps_missed")  # columns of whole numbers
-UNITS = {"level": "", "max_opening": "m", "max_sliding": "m", "displacement_max": "m", "collapse_time": "s", "seconds": "s"}
+UNITS = {
+    "level": "", "max_opening": "m", "max_sliding": "m", "displacement_max": "m", "residual_opening": "m", "collapse_time": "s",
+    "seconds": "s",
+}  # fmt: skip
 
 
 class Study:
@@ -222,8 +225,8 @@ def study(
     where = Where(scheduler, None if slurm is None else Path(slurm), workers or run.workers, run.memory)
     number, stopped = 0, ""
     try:
-        with _without_main():
-            stopped = study_case(plan, place, Options(where, retry, force, quiet=not progress), _say if progress else _silent)["stopped"]
+        with without_main():
+            stopped = study_case(plan, place, Options(where, retry, force, quiet=not progress), say if progress else silent)["stopped"]
     except Interrupted as asked:  # the tables are written of the runs that have ended
         number = asked.number
     if number not in (0, signal.SIGINT):
@@ -269,7 +272,7 @@ def _made(folder: Path, keeper: TemporaryFolder | None, finished: bool, stopped:
 
 
 @contextmanager
-def _without_main() -> Iterator[None]:
+def without_main() -> Iterator[None]:
     """Hide the script that called from the processes that are started: they would import it, and so call again what it calls."""
     main = sys.modules["__main__"]
     hidden = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
@@ -282,11 +285,11 @@ def _without_main() -> Iterator[None]:
             setattr(main, name, value)
 
 
-def _say(line: str) -> None:
+def say(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
-def _silent(line: str) -> None:
+def silent(line: str) -> None:
     """Say nothing."""
 
 

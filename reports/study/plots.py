@@ -15,14 +15,16 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 STROKES = ("-", "--", ":", "-.")
 PALE = "#b8bec4"
 PANELS = 3  # side by side at most
-LENGTHS = ("max_opening", "max_sliding", "displacement_max")  # columns in metres, drawn in millimetres
+LENGTHS = ("max_opening", "max_sliding", "displacement_max", "residual_opening")  # columns in metres, drawn in millimetres
 WORDS = {
     "max_opening": "largest opening",
     "max_sliding": "largest sliding",
     "displacement_max": "largest displacement",
+    "residual_opening": "residual opening",
     "drift": "drift",
     "collapsed_blocks": "number of fallen blocks",
     "grade_number": "number of the grade",
+    "load_factor": "load factor",
 }
 
 
@@ -41,8 +43,8 @@ def colour(k: int) -> str:
     return COLOURS[k % len(COLOURS)]
 
 
-def sheet(title: str, facts: str, panels: int = 1, size: tuple[float, float] | None = None) -> tuple[Any, list[Any]]:
-    """A figure with a title, a line of facts, and panels side by side."""
+def sheet(title: str, facts: str, panels: int = 1, size: tuple[float, float] | None = None, rows: int = 1) -> tuple[Any, list[Any]]:
+    """A figure with a title, a line of facts, and panels side by side, or in several rows."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -52,7 +54,10 @@ def sheet(title: str, facts: str, panels: int = 1, size: tuple[float, float] | N
     FigureCanvasAgg(figure)
     figure.text(0.16 / width, 1.0 - 0.26 / height, title, fontsize=14, fontweight="bold", color=INK, va="center", parse_math=False)
     figure.text(0.16 / width, 1.0 - 0.54 / height, facts, fontsize=10, color=FAINT, va="center", parse_math=False)
-    axes = list(figure.subplots(1, panels, squeeze=False)[0])
+    axes = list(figure.subplots(rows, -(-panels // rows), squeeze=False).flat)
+    for spare in axes[panels:]:
+        spare.remove()
+    axes = axes[:panels]
     for one in axes:
         plain(one)
     return figure, axes

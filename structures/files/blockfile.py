@@ -25,6 +25,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.files import read_text
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 from masonry_cd.mechanics.model.sphere import ball_centre
@@ -55,7 +56,7 @@ class _Keys(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     name: str | None = Field(None, min_length=1)
-    density: float | None = Field(None, gt=0, allow_inf_nan=False)
+    density: Annotated[float, Unit("kg/m3"), Field(gt=0, allow_inf_nan=False)] | None = None
     fixed: bool = False
     group: str | None = Field(None, min_length=1)
 

@@ -18,9 +18,11 @@ from typer.testing import CliRunner
 from benchmarks.dry_walls import ASSOCIATED, dry_wall
 from masonry_cd.analysis.limit import conic, nonassociated
 from masonry_cd.analysis.limit.capacity import CurveOptions, capacity_curve
+from masonry_cd.app.case import prepare
 from masonry_cd.app.limit_case import OUTPUTS, draw, limit_case, lines, summary, write
 from masonry_cd.app.limit_curve import FollowedCurve, curve_lines
 from masonry_cd.app.limit_dynamics import brackets
+from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -102,12 +104,23 @@ def test_the_curve_of_a_pillar_is_written_and_the_dynamics_agrees(tmp_path):
 def test_a_point_at_which_nothing_drives_the_blocks_on_says_so():
     assembly = Assembly.from_blocks(pillar(), 0.6)
     curve = capacity_curve(assembly, find_joints(assembly), push_loads(assembly), CurveOptions(steps=20))
-    found = brackets(curve, np.zeros(3), np.zeros(3))  # without gravity and without a push
+    found = brackets(curve, assembly.laws, np.zeros(3), np.zeros(3))  # without gravity and without a push
     assert np.isnan([each.high for each in found]).all()
     assert all(each.low < each.factor for each in found)
     line = curve_lines(FollowedCurve(curve, found), assembly.names)[1]
     assert line.startswith("dynamics at ")
     assert "goes on at none of those tried; the curve has " in line
+
+
+def test_the_dynamics_of_a_curve_has_the_dashpots_of_a_run(tmp_path, monkeypatch):
+    joints = ", joints = {normal_stiffness = 1e9, damping = 0.05}"
+    path = scene(tmp_path, pillar(), "[limit]\npush = 'x'\ncurve = {dynamics = true, steps = 20}\n", joints=joints)
+    given = []
+    monkeypatch.setattr("masonry_cd.app.limit_dynamics.brackets", lambda curve, laws, direction, gravity: given.append(laws) or ())
+    limit_case(path)
+    of_run = prepare(read_scene(path)).assembly.laws
+    assert of_run.retardation.max() > 0.0
+    assert given[0].retardation == pytest.approx(of_run.retardation)
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.sinusoidal import SinusoidalTable
 from loads.kinds.tilt import PushTable, TiltTable
 from masonry_cd.analysis.code_check.table import CheckTable
+from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.static_loads import CurveTable
@@ -98,6 +99,7 @@ def test_the_block_file_of_the_page_is_sound(tmp_path):
         ("| `[limit.check]`", CheckTable),
         ("| `[limit.curve]`", CurveTable),
         ("## [material]", Material),
+        ("## [assess]", AssessTable),
         ("## [run]", Run),
         ("## [report]", Report),
     ],

@@ -116,6 +116,7 @@ def test_a_plain_block_is_left_as_it_is() -> None:
         ({"blocks": [7]}, "blocks.json: blocks[0]: must be an object"),
         ({"blocks": [cube(), cube()]}, 'blocks.json: block "c": two blocks have this name'),
         ({"blocks": [cube(densty=1.0)]}, 'blocks.json: block "c".densty: unknown key (did you mean "density"?)'),
+        ({"blocks": [cube(density="1.9 m")]}, 'blocks.json: block "c".density: '),
         ({"blocks": [cube(density=-1.0)]}, 'blocks.json: block "c".density: input should be greater than 0'),
         ({"blocks": [cube(vertices=[[0, 0, "x"]] * 4)]}, 'blocks.json: block "c".vertices[0][2]: input should be a valid number'),
         ({"blocks": [cube(faces=cube()["faces"][:-1])]}, 'blocks.json: block "c": open shell'),
@@ -182,6 +183,11 @@ def test_a_moved_block_changes_nothing_else(tmp_path: Path) -> None:
     blockfile.write(tmp_path / "moved.json", moved)
     with pytest.raises(InputError, match=r'moved\.json: blocks "v1" and "v2" overlap'):
         blockfile.read(tmp_path / "moved.json", 2100.0)
+
+
+def test_a_density_may_have_a_unit_of_its_own(tmp_path: Path) -> None:
+    (block,) = blockfile.read(saved(tmp_path, {"units": "mm", "blocks": [cube(density="1.9 t/m3")]}), 2000.0)
+    assert block.density == pytest.approx(1900.0)
 
 
 def test_blocks_that_all_bring_their_density_need_none_of_the_material(tmp_path):

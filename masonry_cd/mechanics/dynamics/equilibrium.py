@@ -29,6 +29,7 @@ REMEMBERED = 8  # swings, to one of whose ends such a swing comes back
 LONGEST = 40  # steps of a swing: a slower one goes on from rest, and still comes closer by a hundredth if it takes eleven times as many
 SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last swing is this share of all of it; or its first step this, and these shrink no more
 SHARE, FINEST = 1e-2, 1e-12  # of the run's tolerance, to which steps of settling are solved, and the finest
+COARSEST = 1e-8  # to which they are at the least: at 1e-5 joints that should stick creep on, and a church does not come to rest
 SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
 
 
@@ -97,7 +98,7 @@ def _swing(trial: Stepper) -> tuple[int, float]:
 def _trial(stepper: Stepper) -> Stepper:
     """A stepper of the same blocks and plane that settles."""
     a, settings = stepper.assembly, stepper.settings
-    tolerance = max(SHARE * settings.tolerance, FINEST)
+    tolerance = max(min(SHARE * settings.tolerance, COARSEST), FINEST)
     own = {
         "dt": _step(stepper) if _jacked(stepper).all() else min(_step(stepper), settings.dt),
         "theta": 1.0,

@@ -21,8 +21,8 @@ from reports.outputs import damage_of
 
 FARTHEST, EVENLY = 20, 20  # frames at which drifts are looked at: all of them would take a fifth of the time of a run of 30 blocks
 QUANTITIES = (
-    "max_opening", "max_sliding", "displacement_max", "drift", "collapsed_blocks", "collapse_time", "grade", "grade_number", "steps",
-    "steps_missed", "error_max", "provisional",
+    "max_opening", "max_sliding", "displacement_max", "residual_opening", "drift", "collapsed_blocks", "collapse_time", "grade",
+    "grade_number", "load_factor", "steps", "steps_missed", "error_max", "provisional",
 )  # fmt: skip
 
 
@@ -47,6 +47,7 @@ def of_run(results_file: Path, summary: Mapping[str, Any], scene: Scene) -> tupl
     *parts, whole = damage.parts
     found = {
         "max_opening": float(table.max_opening.max(initial=0.0)),
+        "residual_opening": float(table.residual_opening[table.state != "separated"].max(initial=0.0)),
         "max_sliding": float(table.max_sliding.max(initial=0.0)),
         "displacement_max": float(summary["displacement_max"]),
         "drift": _finite(whole["max_drift"]),
@@ -54,6 +55,7 @@ def of_run(results_file: Path, summary: Mapping[str, Any], scene: Scene) -> tupl
         "collapse_time": collapse_time,
         "grade": whole["grade"],
         "grade_number": _number(whole["grade"]),
+        "load_factor": summary.get("load_factor", {}).get("given_way"),
         "steps": int(summary["steps"]),
         "steps_missed": int(summary["solver"]["steps_missed"]),
         "error_max": float(summary["solver"]["error_max"]),

@@ -8,7 +8,8 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping
+import random
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -139,6 +140,7 @@ class Plan:
     def __init__(self, study: Study, space: Space) -> None:
         self.maker = Maker(study, space)
         self.runs: list[Planned] = [self.maker.planned(asked) for asked in DESIGNS[study.tables.design](space)]
+        self.design: str = study.tables.design
         self._study = study
         self._found: dict[tuple[str, str], dict[float, bool | None]] = {}  # by motion and what varies: collapsed, by level
 
@@ -163,6 +165,12 @@ class Plan:
             following = self.maker.planned(Asked(asked.motion, level, values=asked.values))
             self.runs.append(following)
             yield following
+
+    def shuffled(self, runs: Sequence[Planned]) -> list[Planned]:
+        """Runs in the order in which they are made: a random one, so that those that are done stand for the others."""
+        made = list(runs)
+        random.Random(self.maker.study.tables.seed).shuffle(made)
+        return made
 
     def ordered(self) -> list[Planned]:
         """All runs in the order of the table: as the design lists them; of an IDA by motion, then level."""

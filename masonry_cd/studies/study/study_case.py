@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -18,15 +17,16 @@ from masonry_cd.studies.study.clusters import Where, connected
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.folder import NAME, StudyFolder, digest_of
 from masonry_cd.studies.study.limit_runs import limit_lines, write_limits
-from masonry_cd.studies.study.plan import Plan, Planned
+from masonry_cd.studies.study.plan import Maker, Plan, Planned
 from masonry_cd.studies.study.progress import StudyProgress
 from masonry_cd.studies.study.records import find_records
 from masonry_cd.studies.study.space import Space
 from masonry_cd.studies.study.study_file import Study, read_study
 from masonry_cd.studies.study.table import write_table
-from masonry_cd.studies.study.task import Outcome, Task
+from masonry_cd.studies.study.task import Outcome, Task, run_task
 
 Say = Callable[[str], None]
+Rows = dict[str, dict[str, Any]]  # of the runs that have ended, by name
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,21 @@ def plan_of_study(study: Study) -> Plan:
         raise study.at_fault(error) from None
 
 
-def study_case(plan: Plan, folder: Path, options: Options, say: Say) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Ways:
+    """What a study does with its runs; by default what the command ``study`` does."""
+
+    function: Callable[[Task], Outcome] = run_task  # a run, on a worker
+    write: Callable[[Path, list[Planned], Maker, Rows], object] = write_table  # what is written of the runs that have ended
+    check: Callable[[Plan], None] = check_first  # what is wrong with all runs, before they begin
+    maps: bool = True  # whether the results of the first run are kept, for maps of its joints
+    lines: Callable[[list[Planned], Maker, Rows], list[str]] = lambda *_: []  # what is said of them in the end
+
+
+WAYS = {"run": Ways(), "limit": Ways(write=write_limits, check=lambda _: None, maps=False, lines=limit_lines)}
+
+
+def study_case(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways | None = None) -> dict[str, Any]:
     """Make a study.
 
     Args:
@@ -71,6 +85,7 @@ def study_case(plan: Plan, folder: Path, options: Options, say: Say) -> dict[str
         folder: for the results, made if need be; runs that have ended there are not made again.
         options: where and how.
         say: called with lines on what is done.
+        ways: what a run is, and what is written of it; as the study file asks when not given.
 
     Returns:
         ``done``, ``failed``, ``timeout``, ``runs``: counts; ``stopped`` why the study ended early, "" when it did not.
@@ -89,7 +104,7 @@ def study_case(plan: Plan, folder: Path, options: Options, say: Say) -> dict[str
         if options.force:
             here.clear()
         here.begin(study, _resolved(plan))
-        return _Made(plan, here, options, say).make()
+        return _Made(plan, here, options, say, ways or WAYS[study.tables.asks]).make()
 
 
 def require_own(plan: Plan, folder: Path) -> None:
@@ -104,11 +119,10 @@ def require_own(plan: Plan, folder: Path) -> None:
 class _Made:
     """A study on its way."""
 
-    def __init__(self, plan: Plan, folder: StudyFolder, options: Options, say: Say) -> None:
-        self.plan, self.folder, self.options, self.say = plan, folder, options, say
+    def __init__(self, plan: Plan, folder: StudyFolder, options: Options, say: Say, ways: Ways) -> None:
+        self.plan, self.folder, self.options, self.say, self.ways = plan, folder, options, say, ways
         self.rows = folder.finished(options.retry)
         self.stopped = ""
-        self.limits = plan.maker.study.tables.asks == "limit"
 
     def make(self) -> dict[str, Any]:
         """Make the missing runs and write the tables."""
@@ -117,8 +131,7 @@ class _Made:
             f"{self.plan.maker.study.title}: {len(known)} runs{' so far' if self.plan.adapts else ''}, {len(missing)} of them to be made"
         )
         if missing:
-            if not self.limits:
-                check_first(self.plan)
+            self.ways.check(self.plan)
             self.folder.forget_hangs(missing)
             try:
                 self._execute(missing, len(known))
@@ -126,12 +139,12 @@ class _Made:
                 self.stopped = str(asked)
                 self._close()
                 raise
-        if not self.stopped and not self.limits:
+        if not self.stopped and self.ways.maps:
             self._complete_reference()
         return self._close()
 
     def _missing(self) -> tuple[list[Planned], set[str]]:
-        """The runs to be made, each once, in random order; and the names of all that are known."""
+        """The runs to be made, each once, in the order of the plan's choice; and the names of all that are known."""
         missing: dict[str, Planned] = {}
         queue, known = deque(self.plan.runs), set()
         while queue:
@@ -141,9 +154,8 @@ class _Made:
                 queue.extend(self.plan.after(run, self.rows[run.name]))
             else:
                 missing.setdefault(run.name, run)
-        first, *others = missing.values() if missing else [None]
-        random.Random(self.plan.maker.study.tables.seed).shuffle(others)
-        return ([] if first is None else [first, *others]), known
+        made = list(missing.values())
+        return [*made[:1], *self.plan.shuffled(made[1:])], known
 
     def _execute(self, missing: list[Planned], known: int) -> None:
         """Make runs until there are none left, or a signal comes."""
@@ -165,9 +177,9 @@ class _Made:
                     progress.planned(more.weight)
                 return following
 
-            first = None if self.limits else self.plan.ordered()[0].name
+            first = self.plan.ordered()[0].name
             engine = Engine(
-                client, lambda run: self._task(run, tables, run.name == first), ended, look, patience=self.options.where.patience
+                client, lambda run: self._task(run, tables, run.name == first), ended, look, self.ways.function, self.options.where.patience
             )
             try:
                 engine.execute(missing)
@@ -184,15 +196,13 @@ class _Made:
     def _task(self, run: Planned, tables: Any, reference: bool) -> Task:
         """What a worker is asked."""
         folder = str(self.folder.path.resolve())
-        asked = tables.run
+        asked, reference = tables.run, reference and self.ways.maps
         return Task(run.name, self.plan.maker.tables(run.asked), asked.timeout, asked.grace, asked.keep, folder, reference, tables.asks)
 
     def _complete_reference(self) -> None:
         """Have the first run of the plan that is done as the reference; it is made again where another one was the first."""
-        from masonry_cd.studies.study.task import run_task
-
         first = next((run for run in self.plan.ordered() if self.rows[run.name]["status"] == "done"), None)
-        if first is None or self.folder.has_reference(first.name):
+        if first is None or not self.ways.maps or self.folder.has_reference(first.name):
             return
         outcome = run_task(replace(self._task(first, self.plan.maker.study.tables, True), keep="none"))
         if outcome.reference is not None:
@@ -201,14 +211,11 @@ class _Made:
     def _close(self) -> dict[str, Any]:
         """Write the tables and study.json; what came out."""
         runs = self.plan.ordered()
-        if self.limits:
-            write_limits(self.folder.path, runs, self.plan.maker, self.rows)
-        else:
-            write_table(self.folder.path, runs, self.plan.maker, self.rows)
+        self.ways.write(self.folder.path, runs, self.plan.maker, self.rows)
         self.folder.describe(_resolved(self.plan, None if self.stopped else len(runs)))
         ended = [self.rows[run.name] for run in runs if run.name in self.rows]
         counts = {status: sum(row["status"] == status for row in ended) for status in ("done", "failed", "timeout")}
-        lines = limit_lines(runs, self.plan.maker, self.rows) if self.limits else []
+        lines = self.ways.lines(runs, self.plan.maker, self.rows)
         return {"runs": len(runs), **counts, "stopped": self.stopped, "reasons": _reasons(ended), "limits": lines}
 
 
@@ -225,7 +232,7 @@ def _identity(plan: Plan) -> dict[str, str]:
     vary = {"keys": study.varied.columns, "random": {key: one.model_dump() for key, one in study.varied.random.items()}}
     return {
         "scene": maker.name(maker.base()),
-        "design": tables.design + (" of limit analyses" if tables.asks == "limit" else ""),
+        "design": plan.design + (" of limit analyses" if tables.asks == "limit" else ""),
         "seed": str(tables.seed),
         "intensity measure": digest_of(None if intensity is None else [intensity.measure, intensity.of, intensity.key]),
         "treatment of records": digest_of(records),
@@ -240,7 +247,7 @@ def _resolved(plan: Plan, runs: int | None = None) -> dict[str, Any]:
     measured = intensity is not None or (tables.records is not None and tables.records.folder is not None)
     return {
         "title": study.title,
-        "design": tables.design,
+        "design": plan.design,
         "seed": tables.seed,
         "scene": study.scene_name,
         "measure": (intensity.measure if intensity is not None else "PGA") if measured else None,

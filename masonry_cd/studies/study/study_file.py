@@ -36,8 +36,8 @@ from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
 
 FORMAT = 1
 QUANTITIES = (
-    "max_opening", "max_sliding", "displacement_max", "drift", "collapsed_blocks", "collapse_time", "grade", "grade_number", "steps_missed",
-    "error_max",
+    "max_opening", "max_sliding", "displacement_max", "residual_opening", "drift", "collapsed_blocks", "collapse_time", "grade",
+    "grade_number", "load_factor", "steps_missed", "error_max",
 )  # fmt: skip
 OF_PARTS = (".grade_number", ".drift")
 MOST_SECONDS = 1e8  # of a run: three years

@@ -13,7 +13,8 @@ from typing import Any
 from masonry_cd.analysis.fragility import measures
 from masonry_cd.foundation.errors import values_in_si
 
-UNITS = {"max_opening": "m", "max_sliding": "m", "displacement_max": "m", "collapse_time": "s"}  # of the columns of runs.csv that have one
+UNITS = {"max_opening": "m", "max_sliding": "m", "displacement_max": "m", "residual_opening": "m", "collapse_time": "s"}
+"""Of the columns of runs.csv that have one."""
 PURE = ("distribution", "beta", "count")  # keys of what varies that are no values of its key
 ROTATE = "records.rotate"  # varies as keys of the scene do
 

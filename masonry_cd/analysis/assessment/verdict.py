@@ -1,0 +1,181 @@
+"""An assessment in words: the range of the verdict, what decides it, what to pin down first, and what to know of the runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FACTOR, GRADE, LEVEL, UNSETTLED, Answer, Assessment, Known, Member
+from masonry_cd.analysis.damage.grades import NAMES
+
+MOST = 0.5  # share of the largest weight from which an assumption decides beside it
+NOTHING = 5e-4  # in the unit of an answer: half of the last digit that anybody reads [mm]
+NAMED = 3  # answers that a line names, and pairs
+
+
+def lines_of(found: Assessment) -> list[str]:
+    """The closing lines, the verdict first."""
+    if not found.base.done:
+        return [f"{found.title}: no verdict, the base case is no data: {found.base.row.get('reason', 'it was not run')}"]
+    out = [f"{found.title}: {verdict(found)}"]
+    out += [_pin_line(found, one, place) for place, one in enumerate(to_pin_down(found), 1)]
+    out += [f"ensemble of {len(_done(found.ensemble))}: {_spreads(found)}"] if len(found.ensemble) > 1 else []
+    out += _pair_lines(found)
+    return out + [f"not varied: {name}: {why}" for name, why in found.left_out]
+
+
+def verdict(found: Assessment) -> str:
+    """``between D2 and D4; joint stiffness decides; time step and tolerance do not``."""
+    deciding = found.deciding
+    first = [one for one in deciding if found.weight(one) >= MOST * found.weight(deciding[0])]
+    then = [one for one in deciding if one not in first]
+    idle = [one for one in found.assumptions if one not in deciding and found.tested(one)]
+    parts = [_range(found)]
+    if first:
+        parts.append(f"{_named(first)} {'decides' if len(first) == 1 else 'decide'}")
+    else:
+        parts.append("no assumption shows beyond chance" if len(found.ensemble) > 1 else "no assumption changes it")
+    if then:
+        parts.append(f"{_named(then)} {'counts' if len(then) == 1 else 'count'} as well")
+    if idle and first:
+        parts.append(f"{_named(idle)} {'does' if len(idle) == 1 else 'do'} not")
+    unknown = [one for one in found.assumptions if not found.tested(one)]
+    if unknown:
+        parts.append(f"nothing is known of {_named(unknown)}")
+    return "; ".join(parts)
+
+
+def to_pin_down(found: Assessment) -> list[Known]:
+    """Assumptions on the structure that show, the weightiest first."""
+    return [one for one in found.deciding if not one.numerical]
+
+
+def warnings_of(found: Assessment) -> list[str]:
+    """On the runs."""
+    if not found.base.done:
+        return []
+    out = [f"{place_of(one)}: no data: {one.row.get('reason', 'it was not run')}" for one in found.members if one.row and not one.done]
+    waiting = sum(not one.row for one in found.members)
+    out += [f"{waiting} of {len(found.members)} runs are still to be made"] if waiting else []
+    out += [
+        f"{place_of(one)}: no load factor: {one.row['limit_reason']}" for one in found.members if one.done and one.row.get("limit_reason")
+    ]
+    missed = [one for one in found.members if one.missed]
+    if missed:
+        out.append(f"{len(missed)} runs missed the tolerance in some steps (marked *): {', '.join(place_of(one) for one in missed)}")
+    ungraded = [one for one in found.members if one.done and "grade" in one.row and one.row.get("grade_number") is None]
+    if ungraded:
+        out.append(f"{len(ungraded)} runs cannot be relied on and have no grade: {', '.join(place_of(one) for one in ungraded)}")
+    cut = [one for one in found.members if one.done and one.row.get("provisional")]
+    if cut:
+        said = "run.until_still = true has them go on" if found.base in cut else _some(cut)
+        out.append(f"{len(cut)} runs ended before their blocks were still, so that what remains, and grades, are provisional: {said}")
+    at_once = [one for one in found.members if one.done and one.row.get("remark") == UNSETTLED]
+    if at_once:
+        out.append(
+            f"{len(at_once)} runs began with the weight coming upon their joints at once, since they did not settle: {_some(at_once)}"
+        )
+    numerical = [one.name for one in found.deciding if one.numerical]
+    if numerical:
+        out.append(f"{' and '.join(numerical)} change the answers: make them finer until they do not, before anything else is concluded")
+    return out
+
+
+def place_of(member: Member) -> str:
+    """A run by what it changes: ``friction 0.48``."""
+    if member.kind == BASE:
+        return "base case"
+    if member.kind == ENSEMBLE:
+        return f"ensemble {member.row.get('member') or ''}".strip()
+    return ", ".join(f"{name} {level}" for name, level in member.values.items())
+
+
+def shown(answer: Answer, value: float) -> str:
+    """A value with three digits, in its unit."""
+    if not np.isfinite(value):
+        return ""
+    if answer == GRADE:
+        return NAMES[int(value)]
+    if answer.whole:
+        return f"{value:.0f}"
+    return f"{answer.factor * value:.3g}" if abs(answer.factor * value) >= NOTHING else "0"
+
+
+def between(answer: Answer, low: float, high: float) -> str:
+    """``92 to 239 mm``."""
+    a, b = shown(answer, low), shown(answer, high)
+    unit = f" {answer.unit}" if answer.unit else ""
+    return f"{a}{unit}" if a == b else f"{a} to {b}{unit}"
+
+
+def _range(found: Assessment) -> str:
+    """The range of what the verdict is on: the grade, the load factor, else the first answer."""
+    parts = []
+    if np.isfinite(found.range(GRADE)[0]):
+        low, high = (NAMES[int(value)] for value in found.range(GRADE))
+        parts.append(f"{low} in all runs" if low == high else f"between {low} and {high}")
+    if FACTOR in found.answers:
+        low, high = (shown(FACTOR, value) for value in found.range(FACTOR))
+        parts.append(f"load factor {low}" if low == high else f"load factor between {low} and {high}")
+    if not parts:
+        answer = found.answers[0]
+        parts.append(f"{answer.name} {between(answer, *found.range(answer))}, not graded")
+    return ", ".join(parts)
+
+
+def _pin_line(found: Assessment, one: Known, place: int) -> str:
+    """``pin down 1: joint stiffness: largest displacement 92 to 239 mm (base case 92, chance 88 to 96)``."""
+    bars = [(answer, found.bar(one, answer)) for answer in found.answers]
+    said = []
+    for answer, bar in sorted((pair for pair in bars if pair[1].shows), key=lambda pair: -found.share(one, pair[0]))[:NAMED]:
+        by_chance = f" (chance alone {between(answer, *found.chance(answer))})" if len(found.ensemble) > 1 else ""
+        said.append(f"{answer.name} {between(answer, bar.low, bar.high)}{by_chance}")
+    return f"pin down {place}: {one.name}: {'; '.join(said)}"
+
+
+def _spreads(found: Assessment) -> str:
+    """What chance does to each answer."""
+    return "; ".join(f"{answer.name} {between(answer, *found.chance(answer))}" for answer in found.answers if answer != FACTOR)
+
+
+def _pair_lines(found: Assessment) -> list[str]:
+    """Pairs that go farther from what their two levels do alone than chance takes them."""
+    answer = found.answers[0]
+    clear = [(pair, by) for pair, by in found.interactions(answer) if abs(by) > found.by_chance(answer, 4)]
+    every = found.interactions(answer)
+    if not every:
+        return []
+    if not clear:
+        return [f"pairs: none of {len(every)} differs in its {answer.name} from what its two levels do alone, beyond chance"]
+    said = "; ".join(
+        f"{place_of(pair)} ({'+' if by > 0 else '-'}{shown(answer, abs(by))} {answer.unit})".replace(" )", ")")
+        for pair, by in clear[:NAMED]
+    )
+    return [f"pairs: {len(clear)} of {len(every)} differ in their {answer.name} from what their two levels do alone: {said}"]
+
+
+def _named(known: Sequence[Known]) -> str:
+    """Names with commas and an "and"."""
+    names = [one.name for one in known]
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _some(members: Sequence[Member]) -> str:
+    names = [place_of(one) for one in members]
+    return ", ".join(names[:NAMED]) + (" ..." if len(names) > NAMED else "")
+
+
+def _done(members: Sequence[Member]) -> list[Member]:
+    return [one for one in members if one.done]
+
+
+def heading(member: Member) -> tuple[str, str]:
+    """The first two cells of a run in tables: what it changes, and to what."""
+    if member.kind == BASE:
+        return "base case", ""
+    if member.kind == ENSEMBLE:
+        return "ensemble", f"1 + {member.row.get('member') or '?'}e-9"
+    if member.kind == LEVEL:
+        return next(iter(member.values.items()))
+    return " & ".join(member.values), " & ".join(member.values.values())

@@ -1,0 +1,191 @@
+"""What the answer of a scene rests on, as ``masonry-cd assess`` finds it: a verdict, a table of runs, a tornado chart, a page."""
+
+from __future__ import annotations
+
+import html
+import os
+import signal
+import warnings
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from masonry_cd.analysis.assessment.assessment import read_assessment
+from masonry_cd.analysis.assessment.verdict import heading, lines_of, to_pin_down, verdict, warnings_of
+from masonry_cd.app.progress import Interrupted
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.interface.plots import Page
+from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.scenes import Scene, scene
+from masonry_cd.interface.studies import say, silent, without_main
+from masonry_cd.interface.tables import frame_of_rows
+from masonry_cd.interface.temporary import TemporaryFolder
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from PIL.Image import Image
+
+COLUMNS = (
+    "status", "reason", "displacement_max", "max_opening", "residual_opening", "grade", "collapsed_blocks", "load_factor", "steps",
+    "steps_missed", "error_max", "provisional", "remark", "seconds",
+)  # fmt: skip
+UNITS = {"displacement_max": "m", "max_opening": "m", "residual_opening": "m", "seconds": "s"}
+
+
+class Assessment:
+    """What an assessment found. Made by :func:`masonry_cd.assess`; ``print`` shows the closing lines of the command line."""
+
+    def __init__(self, folder: Path, keeper: TemporaryFolder | None = None) -> None:
+        self.folder = Path(folder)
+        """Where its files are."""
+        self.keeper = keeper  # of a temporary folder
+        self._found = read_assessment(self.folder)
+
+    @property
+    def title(self) -> str:
+        """Of the scene."""
+        return self._found.title
+
+    @property
+    def verdict(self) -> str:
+        """``between D2 and D4; joint stiffness decides; time step and tolerance do not``; empty where the base case is no data."""
+        return verdict(self._found) if self._found.base.done else ""
+
+    @property
+    def pin_down(self) -> list[str]:
+        """Assumptions on the structure that change the answer beyond chance, the weightiest first."""
+        return [one.name for one in to_pin_down(self._found)] if self._found.base.done else []
+
+    @cached_property
+    def table(self) -> DataFrame:
+        """A row per run: what it changes, how it ended, its answers in SI units; ``attrs["units"]`` says which."""
+        rows = []
+        for member in self._found.members:
+            name, level = heading(member)
+            rows.append({"assumption": name, "level": level} | {column: member.row.get(column) for column in COLUMNS})
+        table = frame_of_rows(rows, "assumption")
+        table.attrs["units"] = dict(UNITS)
+        return table
+
+    @cached_property
+    def bars(self) -> DataFrame:
+        """A row per assumption and answer: low and high of its bar, reference, what chance alone spans, and whether it shows."""
+        found, rows = self._found, []
+        for one in found.ranked:
+            for answer in found.answers:
+                bar = found.bar(one, answer)
+                chance = found.by_chance(answer, 1 + len(bar.values))
+                cells = {"low": bar.low, "high": bar.high, "reference": bar.reference, "by_chance": chance, "shows": bar.shows}
+                rows.append({"assumption": one.name, "answer": answer.key} | cells)
+        return frame_of_rows(rows, "assumption")
+
+    @property
+    def lines(self) -> list[str]:
+        """The verdict, what to pin down first, what chance does, what was not varied: the closing lines of the command line."""
+        return lines_of(self._found)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Runs that are no data, that missed the tolerance, that are not graded."""
+        return warnings_of(self._found)
+
+    def plot(self) -> Image:
+        """The tornado chart.
+
+        Raises:
+            InputError: the base case is no data.
+        """
+        from PIL import Image as images
+
+        from reports.assess.picture import PICTURE, tornado
+
+        if not self._found.base.done:
+            raise InputError(self.lines[0])
+        tornado(self._found, self.folder / PICTURE)
+        with images.open(self.folder / PICTURE) as picture:
+            picture.load()
+            return picture.copy()
+
+    def page(self) -> Page:
+        """assess.html with all of it, which needs no network; table and chart in the folder are written again with it."""
+        from reports.assess.outputs import write_assessment
+        from reports.assess.page import PAGE
+
+        write_assessment(self.folder)
+        return Page(self.folder / PAGE)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines)
+
+    def __repr__(self) -> str:
+        return f'<Assessment "{self.title}": {self.verdict or "no verdict"}>'
+
+    def _repr_html_(self) -> str:
+        lines = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
+        warned = "".join(f'<li style="color:#b3261e">warning: {html.escape(line)}</li>' for line in self.warnings)
+        return f"<b>{html.escape(self.lines[0])}</b><ul>{lines}{warned}</ul>"
+
+
+def assess(
+    source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    all_pairs: bool = False,
+    workers: int | None = None,
+    progress: bool = True,
+    retry: bool = False,
+    force: bool = False,
+) -> Assessment:
+    """Vary each assumption of a scene by itself, beside an ensemble that shows what chance does.
+
+    Args:
+        source: anything that :func:`masonry_cd.scene` takes; its table ``[assess]`` may give ranges of its own.
+        folder: for the results, made if need be; runs that have ended there are not made again. By default a temporary one that lasts as
+            long as the assessment that is returned.
+        all_pairs: two levels of every two assumptions as well.
+        workers: processes of this machine; all cores when not given.
+        progress: say on standard error how far it is.
+        retry: make runs again that failed or ran out of time.
+        force: begin anew, whatever the folder holds.
+
+    Runs are made in processes of their own; a script needs no guard for them. Ctrl-C ends it: what is returned holds the runs that have
+    ended, and the same call continues it. Warnings are shown as :class:`RunWarning`.
+
+    Raises:
+        InputError: anything wrong with the scene, or the folder of another one.
+
+    >>> import masonry_cd as mc
+    >>> wall = {"structure": {"kind": "wall", "length": 2.0, "height": 1.0, "course_height": 0.5, "thickness": 0.4}}
+    >>> wall |= {"material": {"density": 2000.0, "friction": 0.5}, "limit": {"push": "y"}, "run": {"dt": 1e-3, "duration": 1e-3}}
+    >>> found = mc.assess(wall, workers=1, progress=False)
+    >>> found.table.loc["friction", ["level", "status"]].values.tolist()
+    [['0.4', 'done'], ['0.6', 'done']]
+    """
+    from masonry_cd.studies.assess.assess_case import assess_case
+    from masonry_cd.studies.assess.plan import AssessPlan
+    from masonry_cd.studies.study.clusters import Where
+    from masonry_cd.studies.study.study_case import Options
+    from reports.assess.outputs import write_assessment
+
+    if workers is not None and workers < 1:
+        raise InputError(f"workers: should be 1 or more, got {workers}")
+    asked = scene(source)
+    keeper = TemporaryFolder() if folder is None else None
+    place = keeper.path if keeper is not None else Path(str(folder))
+    plan = AssessPlan(asked.checked, all_pairs)
+    run = plan.maker.study.tables.run
+    where = Where(None, None, workers, None, run.timeout + run.grace)
+    number = 0
+    try:
+        with without_main():
+            assess_case(plan, place, Options(where, retry, force, quiet=not progress), say if progress else silent)
+    except Interrupted as stopped:  # finished runs are kept
+        number = stopped.number
+    if number not in (0, signal.SIGINT):
+        signal.raise_signal(number)
+    write_assessment(place)
+    found = Assessment(place, keeper)
+    for line in found.warnings:
+        warnings.warn(line, RunWarning, stacklevel=2)
+    return found

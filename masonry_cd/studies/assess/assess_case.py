@@ -1,0 +1,75 @@
+"""The command ``masonry-cd assess``: the runs of a scene's assumptions are made, by the engine of studies, and what they say is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Known, Member, as_facts
+from masonry_cd.app.case import structure_of
+from masonry_cd.app.scene import Scene
+from masonry_cd.app.summary import write_json
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.studies.assess.assumptions import NUMERICAL
+from masonry_cd.studies.assess.plan import AssessPlan
+from masonry_cd.studies.assess.task import assess_task, limit_task
+from masonry_cd.studies.study.checks import check_first
+from masonry_cd.studies.study.plan import Maker, Plan, Planned
+from masonry_cd.studies.study.study_case import Options, Rows, Ways, study_case
+
+Say = Callable[[str], None]
+
+
+def assess_case(plan: AssessPlan, folder: Path, options: Options, say: Say) -> dict[str, Any]:
+    """Make the runs of an assessment that are missing, and write assess.json.
+
+    Returns:
+        as :func:`masonry_cd.studies.study.study_case.study_case`.
+
+    Raises:
+        InputError: a scene that cannot be run, the folder of another one.
+        Interrupted: by a signal; finished runs are kept.
+    """
+    function, check = (assess_task, check_first) if plan.shakes else (limit_task, _check_statics)
+    return study_case(plan, folder, options, say, Ways(function, partial(_write, plan), check, maps=False))
+
+
+def cost_in_words(plan: AssessPlan) -> str:
+    """How many runs there are, and how long they take in terms of the base case."""
+    once = {run.name: run.weight for run in plan.runs}
+    work = sum(once.values()) / plan.runs[0].weight
+    return f"{plan.maker.study.title}: {len(once)} runs, which cost about as much as {work:.0f} of the base case"
+
+
+def _write(plan: AssessPlan, folder: Path, runs: Sequence[Planned], maker: Maker, rows: Rows) -> None:
+    """Write assess.json of the runs that have ended."""
+    del runs, maker
+    known = [
+        Known(one.name, one.base, tuple(level.name for level in one.levels), one.reference, one.name in NUMERICAL) for one in plan.known
+    ]
+    members = []
+    for part, run in zip(plan.parts, plan.runs, strict=True):
+        row = {key: value for key, value in rows.get(run.name, {}).items() if key not in ("parts", "values", "motion", "level")}
+        members.append(Member(part.kind, part.values(), row | ({"run": run.name, "member": part.member} if row else {})))
+    left = tuple((one.name, one.why) for one in plan.left_out)
+    study = plan.maker.study
+    write_json(as_facts(Assessment(study.title, study.scene_name, tuple(known), left, tuple(members))), folder / FILE)
+
+
+def _check_statics(plan: Plan) -> None:
+    """Check that there is something for limit analysis to multiply.
+
+    Raises:
+        InputError: anything wrong with the structure, the loads or [limit].
+    """
+    from masonry_cd.app.static_loads import limit_table, static_loads
+
+    scene: Scene = plan.maker.study.scene
+    made = structure_of(scene)
+    ties = [(bar.where, bar.load()) for bar in made.bars]
+    try:
+        static_loads(scene.loads, limit_table(scene.limit), scene.run.gravity, scene.folder, made.assembly, ties)
+    except InputError as error:
+        raise scene.at_fault(error) from None

@@ -1,0 +1,304 @@
+"""The assumptions of a scene and the levels to which each is set: other tables of the scene, everything else as it is.
+
+joint stiffness   rigid; E the largest, the mean and the least of the masonry's kind, of stone in general where none is named
+friction          20 % to either side, or the range that [assess] states
+block size        times 0.7 and 1.4, where the kind of structure has a key for it
+bond              straight joints, another seed, where the kind has a key for it
+damping           0, 2 and 5 % of critical, on elastic joints; where the scene's are rigid, all of them on joints of the mean E
+time step         half of it
+tolerance         a tenth of it
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from masonry_cd.app.assess_table import AssessTable
+from masonry_cd.app.scene import Scene
+from masonry_cd.mechanics.dynamics.settings import AUTO, LONGEST_STEP, RUNGS
+from masonry_cd.mechanics.model.masonry_kinds import RIGID
+from structures.variants import rebonded, resized
+
+Tables = dict[str, Any]
+Change = Callable[[Tables], None]
+
+STIFFNESS, FRICTION, SIZE, BOND, DAMPING, STEP, TOLERANCE = (
+    "joint stiffness", "friction", "block size", "bond", "damping", "time step", "tolerance",
+)  # fmt: skip
+NUMERICAL = (STEP, TOLERANCE)  # no property of the structure: the answer should not depend on them
+SMALLER, LARGER = 0.7, 1.4  # sizes of blocks
+ASIDE = 0.2  # share by which friction is varied
+STONE = {"least": 0.7e9, "mean": 1.5e9, "largest": 3.3e9}  # E [Pa]: of irregular stone to squared stone (Circolare 7/2019, table C8.5.I)
+STAND_IN = "split stone"  # kind that gives G / E = 1/3, as all stone of that table; density stays that of the scene
+OF_STIFFNESS = ("normal_stiffness", "tangential_stiffness")
+OF_DAMPING = ("damping", "damping_frequency")
+GIGA = 1e9  # [Pa]
+ELASTIC_COST = 1.5  # times a rigid run, about (church of 308 blocks)
+
+
+@dataclass(frozen=True)
+class Level:
+    """A level of an assumption."""
+
+    name: str
+    change: Change  # of the tables of the scene, in place
+    cost: float = 1.0  # of a run, times that of the base case, about
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """An assumption, what the scene says of it, and its other levels."""
+
+    name: str
+    base: str
+    levels: tuple[Level, ...]
+    reference: str = ""  # of its levels, that which the others are compared with; empty: the base case
+    statics: bool = False  # whether a limit analysis depends on it
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """An assumption that is not varied."""
+
+    name: str
+    why: str
+
+
+def assumptions_of(scene: Scene, tables: Tables, shakes: bool) -> tuple[list[Assumption], list[LeftOut]]:
+    """What is varied of a scene, and what is not.
+
+    Args:
+        scene: checked.
+        tables: its tables, as numbers.
+        shakes: whether it is run; else it is for limit analysis alone, of rigid blocks at rest.
+    """
+    asked = scene.assess
+    stiffness = _stiffness(scene, asked)
+    found: list[Assumption | LeftOut] = [stiffness, _friction(tables, asked), _size(tables), _bond(tables)]
+    found += [_damping(scene, asked, stiffness), _step(tables), _tolerance(scene)]
+    known, left = [], []
+    for one in found:
+        why = "left out by the scene, assess.leave_out" if one.name in asked.leave_out else one.why if isinstance(one, LeftOut) else ""
+        if not why and isinstance(one, Assumption) and not shakes and not one.statics:
+            why = "limit analysis is of rigid blocks at rest"
+        if why:
+            left.append(LeftOut(one.name, why))
+        elif isinstance(one, Assumption):
+            known.append(one)
+    return known, left
+
+
+def is_elastic(scene: Scene) -> bool:
+    """Whether some joint of the scene is elastic."""
+    material = scene.material
+    return material.joint_moduli is not None or any(law.normal_stiffness for law in material.joints.values())
+
+
+def _laws(tables: Tables) -> list[Tables]:
+    """The laws of the joints in the tables, which may be changed; none where there are none."""
+    joints = tables["material"].get("joints") or {}
+    return list(joints.values()) if all(isinstance(law, Mapping) for law in joints.values()) else [joints]
+
+
+def _without(tables: Tables, keys: tuple[str, ...]) -> None:
+    """Take keys out of all laws."""
+    for law in _laws(tables):
+        for key in keys:
+            law.pop(key, None)
+
+
+def _rigid(tables: Tables) -> None:
+    """Rigid joints, which do not vibrate."""
+    material = tables["material"]
+    _without(tables, (*OF_STIFFNESS, *OF_DAMPING))
+    named = material.get("masonry")
+    if named is not None:
+        material["masonry"] = {**({"kind": named} if isinstance(named, str) else named), "stiffness": RIGID}
+
+
+def _elastic(level: str, young: float | None) -> Change:
+    """Joints as stiff as a level of the kind of masonry that is named, or as E says [Pa]."""
+
+    def change(tables: Tables) -> None:
+        material = tables["material"]
+        _without(tables, OF_STIFFNESS)
+        named = material.get("masonry")
+        kind = {"kind": STAND_IN} if named is None else {"kind": named} if isinstance(named, str) else dict(named)
+        kind.pop("E", None)
+        kind.pop("G", None)
+        material["masonry"] = kind | {"stiffness": level if young is None else "mean"} | ({} if young is None else {"E": young})
+
+    return change
+
+
+def _stiffness(scene: Scene, asked: AssessTable) -> Assumption:
+    """Rigid joints, and the ends and the mean of a range of E."""
+    masonry = scene.material.masonry
+    if asked.young is not None:
+        ends: dict[str, float] = {"least": asked.young[0], "mean": 0.5 * sum(asked.young), "largest": asked.young[1]}
+    elif masonry is not None:
+        E = masonry.ranges()["E"]
+        ends = {"least": E.least, "mean": E.mean, "largest": E.largest}
+    else:
+        ends = STONE
+    by_kind = masonry is not None and asked.young is None
+    base = _base_stiffness(scene)
+    levels = [Level(RIGID, _rigid, 1.0 if base == RIGID else 1.0 / ELASTIC_COST)]
+    for level in ("largest", "mean", "least"):
+        change = _elastic(level, None if by_kind else ends[level])
+        levels.append(Level(_modulus(ends[level]), change, ELASTIC_COST if base == RIGID else 1.0))
+    return Assumption(STIFFNESS, base, tuple(level for level in levels if level.name != base))
+
+
+def _base_stiffness(scene: Scene) -> str:
+    """What the scene says of the stiffness of its joints."""
+    given = sorted({law.normal_stiffness for law in scene.material.joints.values() if law.normal_stiffness})
+    if given:
+        return f"{given[0]:.3g}{f' to {given[-1]:.3g}' if len(given) > 1 else ''} N/m3"
+    moduli = scene.material.joint_moduli
+    return RIGID if moduli is None else _modulus(moduli[0])
+
+
+def _modulus(young: float) -> str:
+    """E in the unit of a range of it: ``E 0.7 GPa``."""
+    return f"E {young / GIGA:.3g} GPa"
+
+
+def _friction(tables: Tables, asked: AssessTable) -> Assumption:
+    """Coefficients at both ends of their ranges."""
+    given = tables["material"]["friction"]
+    levels = []
+    for end, factor in ((0, 1.0 - ASIDE), (1, 1.0 + ASIDE)):
+        value = _at_end(given, asked.friction, end, factor)
+        name = f"{value:.3g}" if not isinstance(value, Mapping) else f"x {factor:g}" if asked.friction is None else ("lower", "upper")[end]
+
+        def change(tables: Tables, value: Any = value) -> None:
+            tables["material"]["friction"] = value
+
+        levels.append(Level(name, change))
+    base = f"{given:.3g}" if not isinstance(given, Mapping) else "by pair of groups"
+    return Assumption(FRICTION, base, tuple(levels), statics=True)
+
+
+def _at_end(given: Any, ranges: Any, end: int, factor: float) -> Any:
+    """Friction at an end of its range: a number, or numbers by pair of groups; a pair without a range stays as it is."""
+    if ranges is None:
+        return {pair: factor * mu for pair, mu in given.items()} if isinstance(given, Mapping) else factor * given
+    if isinstance(ranges, Mapping):
+        return {**(given if isinstance(given, Mapping) else {"default": given}), **{pair: ends[end] for pair, ends in ranges.items()}}
+    return dict.fromkeys(given, ranges[end]) if isinstance(given, Mapping) else ranges[end]
+
+
+def _size(tables: Tables) -> Assumption | LeftOut:
+    """Smaller and larger blocks."""
+    levels = []
+    for factor in (SMALLER, LARGER):
+        made = [resized(table, factor) for table in _structures(tables)]
+        if not any(made):
+            return LeftOut(SIZE, f"{_kinds(tables)} has no key for the size of its blocks")
+        levels.append(Level(f"x {factor:g}", _put(made), factor**-2.5))
+    return Assumption(SIZE, "as given", tuple(levels), statics=True)
+
+
+def _bond(tables: Tables) -> Assumption | LeftOut:
+    """The other bonds that the structures have keys for; structures of one kind together."""
+    every = [dict(rebonded(table)) for table in _structures(tables)]
+    names = dict.fromkeys(name for found in every for name in found)
+    if not names:
+        return LeftOut(BOND, f"{_kinds(tables)} has no key for its bond")
+    levels = [Level(name, _put([found.get(name) for found in every])) for name in names]
+    return Assumption(BOND, "as given", tuple(levels), statics=True)
+
+
+def _structures(tables: Tables) -> list[Tables]:
+    """The tables of the structures, one or several."""
+    return list(tables.get("structures") or [tables["structure"]])
+
+
+def _kinds(tables: Tables) -> str:
+    """The kinds of the structures, in words."""
+    return "a structure of kind " + ", ".join(dict.fromkeys(f'"{table.get("kind")}"' for table in _structures(tables)))
+
+
+def _put(made: list[Tables | None]) -> Change:
+    """Puts structures into the place of those that they were made of; None leaves one as it is."""
+
+    def change(tables: Tables) -> None:
+        now = [copy.deepcopy(new) if new is not None else old for new, old in zip(made, _structures(tables), strict=True)]
+        if tables.get("structures"):
+            tables["structures"] = now
+        else:
+            tables["structure"] = now[0]
+
+    return change
+
+
+def _damping(scene: Scene, asked: AssessTable, stiffness: Assumption) -> Assumption | LeftOut:
+    """Shares of critical. Rigid joints do not vibrate: where the scene's are, all shares, 0 as well, are on joints of the mean E."""
+    if not is_elastic(scene):
+        mean = stiffness.levels[-2]
+        levels = [_damped(share, mean) for share in sorted({0.0, *asked.damping})]
+        if len(levels) < 2:
+            return LeftOut(DAMPING, "no share above 0 is asked for")
+        return Assumption(DAMPING, f"none: rigid; on {mean.name}", tuple(levels), reference=levels[0].name)
+    given = {law.damping for law in scene.material.joints.values()} or {0.0}
+    levels = [_damped(share, None) for share in asked.damping if given != {share}]
+    return Assumption(DAMPING, f"{100.0 * max(given):g} %", tuple(levels)) if levels else LeftOut(DAMPING, "no other share is asked for")
+
+
+def _damped(share: float, on: Level | None) -> Level:
+    """A share of critical damping in all laws that are elastic, of joints that another level makes elastic where one is given."""
+
+    def change(tables: Tables) -> None:
+        if on is not None:
+            on.change(tables)
+        if on is None or share > 0.0:
+            _damp(tables["material"], share)
+
+    return Level(f"{100.0 * share:g} %", change, 1.0 if on is None else on.cost)
+
+
+def _damp(material: Tables, share: float) -> None:
+    """Give a share of critical to the laws of a table [material]."""
+    if not material.get("joints"):
+        material["joints"] = {"damping": share}
+        return
+    for law in _laws({"material": material}):
+        if material.get("masonry") is not None or law.get("normal_stiffness"):
+            law["damping"] = share
+
+
+def _step(tables: Tables) -> Assumption:
+    """Half the time step, or all of an adaptive one's halved."""
+    run = tables["run"]
+    if run.get("dt") != AUTO:
+        half = 0.5 * run["dt"]
+
+        def change(tables: Tables) -> None:
+            tables["run"]["dt"] = half
+
+        return Assumption(STEP, _time(run["dt"]), (Level(_time(half), change, 2.0),))
+    longest = run.get("dt_max", LONGEST_STEP)
+    shortest = run.get("dt_min", longest * 2.0**-RUNGS)
+
+    def halve(tables: Tables) -> None:
+        tables["run"] |= {"dt_max": 0.5 * longest, "dt_min": 0.5 * shortest}
+
+    return Assumption(STEP, f"up to {_time(longest)}", (Level(f"up to {_time(0.5 * longest)}", halve, 2.0),))
+
+
+def _tolerance(scene: Scene) -> Assumption:
+    """A tenth of the tolerance."""
+    now = scene.run.tolerance
+
+    def change(tables: Tables) -> None:
+        tables["run"]["tolerance"] = 0.1 * now
+
+    return Assumption(TOLERANCE, f"{now:.3g}", (Level(f"{0.1 * now:.3g}", change, 1.5),))
+
+
+def _time(seconds: float) -> str:
+    return f"{1e3 * seconds:.4g} ms"

@@ -1,0 +1,164 @@
+"""The runs of an assessment: the base case, its ensemble, each level of each assumption, and, if asked for, pairs of levels."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+from typing import Any
+
+from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, LEVEL, PAIR
+from masonry_cd.app.scene import Scene, scene_of
+from masonry_cd.app.scene_text import dump_toml, parse_toml
+from masonry_cd.app.scene_units import scene_in_si
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.studies.assess.assumptions import Assumption, Level, assumptions_of
+from masonry_cd.studies.study.perturb import perturb
+from masonry_cd.studies.study.plan import Maker, Plan, Planned
+from masonry_cd.studies.study.space import Asked, Space
+from masonry_cd.studies.study.study_file import EnsembleTable, RunTable, Study, StudyTables
+from masonry_cd.studies.study.varied import Varied
+
+DESIGN = "assess"
+SIZE = 1e-9  # by which amplitudes of neighbouring members of the ensemble differ, relative; [m/s] of velocities in their place
+TIMEOUT = 6 * 3600.0  # of a run [s]: small blocks and half a time step take several times as long as the base case
+OWN_DRAW = ("velocities", "friction")  # what members differ by, in the place of loads that have no size
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a run is part of: its kind, and which levels of which assumptions it has."""
+
+    kind: str  # base | ensemble | level | pair
+    levels: tuple[tuple[Assumption, Level], ...] = ()
+    member: int = 0
+
+    def values(self) -> dict[str, str]:
+        """Levels by their assumptions, in words."""
+        return {assumption.name: level.name for assumption, level in self.levels}
+
+
+class AssessMaker(Maker):
+    """Makes the scenes of an assessment's runs."""
+
+    def __init__(self, study: Study, space: Space, known: Sequence[Assumption], shakes: bool) -> None:
+        super().__init__(study, space)
+        self.shakes = shakes
+        self._levels = {(one.name, level.name): (one, level) for one in known for level in one.levels}
+
+    def tables(self, asked: Asked) -> dict[str, Any]:
+        """The tables of a run's scene. Statics is asked for where an answer of limit analysis may change.
+
+        Raises:
+            InputError: the ensemble has nothing to perturb.
+        """
+        tables = copy.deepcopy(super().tables(Asked()))
+        chosen = [self._levels[item] for item in asked.values.items()]
+        for _, level in chosen:
+            level.change(tables)
+        if asked.member or (chosen and not any(one.statics for one, _ in chosen)):
+            tables.pop("limit", None)
+        if asked.member:
+            self._perturb(tables, asked)
+        return tables
+
+    def planned(self, asked: Asked) -> Planned:
+        """The run with its name, and what it costs."""
+        tables, cost = self.tables(asked), 1.0
+        for item in asked.values.items():
+            cost *= self._levels[item][1].cost
+        return Planned(self.name(tables), asked, cost * self.study.scene.run.steps)
+
+
+class AssessPlan(Plan):
+    """The runs of an assessment.
+
+    Args:
+        scene: checked.
+        all_pairs: two levels of every two assumptions as well.
+
+    Raises:
+        InputError: a scene whose values are none, or nothing that is varied.
+    """
+
+    def __init__(self, scene: Scene, all_pairs: bool = False) -> None:
+        tables = _tables_of(scene)
+        self.shakes = not scene.limit or _is_shaken(scene)
+        self.known, self.left_out = assumptions_of(scene, tables, self.shakes)
+        if not self.known:
+            raise InputError(f"{scene.origin.of('assess')}: assess.leave_out: nothing is left to vary")
+        study = _study(scene, tables)
+        space = Space(study.tables, None, study.varied)
+        super().__init__(study, space)
+        self.maker: AssessMaker = AssessMaker(study, space, self.known, self.shakes)
+        self.design = DESIGN
+        self.parts = list(self._parts(scene.assess.members, all_pairs))
+        self.runs = [self.maker.planned(_asked(part)) for part in self.parts]
+
+    def _parts(self, members: int, all_pairs: bool) -> Iterator[Part]:
+        """The runs, the base case first."""
+        yield Part(BASE)
+        if self.shakes:
+            yield from (Part(ENSEMBLE, member=k) for k in range(1, members))
+        for one in self.known:
+            yield from (Part(LEVEL, ((one, level),)) for level in one.levels)
+        if all_pairs:
+            for first, second in combinations([one for one in self.known if not one.reference], 2):
+                for levels in product(ends_of(first), ends_of(second)):
+                    if not (first.name == "joint stiffness" and second.name == "damping" and levels[0].name == "rigid"):
+                        yield Part(PAIR, ((first, levels[0]), (second, levels[1])))
+
+    def shuffled(self, runs: Sequence[Planned]) -> list[Planned]:
+        """The longest first, so that no core waits for another at the end."""
+        return sorted(runs, key=lambda run: -run.weight)
+
+
+def ends_of(assumption: Assumption) -> tuple[Level, ...]:
+    """The two outer levels of an assumption, or its only one."""
+    levels = assumption.levels
+    return levels if len(levels) < 2 else (levels[0], levels[-1])
+
+
+def _asked(part: Part) -> Asked:
+    """A run as the engine knows it."""
+    return Asked(member=part.member or None, change=SIZE * part.member, values=part.values())
+
+
+def _tables_of(scene: Scene) -> dict[str, Any]:
+    """The tables of a scene as numbers, without what no run of an assessment needs."""
+    try:
+        tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
+    except InputError as error:
+        raise scene.at_fault(error) from None
+    tables.pop("assess", None)
+    tables["quiet_checks"] = []
+    if isinstance(tables.get("limit"), Mapping):
+        tables["limit"] = {key: value for key, value in tables["limit"].items() if key != "curve"}
+    return tables
+
+
+def _study(scene: Scene, tables: dict[str, Any]) -> Study:
+    """The study that an assessment is to the engine."""
+    own = scene_of(tables, scene.text, scene.path, scene.origin)
+    asked: dict[str, Any] = {"scene": tables, "design": "ensemble", "title": scene.title}
+    top = StudyTables(**asked, ensemble=EnsembleTable(perturb=_perturbs(tables), size=SIZE), run=RunTable(timeout=TIMEOUT))
+    return Study(scene.path, dump_toml(tables), top, own, tables, scene.path.name, Varied({}, {}, []), scene.origin)
+
+
+def _perturbs(tables: dict[str, Any]) -> Any:
+    """What the members of the ensemble differ by: the loads where they have a size, else first velocities, else friction."""
+    try:
+        perturb(copy.deepcopy(tables), "loads", SIZE)
+    except InputError:
+        return OWN_DRAW["first_velocities" in tables["run"]]
+    return "loads"
+
+
+def _is_shaken(scene: Scene) -> bool:
+    """Whether a load of the scene shakes it, so that it is run beside its limit analysis."""
+    from loads import KINDS
+    from loads.supports import ShakingTable
+
+    kinds = [str(table.get("kind")) for table in scene.loads]
+    return any(kind in KINDS and issubclass(KINDS[kind].table, ShakingTable) for kind in kinds)

@@ -1,0 +1,1 @@
+"""Reports of an assessment: a table, a tornado chart and a page."""

@@ -1,0 +1,260 @@
+"""Assessments: the levels of each assumption are scenes that can be run, and differ from the base case in that alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from masonry_cd.app.case import structure_of
+from masonry_cd.app.scene import Scene, parse_scene
+from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.cli.app import app
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model.masonry_kinds import KINDS
+from masonry_cd.studies.assess.plan import AssessPlan
+from masonry_cd.studies.assess.task import assess_task
+from masonry_cd.studies.study.checks import scene_of_run
+from masonry_cd.studies.study.task import Outcome, Task
+
+WALL: dict[str, Any] = {
+    "structure": {"kind": "wall", "length": 2.0, "height": 1.5, "thickness": 0.3, "course_height": 0.5},
+    "material": {"density": 2000.0, "friction": 0.5},
+    "loads": [{"kind": "sinusoidal", "direction": "x", "amplitude": 0.2, "frequency": 2.0, "cycles": 1}],
+    "run": {"dt": 2e-3, "duration": 0.5, "tolerance": 1e-5},
+}
+
+
+def scene(**changes: Any) -> Scene:
+    """The wall, with other tables."""
+    return parse_scene(dump_toml(WALL | changes), Path("wall.toml"), called="wall")
+
+
+def levels(plan: AssessPlan) -> dict[str, list[str]]:
+    """Names of the levels by assumption."""
+    return {one.name: [level.name for level in one.levels] for one in plan.known}
+
+
+def of_level(plan: AssessPlan, name: str, level: str) -> Scene:
+    """The scene of a level, read as a worker reads it."""
+    (run,) = [run for part, run in zip(plan.parts, plan.runs, strict=True) if part.kind == "level" and part.values() == {name: level}]
+    return scene_of_run(plan.maker.tables(run.asked))
+
+
+# --- levels ---------------------------------------------------------------------------------------------------------------------------
+
+
+def test_a_scene_without_masonry_is_rigid_and_varied_over_what_stone_has() -> None:
+    plan = AssessPlan(scene())
+    found = levels(plan)
+    assert found["joint stiffness"] == ["E 3.3 GPa", "E 1.5 GPa", "E 0.7 GPa"]
+    soft = of_level(plan, "joint stiffness", "E 0.7 GPa")
+    assert soft.material.joint_moduli == pytest.approx((0.7e9, 0.7e9 / 3.0), rel=0.01)
+    assert soft.material.block_density == 2000.0
+    assert found["damping"] == ["0 %", "2 %", "5 %"]
+    damped = of_level(plan, "damping", "5 %")
+    assert damped.material.joint_moduli == of_level(plan, "joint stiffness", "E 1.5 GPa").material.joint_moduli
+    assert damped.material.joints["default"].damping == 0.05
+
+
+def test_a_named_masonry_gives_its_own_range() -> None:
+    plan = AssessPlan(scene(material={"masonry": "squared stone", "friction": 0.5}))
+    assert levels(plan)["joint stiffness"] == ["rigid", "E 3.3 GPa", "E 2.4 GPa"]
+    least = of_level(plan, "joint stiffness", "E 2.4 GPa").material
+    assert least.joint_moduli == pytest.approx([1e6 * KINDS["squared stone"].young.least, 1e6 * KINDS["squared stone"].rigidity.least])
+    assert of_level(plan, "joint stiffness", "rigid").material.joint_moduli is None
+    assert levels(plan)["damping"] == ["2 %", "5 %"]
+    assert of_level(plan, "damping", "2 %").material.joint_moduli == plan.maker.study.scene.material.joint_moduli
+
+
+def test_stated_stiffnesses_give_way_and_the_rest_of_the_law_stays() -> None:
+    law = {"normal_stiffness": 1e10, "cohesion": 1e5, "damping": 0.05, "damping_frequency": 5.0}
+    plan = AssessPlan(scene(material=WALL["material"] | {"joints": {"wall-wall": law}}))
+    rigid = of_level(plan, "joint stiffness", "rigid").material
+    assert (rigid.joints["wall-wall"].normal_stiffness, rigid.joints["wall-wall"].damping) == (None, 0.0)
+    assert rigid.joints["wall-wall"].cohesion == 1e5
+    soft = of_level(plan, "joint stiffness", "E 0.7 GPa").material
+    assert soft.joints["wall-wall"].normal_stiffness is None
+    assert soft.joints["wall-wall"].damping == 0.05
+    assert of_level(plan, "damping", "0 %").material.joints["wall-wall"].damping == 0.0
+
+
+@pytest.mark.parametrize(
+    ("friction", "ranges", "low", "high"),
+    [
+        (0.5, None, 0.4, 0.6),
+        ({"wall-wall": 0.5, "default": 0.8}, None, {"wall-wall": 0.4, "default": 0.64}, {"wall-wall": 0.6, "default": 0.96}),
+        (0.5, [0.35, 0.7], 0.35, 0.7),
+        (
+            {"wall-wall": 0.5, "default": 0.8},
+            {"wall-wall": [0.3, 0.9]},
+            {"wall-wall": 0.3, "default": 0.8},
+            {"wall-wall": 0.9, "default": 0.8},
+        ),
+    ],
+)
+def test_friction_has_twenty_per_cent_or_the_range_of_the_scene(friction: Any, ranges: Any, low: Any, high: Any) -> None:
+    stated = {} if ranges is None else {"assess": {"friction": ranges}}
+    plan = AssessPlan(scene(material={"density": 2000.0, "friction": friction}, **stated))
+    ends = [of_level(plan, "friction", level).material.friction for level in levels(plan)["friction"]]
+    assert ends == [pytest.approx(low), pytest.approx(high)]
+
+
+def test_a_scene_may_state_e_and_damping_and_leave_out_what_is_known() -> None:
+    stated = {"young": ["1 GPa", "2 GPa"], "damping": [0.0, 0.1], "leave_out": ["bond", "tolerance"], "members": 4}
+    plan = AssessPlan(scene(assess=stated))
+    assert levels(plan)["joint stiffness"] == ["E 2 GPa", "E 1.5 GPa", "E 1 GPa"]
+    assert levels(plan)["damping"] == ["0 %", "10 %"]
+    assert "tolerance" not in levels(plan)
+    assert [one.why for one in plan.left_out if one.name == "tolerance"] == ["left out by the scene, assess.leave_out"]
+    assert sum(part.kind == "ensemble" for part in plan.parts) == 3
+
+
+def test_smaller_blocks_are_built_and_kinds_without_a_size_are_named() -> None:
+    plan = AssessPlan(scene())
+    counts = [len(structure_of(of_level(plan, "block size", level)).blocks) for level in ("x 0.7", "x 1.4")]
+    assert counts[0] > len(structure_of(plan.maker.study.scene).blocks) > counts[1]
+    assert ("bond", 'a structure of kind "wall" has no key for its bond') in [(one.name, one.why) for one in plan.left_out]
+
+
+def test_half_a_time_step_and_a_tenth_of_the_tolerance() -> None:
+    plan = AssessPlan(scene())
+    assert of_level(plan, "time step", "1 ms").run.dt == 1e-3
+    assert of_level(plan, "tolerance", "1e-06").run.tolerance == pytest.approx(1e-6)
+    adaptive = AssessPlan(scene(run={"dt": "auto", "duration": 0.5}))
+    halved, base = of_level(adaptive, "time step", "up to 5 ms").run, adaptive.maker.study.scene.run
+    assert (halved.longest_step, halved.dt) == (0.5 * base.longest_step, 0.5 * base.dt)
+
+
+# --- runs -----------------------------------------------------------------------------------------------------------------------------
+
+
+def test_each_run_is_named_by_its_scene_and_the_base_case_is_first() -> None:
+    plan = AssessPlan(scene())
+    assert plan.parts[0].kind == "base"
+    shared = {
+        run.name
+        for part, run in zip(plan.parts, plan.runs, strict=True)
+        if part.values() in ({"damping": "0 %"}, {"joint stiffness": "E 1.5 GPa"})
+    }
+    assert len(shared) == 1  # joints of the mean E without damping are one run
+    assert len({run.name for run in plan.runs}) == len(plan.runs) - 1
+    again = AssessPlan(scene(assess={"leave_out": ["friction"]}))
+    assert again.runs[0].name == plan.runs[0].name  # what is varied is no part of a scene that runs
+    assert not scene_of_run(plan.maker.tables(plan.runs[0].asked)).until_still  # as the scene is
+    graded = AssessPlan(scene(report={"damage": True}))
+    assert scene_of_run(graded.maker.tables(graded.runs[0].asked)).until_still
+
+
+def test_members_of_the_ensemble_differ_by_a_billionth() -> None:
+    plan = AssessPlan(scene())
+    amplitudes = [plan.maker.tables(run.asked)["loads"][0]["amplitude"] for run in plan.runs[:8]]
+    assert amplitudes == pytest.approx([0.2 * (1.0 + k * 1e-9) for k in range(8)], rel=1e-14)
+    assert len(set(amplitudes)) == 8
+
+
+def test_a_scene_without_a_motion_of_the_base_is_set_in_motion() -> None:
+    settles = {"kind": "settlement", "blocks": "base", "displacement": 1e-3}
+    plan = AssessPlan(scene(loads=[settles]))
+    seeds = [plan.maker.tables(run.asked)["run"].get("first_velocities") for run in plan.runs[:3]]
+    assert seeds == [None, {"size": 1e-9, "seed": 1}, {"size": 1e-9, "seed": 2}]
+
+
+def test_all_pairs_have_two_levels_of_each_two() -> None:
+    plan = AssessPlan(
+        scene(material={"masonry": "solid brick", "friction": 0.5}, assess={"leave_out": ["block size", "time step"]}), all_pairs=True
+    )
+    pairs = [part.values() for part in plan.parts if part.kind == "pair"]
+    assert {"joint stiffness": "E 1.2 GPa", "friction": "0.4"} in pairs
+    assert {"joint stiffness": "rigid", "damping": "5 %"} not in pairs  # rigid joints do not vibrate
+    assert len(pairs) == 2 * 2 + (2 * 2 - 2) + 2 + 2 * 2 + 2 + 2
+    for part, run in zip(plan.parts, plan.runs, strict=True):
+        if part.kind == "pair":
+            scene_of_run(plan.maker.tables(run.asked))
+
+
+def test_a_run_answers_with_residual_opening_and_grade(tmp_path: Path) -> None:
+    plan = AssessPlan(
+        scene(run={"dt": 4e-3, "duration": 0.02, "longest": 0.04}, limit={"push": "y"}, loads=[WALL["loads"][0] | {"cycles": 0.01}])
+    )
+    outcome = assess_task(Task("a", plan.maker.tables(plan.runs[0].asked), 60.0))
+    row = outcome.row
+    assert row["status"] == "done"
+    assert row["grade"] == "D0"
+    assert row["residual_opening"] <= row["max_opening"]
+    assert row["load_factor"] == pytest.approx(0.3 / 1.5, rel=1e-3)  # thickness over height: it overturns
+    assert "limit" not in plan.maker.tables(plan.runs[1].asked)  # of the ensemble: statics does not change
+
+
+def test_joints_that_do_not_settle_take_the_weight_at_once_and_the_row_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def run(task: Task) -> Outcome:
+        asked.append(task.tables["run"].get("settle", True))
+        reason = 'run.settle: block "b" does not come to rest under its weight' if asked[-1] else ""
+        return Outcome(task.name, {"status": "failed" if reason else "done", "reason": reason, "seconds": 1.0})
+
+    monkeypatch.setattr("masonry_cd.studies.assess.task.run_task", run)
+    row = assess_task(Task("a", {"run": {"dt": 1e-3}}, 60.0)).row
+    assert asked == [True, False]
+    assert (row["status"], row["remark"]) == ("done", "weight at once")
+
+
+# --- the command ----------------------------------------------------------------------------------------------------------------------
+
+STATIC = {"limit": {"push": "y"}, "loads": [], "assess": {"leave_out": ["block size"]}}
+
+
+def command(folder: Path, tables: dict[str, Any], *options: str) -> Result:
+    """The command on a scene beside its results."""
+    (folder / "scene.toml").write_text(dump_toml(tables), encoding="utf-8")
+    return CliRunner().invoke(app, ["assess", str(folder / "scene.toml"), "-o", str(folder / "out"), *options])
+
+
+def test_a_scene_of_limit_analysis_has_its_factor_assessed_and_goes_on(tmp_path: Path) -> None:
+    result = command(tmp_path, WALL | STATIC, "--workers", "1")
+    assert result.exit_code == 0, result.output
+    assert "load factor" in result.stdout
+    assert "not varied: joint stiffness: limit analysis is of rigid blocks at rest" in result.stdout
+    facts = json.loads((tmp_path / "out" / "assess.json").read_text())
+    assert {one["status"] for one in facts["members"]} == {"done"}
+    assert {"assess.png", "assess.html", "assess.csv"} <= {file.name for file in (tmp_path / "out").iterdir()}
+    again = command(tmp_path, WALL | STATIC, "--workers", "1")
+    assert "3 runs, 0 of them to be made" in again.stderr
+    other = command(tmp_path, WALL | STATIC | {"material": {"density": 2000.0, "friction": 0.6}})
+    assert other.exit_code == 2
+    assert "holds another study" in other.stderr
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"assess": {"leave_out": ["frction"]}}, 'assess.leave_out: "frction" is none (did you mean "friction"?)'),
+        ({"assess": {"friction": [0.6, 0.4]}}, "assess.friction: should be a range of coefficients"),
+        ({"assess": {"friction": {"wall-wall": 0.4}}}, 'assess.friction: "wall-wall": should be a range'),
+        ({"assess": {"young": [2e9, 1e9]}}, "assess.young: should be a range, the lower end first"),
+        ({"assess": {"young": ["2 m", "3 m"]}}, "assess.young[0]: "),
+        ({"assess": {"range": 1}}, "assess.range: unknown key"),
+        ({"assess": {"members": 2}}, "assess.members: "),
+        ({"loads": [{"kind": "sinusoidal", "amplitude": 0.1}]}, "loads[0]."),
+        ({"structure": {"kind": "wall", "lenght": 1.0}}, "structure.lenght: unknown key"),
+        (STATIC | {"limit": {}, "loads": [{"kind": "sinsoidal"}]}, "loads[0].kind"),
+        (STATIC | {"limit": {"push": "q"}}, "limit.push"),
+    ],
+)
+def test_what_is_wrong_is_one_line_and_nothing_is_written(tmp_path: Path, changes: dict[str, Any], said: str) -> None:
+    result = command(tmp_path, WALL | changes, "--workers", "1")
+    assert result.exit_code == 2, result.output
+    lines = [line for line in result.stderr.splitlines() if "error" in line]
+    assert len(lines) == 1
+    assert said in lines[0]
+    assert not (tmp_path / "out" / "assess.json").exists()
+
+
+def test_a_scene_that_leaves_all_out_is_refused() -> None:
+    every = ["joint stiffness", "friction", "block size", "bond", "damping", "time step", "tolerance"]
+    with pytest.raises(InputError, match="nothing is left to vary"):
+        AssessPlan(scene(assess={"leave_out": every}))
