@@ -14,7 +14,7 @@ import numpy as np
 import scenes
 from scipy import sparse
 
-from masonry_cd.app.warmup import SceneKind, compiling
+from masonry_cd.app.warmup import SELDOM, SceneKind, compiling
 from masonry_cd.mechanics.friction.problem import LocalProblem
 from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.solvers import SOLVERS, Options
@@ -39,7 +39,7 @@ def of_runs(planar: bool) -> None:
             compiled(SceneKind("auto", planar, by_area, stress=True, strained=strained))
     for solver in SOLVERS:
         compiled(SceneKind(solver, planar))
-    for solver in SWEEPS:
+    for solver in (*SWEEPS, *(SELDOM if planar else ())):
         for strained in (UNIFORM[planar], meshed):
             compiled(SceneKind(solver, planar, strained=strained))
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.warmup import SceneKind, compiling
+from masonry_cd.app.warmup import SceneKind, compile_seldom, compiling
 from masonry_cd.foundation import jit, processor
 from masonry_cd.foundation.errors import InputError
 
@@ -38,6 +38,8 @@ def compile_all(scenes: Sequence[Path]) -> None:
     for kind in usual_kinds():
         with compiling(kind):
             pass
+        if kind.solver == "auto" and kind.planar:
+            compile_seldom(kind)
     for scene in scenes:
         print(f"{scene}: its structure and loads", flush=True)
         prepare(read_scene(scene, ()))

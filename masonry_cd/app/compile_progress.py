@@ -9,8 +9,10 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from typing import TextIO
+
+from numba.core import event
 
 from masonry_cd.app.progress import LINE_SECONDS, is_drawn
 from masonry_cd.foundation import kernel_store
@@ -26,6 +28,42 @@ WEIGHTS = {
     "path_by_team": 3.0,
     "update_pairs": 2.0,
 }  # times as long as others these take to compile
+LATE = {  # what a run may have compiled when a step first comes to it
+    "newton_by_team": "Newton's method",
+    "interior_by_team": "the interior point method",
+    "path_by_team": "its path by length",
+}
+
+
+class LateMethods(event.Listener):
+    """Says which of LATE is compiled in the middle of a run, which does not count as time of the step."""
+
+    def __init__(self) -> None:
+        self.heard = False
+        self._depth, self._uncounted = 0, ExitStack()  # numba compiles an entry, and in it the kernel of that name
+
+    def on_start(self, found: event.Event) -> None:
+        """Say it, where numba compiles one of these."""
+        method = _late_method(found)
+        if method and self._depth == 0 and self.heard:
+            _say(f"compiling {method}, which no step needed before", sys.stderr)
+            self._uncounted.enter_context(kernel_store.loading())
+        self._depth += bool(method)
+
+    def on_end(self, found: event.Event) -> None:
+        """Count time again."""
+        self._depth -= bool(_late_method(found))
+        if self._depth == 0:
+            self._uncounted.close()
+
+
+late_methods = LateMethods()
+event.register("numba:compile", late_methods)
+
+
+def _late_method(found: event.Event) -> str | None:
+    """Which of LATE numba compiles."""
+    return LATE.get(found.data["dispatcher"].py_func.__name__)
 
 
 @contextmanager

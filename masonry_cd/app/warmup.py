@@ -38,14 +38,14 @@ from masonry_cd.mechanics.dynamics import islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.friction.law_terms import errors_by_group
-from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
-from masonry_cd.mechanics.model.joints import touching_places
+from masonry_cd.mechanics.model.joints import Joints, touching_places
 from masonry_cd.mechanics.model.materials import JointLaw
 from masonry_cd.mechanics.model.state import State
-from masonry_cd.mechanics.solvers import SOLVERS, Options, cores, interior, newton, pivoting
+from masonry_cd.mechanics.solvers import SOLVERS, Options, cores
 from masonry_cd.mechanics.solvers.condensed import is_condensed
 
 STEPS, STEP = 6, 1e-3  # [s]
@@ -54,10 +54,15 @@ BALLS = "balls"  # group of the sphere, which is rigid where blocks deform
 COARSE = 10.0  # of elements [m]: as few of them as a cube can have
 PATIENCE = 60.0  # to wait for the second process, beyond twice what this one took for its share [s]
 COLLECT = (100_000, 20, 20)  # objects made between two looks for garbage among the new ones, and such looks before one among older ones
-BY_FACTORS = ("auto", "newton", "interior", "pivoting")  # solvers that linearise the law
+UNREACHED = Options(tolerance=1e-300)
+JOBS = {  # of ``auto``, in a plane and in space: those of this process, and of the second one, which take about as long
+    True: (("joints", "errors", "admm"), ("pivoting", "step")),
+    False: (("joints", "admm", "step"), ("errors", "newton", "interior")),
+}
+SELDOM = ("newton", "interior")  # what a run in a plane seldom comes to
 
 # What there is to compile, by solver and whether in a plane: kernels, and seconds of a processor.
-KERNELS = {("auto", True): (35, 100.0), ("auto", False): (35, 95.0), ("nlgs", True): (25, 45.0), ("nlgs", False): (25, 50.0)}
+KERNELS = {("auto", True): (34, 76.0), ("auto", False): (37, 95.0), ("nlgs", True): (25, 45.0), ("nlgs", False): (25, 50.0)}
 MORE = ((2, 4.0), (5, 8.0), (8, 20.0), (10, 25.0))  # beside these for joint laws by area, stress, blocks that deform, and spheres
 SHARED = 0.55  # of the time that one process takes, where two share the work
 PLAIN_TAKES = 2.0  # times as long takes numba's own njit
@@ -99,19 +104,20 @@ _done: set[SceneKind] = set()  # whose kernels this process has
 def compiling(kind: SceneKind) -> Iterator[None]:
     """Have the kernels of a kind of scene compiled, where they are not in the store; the body may call kernels meanwhile."""
     if kind in _done or kind.is_compiled():
+        compile_progress.late_methods.heard = True
         yield
         return
-    helped = kind.solver in BY_FACTORS and jit.keeps() and cores() > 1
+    compile_progress.late_methods.heard = False
+    helped = kind.solver == "auto" and jit.keeps() and cores() > 1
     with _rarely_collecting(), compile_progress.shown(*_expected(kind, helped), jit.why_nothing_is_kept()):
         with second_process(kind) if helped else nullcontext():
             yield
-            _shake_cubes(replace(kind, solver="admm", stress=False) if helped else kind)
-        _shake_cubes(kind)
-        if kind.solver == "auto" and kind.spheres:  # which begins with them only where there are many
-            _shake_cubes(replace(kind, solver="accelerated"))
-        islands.compile_kernels()
+            if helped:
+                compile_jobs(kind, 0)
+        compile_missing(kind)
     _done.add(kind)
     kind.note()
+    compile_progress.late_methods.heard = True
 
 
 @contextmanager
@@ -133,8 +139,60 @@ def _expected(kind: SceneKind, helped: bool) -> tuple[int, float]:
     return count, seconds * (PLAIN_TAKES if jit.PLAIN else SHARED if helped else 1.0)
 
 
-def _shake_cubes(kind: SceneKind) -> None:
-    """The run."""
+def compile_missing(kind: SceneKind) -> None:
+    """Have all that a kind of scene needs compiled, or loaded where it is there."""
+    if kind.solver != "auto":
+        _shake_cubes(kind)
+    else:
+        compile_jobs(kind, 0)
+        compile_jobs(kind, 1)
+        if jit.PLAIN:  # each run compiles, so that one line says it for all
+            compile_seldom(kind)
+        _shake_cubes(replace(kind, solver="admm"))
+        if kind.spheres:  # which it begins with only where there are many
+            _shake_cubes(replace(kind, solver="accelerated"))
+    islands.compile_kernels()
+
+
+def compile_jobs(kind: SceneKind, process: int) -> None:
+    """Do the jobs of a process, 0 or 1, for a scene that ``auto`` solves."""
+    for job in JOBS[kind.planar][process]:
+        if job == "joints":
+            _cubes(kind)
+        elif job == "step":
+            _shake_cubes(replace(kind, solver="admm"), unsolved=True)
+        elif job == "errors":
+            problem, impulse = _falling_block(kind), np.zeros((1, 2 if kind.planar else 3))
+            natural_map_error(problem, impulse)
+            errors_by_group(problem.arrays(), impulse, np.zeros(1, dtype=np.int64), 1)
+            islands.compile_kernels()
+        else:
+            SOLVERS[job](_falling_block(kind), UNREACHED, None)
+
+
+def compile_seldom(kind: SceneKind) -> None:
+    """Have those methods of ``auto`` compiled that a run in a plane seldom comes to."""
+    for name in SELDOM:
+        SOLVERS[name](_falling_block(kind), UNREACHED, None)
+
+
+def _falling_block(kind: SceneKind) -> FrictionProblem:
+    """The problem of a block that falls onto a support."""
+    m, n = _rows_and_solved_unknowns(kind.planar, kind.strained)
+    jacobian = np.zeros((1, 2, m, n))
+    jacobian[0, 0, :, :m] = np.eye(m)
+    body, contact = np.zeros((1, n)), np.zeros((1, m))
+    return FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), jacobian, contact, np.full(1, 0.5), contact)
+
+
+def _unsolved(problem: Problem, _: Options, start: Solution | None) -> Solution:
+    """A solver that leaves the impulses as they were."""
+    impulse = np.zeros((problem.contacts, problem.dimension)) if start is None else start.impulse.copy()
+    return Solution(impulse, None, 0, error=1.0)
+
+
+def _cubes(kind: SceneKind) -> tuple[Assembly, Joints]:
+    """The scene of the cubes."""
     planar, strained, spheres = kind.planar, kind.strained, kind.spheres
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-3)}
@@ -147,12 +205,20 @@ def _shake_cubes(kind: SceneKind) -> None:
         assembly = replace(assembly, deformation=replace(assembly.deformation, room=_rows_and_unknowns(planar, strained)[1]))
     joints = find_joints(assembly)
     touching_places(joints, assembly, State.at_rest(assembly), np.arange(joints.count))  # which a run asks for at its first hinge
+    return assembly, joints
+
+
+def _shake_cubes(kind: SceneKind, unsolved: bool = False) -> None:
+    """The run; ``unsolved`` by no solver, as one island."""
+    assembly, joints = _cubes(kind)
     shaking = np.zeros((STEPS + 1, 1, 3))
     shaking[:, 0, 0] = 0.01 * np.arange(STEPS + 1)
     gravity = np.tile([0.0, 0.0, -9.81], (STEPS + 1, 1))
-    settings = Run(dt=STEP, duration=STEPS * STEP, solver=kind.solver, tolerance=1e-300, planar=planar)
+    settings = Run(dt=STEP, duration=STEPS * STEP, solver=kind.solver, tolerance=1e-300, planar=kind.planar, islands=not unsolved)
     with TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", assembly, joints) as writer:
         machine = Stepper(assembly, shaking, gravity, settings)
+        if unsolved:
+            machine.islands.solver = _unsolved
         machine.kick(np.where(np.array(assembly.names) == "falling", 1.0, 0.0)[:, None] * [0.0, 0.0, -0.5, 0.0, 0.0, 0.0])  # it lands
         run(machine, joints, writer, Plan(STEPS, stress=kind.stress))
 
@@ -182,10 +248,10 @@ def _rows_and_solved_unknowns(planar: bool, strained: int) -> tuple[int, int]:
 
 @contextmanager
 def second_process(kind: SceneKind) -> Iterator[subprocess.Popen[bytes] | None]:
-    """Compile what linearises the law in a process of its own meanwhile; wait for it at the end; it ends with this one at the latest."""
+    """Have a process of its own do its jobs meanwhile; wait for it at the end; it ends with this one at the latest."""
     begin = time.monotonic()
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    call = f"from masonry_cd.app import warmup; warmup.be_second_process({kind.planar}, {kind.strained})"
+    call = f"from masonry_cd.app.warmup import SceneKind, be_second_process; be_second_process({kind!r})"
     try:
         other = subprocess.Popen(
             [sys.executable, "-P", "-c", call], env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
@@ -203,11 +269,11 @@ def second_process(kind: SceneKind) -> Iterator[subprocess.Popen[bytes] | None]:
             other.kill()
 
 
-def be_second_process(planar: bool, strained: int) -> None:
-    """Compile these kernels; leave when the input ends, which happens when the first process does, in whatever way."""
+def be_second_process(kind: SceneKind) -> None:
+    """Compile its share; leave when the input ends, which happens when the first process does, in whatever way."""
     threading.Thread(target=_leave_at_end_of_input, daemon=True).start()
     gc.set_threshold(*COLLECT)
-    compile_share(planar, strained)
+    compile_jobs(kind, 1)
 
 
 def _leave_at_end_of_input() -> None:
@@ -215,20 +281,9 @@ def _leave_at_end_of_input() -> None:
     os._exit(1)
 
 
-def compile_share(planar: bool, strained: int = 0) -> None:
-    """Have the kernels that measure errors compiled, then those that linearise the law, on a block that falls onto a support."""
-    m, n = _rows_and_solved_unknowns(planar, strained)
-    jacobian = np.zeros((1, 2, m, n))
-    jacobian[0, 0, :, :m] = np.eye(m)
-    body, contact = np.zeros((1, n)), np.zeros((1, m))
-    problem = FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), jacobian, contact, np.full(1, 0.5), contact)
-    natural_map_error(problem, contact)
-    errors_by_group(problem.arrays(), contact, np.zeros(1, dtype=np.int64), 1)
-    for method in (*((pivoting,) if planar else ()), newton, interior):
-        method.solve(problem, Options(tolerance=1e-300))
-
-
 if __name__ == "__main__":
     for in_plane in (True, False):
-        with compiling(SceneKind("auto", in_plane)):
+        usual = SceneKind("auto", in_plane)
+        with compiling(usual):
             pass
+        compile_seldom(usual)

@@ -6,10 +6,12 @@ import io
 import time
 from pathlib import Path
 
+import numba
 import pytest
+from numba.core import event
 
 from masonry_cd.app import compile_progress
-from masonry_cd.app.compile_progress import shown
+from masonry_cd.app.compile_progress import LateMethods, shown
 from masonry_cd.foundation import kernel_store
 
 
@@ -83,3 +85,28 @@ def test_what_is_compiled_again_in_each_run_is_said_with_the_reason():
         pass
     expected = "compiling 41 kernels, in each run, as numba 0.99.0 is newer than 0.68, the last that was tried: about 4 min 40 s\n"
     assert stream.getvalue() == expected
+
+
+def test_a_method_that_is_compiled_late_is_said_once_and_does_not_count_as_time_of_the_step(capsys):
+    dispatcher = numba.njit(newton_by_team)
+    listener = LateMethods()
+    for heard in (False, True):
+        listener.heard = heard
+        with event.install_listener("numba:compile", listener):
+            begin = kernel_store.clock()
+            with event.trigger_event("numba:compile", data={"dispatcher": dispatcher}):
+                time.sleep(0.05)
+                with event.trigger_event("numba:compile", data={"dispatcher": dispatcher}):  # the kernel that the entry calls
+                    time.sleep(0.05)
+                with event.trigger_event("numba:compile", data={"dispatcher": numba.njit(other)}):
+                    time.sleep(0.05)
+            assert (kernel_store.clock() - begin < 0.1) == heard
+        assert capsys.readouterr().err == ("compiling Newton's method, which no step needed before\n" if heard else "")
+
+
+def newton_by_team() -> None:
+    """A kernel by the name of one of LATE."""
+
+
+def other() -> None:
+    """A kernel of another name."""

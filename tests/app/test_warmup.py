@@ -91,12 +91,23 @@ def test_a_run_with_spheres_compiles_nothing(block_on_plate, tmp_path):
 
 
 @pytest.mark.parametrize("planar", [True, False])
-def test_the_second_process_compiles_what_a_run_needs(planar):
-    with warmup.compiling(SceneKind("auto", planar)):
+def test_the_two_processes_compile_what_a_run_needs(planar):
+    kind = SceneKind("auto", planar)
+    with warmup.compiling(kind):
         pass
     before = compiled()
-    warmup.compile_share(planar)
+    for process in (0, 1):
+        warmup.compile_jobs(kind, process)
     assert compiled() - before == Counter()
+
+
+def test_a_run_in_a_plane_does_not_wait_for_methods_that_it_seldom_needs(monkeypatch):
+    asked: list[str] = []
+    monkeypatch.setattr(warmup, "SOLVERS", {name: lambda *_, name=name: asked.append(name) for name in ("pivoting", *warmup.SELDOM)})
+    monkeypatch.setattr(warmup, "_shake_cubes", lambda kind, unsolved=False: asked.append(kind.solver))
+    monkeypatch.setitem(warmup.JOBS, True, ((), ("pivoting",)))
+    warmup.compile_missing(SceneKind("auto", True))
+    assert asked == ["pivoting", "admm"]
 
 
 def test_what_is_compiled_is_known_until_a_file_is_missing(monkeypatch, tmp_path):

@@ -131,8 +131,8 @@ class Islands:
 
     def _solve_whole(self, problem: FrictionProblem, options: Options, start: Solution, kind: str) -> Solution:
         """Solve all blocks together."""
-        memory = self._memory[kind]
-        out = self.solver(problem, options, Solution(start.impulse, start.velocity, 0, memory=memory.get(0, EMPTY)))
+        memory, moved = self._memory[kind], int(not self._asleep[0])
+        out = self.solver(problem, options, Solution(start.impulse, start.velocity, moved, memory=memory.get(0, EMPTY)))
         memory[0] = out.memory
         self._hard[0] |= out.iterations > EASY
         if kind == FORCES:
@@ -153,7 +153,7 @@ class Islands:
             place[members] = np.arange(len(members))
             name = int(first[i])
             velocity = None if start.velocity is None else start.velocity[members]
-            begin = Solution(impulse[own], velocity, 0, memory=memory.get(name, EMPTY))
+            begin = Solution(impulse[own], velocity, 1, memory=memory.get(name, EMPTY))  # at rest it would not be awake
             own_tolerance = float(groups.tolerance[i])
             accept = options.accept * own_tolerance / options.tolerance
             to_do = replace(options, tolerance=own_tolerance, accept=accept)

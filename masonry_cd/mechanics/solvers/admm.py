@@ -100,7 +100,7 @@ def learn(learnt: Learnt, k: float, k_end: float, iterations: int, factorisation
     fresh = float(iterations) if factorisations else fresh
     mean = 0.8 * mean + 0.2 * iterations if mean else float(iterations)
     stale = iterations > SLOWER * fresh + MORE
-    return replace(learnt, steps=steps, k=best, stale=stale, fresh_iterations=fresh, mean_iterations=mean)
+    return Learnt(best, stale, fresh, steps, mean, learnt.rate, learnt.budget)
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:

@@ -1,6 +1,6 @@
 """One solver after the other, the cheap ones first, until the tolerance is reached.
 
-1. The impulses of the last step are tried as they are: at rest they do again.
+1. The impulses of the last step are tried as they are: at rest they do again. After a step that moved it is ADMM that measures their error.
 2. Packed grains, many contacts in space of which most are the only one between their two blocks, are swept. They have neighbours on all
    sides, which fills the factors of the other methods, but few contacts each, so that accelerated sweeps get far; where the scene accepts
    the error that these leave, the step ends.
@@ -18,6 +18,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
@@ -43,30 +44,41 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     Args:
         problem: over bodies, or in the impulses alone.
         options: ``max_iterations`` bounds the iterations of all methods together.
-        start: its impulse (C, m) is the first iterate, its memory the one of the step before.
+        start: its impulse (C, m) is the first iterate, its memory the one of the step before, and so are its iterations.
     """
     if problem.contacts == 0:
         return accelerated.solve(problem, options, start)
-    search = _Search(problem, options, start)
-    if search.ended:
-        return search.solution()
-    if touch_in_points(problem):
+    search, grains = _Search(problem, options, start), touch_in_points(problem)
+    if grains or not search.moved:
+        search.measure()
+    if grains:
         search.turn("accelerated", SWEEPS, search.last)
         if search.error <= options.accept:
             return search.solution()
     cold, budget = start is None, search.memory.learnt.budget or MOST
     search.turn("admm", budget, search.last)
+    if not search.story:  # as in the last step
+        return search.solution()
     budget = min(FACTOR * budget, MOST) if search.ended else max(budget // FACTOR, FEWEST)
-    if pivoting.applies(problem) and problem.mu.max() <= ROUGH:
+    if not search.ended:
+        _finish(search, cold)
+    learnt = search.memory.learnt
+    if budget != learnt.budget:
+        search.memory = replace(search.memory, learnt=replace(learnt, budget=budget))
+    return search.solution()
+
+
+def _finish(search: _Search, cold: bool) -> None:
+    """The methods after ADMM; without a step before all of them may take what they do by themselves."""
+    if pivoting.applies(search.problem) and search.problem.mu.max() <= ROUGH:
         search.turn("pivoting", pivoting.LIMIT if cold else PIVOTS, search.best)
     else:
         search.turn("newton", newton.LIMIT if cold else CENTRES, search.best)
-    search.turn("interior", interior.MOST if cold else search.affordable(), search.last)
+    if not search.ended:
+        search.turn("interior", interior.MOST if cold else search.affordable(), search.last)
     if cold:  # nor is it left worse than by ADMM alone
         search.memory = replace(search.memory, learnt=Learnt())
         search.turn("admm", admm.LIMIT, search.last)
-    search.memory = replace(search.memory, learnt=replace(search.memory.learnt, budget=budget))
-    return search.solution()
 
 
 class _Search:
@@ -77,7 +89,16 @@ class _Search:
         self.last = start or Solution(np.zeros((problem.contacts, problem.dimension)), None, 0)
         self.memory = self.last.memory
         self.best, self.iterations, self.story = self.last, 0, list[str]()
-        self.error = natural_map_error(problem, self.last.impulse, threads=options.threads)
+        self.error = inf  # not measured
+
+    @property
+    def moved(self) -> bool:
+        """Whether the last step took iterations, so that its impulses will hardly do in this one."""
+        return self.last.iterations > 0 and isinstance(self.problem, FrictionProblem)
+
+    def measure(self) -> None:
+        """Measure the error of the impulses to begin with."""
+        self.error = natural_map_error(self.problem, self.last.impulse, threads=self.options.threads)
 
     @property
     def ended(self) -> bool:
@@ -98,12 +119,15 @@ class _Search:
         limit = min(limit, self.options.limit(MOST_ITERATIONS) - self.iterations)
         options = Options(self.options.tolerance, limit, self.options.seed, self.options.threads)
         found = METHODS[name].solve(self.problem, options, Solution(begin.impulse, begin.velocity, 0, memory=self.memory))
-        self.memory = found.memory if found.memory.factors is not None else self.memory
-        self.iterations += found.iterations
-        self.story.append(name)
         error = found.error
         if error is None:
             error = natural_map_error(self.problem, found.impulse, threads=self.options.threads)
+        if error <= self.options.tolerance and found.iterations == 0 and not self.story:
+            self.error = error
+            return
+        self.memory = found.memory if found.memory.factors is not None else self.memory
+        self.iterations += found.iterations
+        self.story.append(name)
         if error < self.error:
             self.best, self.error = found, error
 

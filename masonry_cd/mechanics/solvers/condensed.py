@@ -46,7 +46,7 @@ def _solve(solver: Solver, problem: FrictionProblem, options: Options, start: So
         state = start.memory
         if not np.array_equal(state.kept if state.kept is not None else (), kept):
             state = replace(state, learnt=replace(state.learnt, stale=True))
-        begin = Solution(start.impulse, None if start.velocity is None else velocity, 0, memory=state)
+        begin = replace(start, velocity=None if start.velocity is None else velocity, memory=state)
     found = solver(equivalent, options, begin)
     state = replace(found.memory, kept=kept, unknowns=unknowns)
     return Solution(found.impulse, None, found.iterations, found.reason, state, found.error)

@@ -129,6 +129,19 @@ def test_the_error_that_it_reports_is_that_of_the_measure() -> None:
     np.testing.assert_allclose(again.velocity, first.velocity, atol=1e-12)
 
 
+def test_after_a_step_that_moved_admm_measures_the_impulses_to_begin_with(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once, and where they do again they stay as they are, with the memory."""
+    problem = thrown(0.1)
+    first = SOLVERS["admm"](problem, Options(tolerance=1e-9), None)
+    monkeypatch.setattr(auto, "natural_map_error", None)  # nobody asks it
+    again = solve(problem, Options(), Solution(first.impulse, None, 1, memory=first.memory))
+    assert again.reason == "as in the last step: converged" and again.iterations == 0 and again.memory is first.memory
+    np.testing.assert_array_equal(again.impulse, first.impulse)
+    assert again.error == pytest.approx(natural_map_error(problem, first.impulse), rel=1e-6, abs=1e-15)
+    on = solve(problem, Options(tolerance=1e-9), Solution(0.5 * first.impulse, None, 1, memory=first.memory))
+    assert on.reason == "admm: converged" and natural_map_error(problem, on.impulse) <= 1e-9
+
+
 def worst(name: str, problem: Problem, tolerance: float) -> float:
     """The error that a solver leaves."""
     return natural_map_error(problem, SOLVERS[name](problem, Options(tolerance=tolerance), None).impulse)
