@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from masonry_cd.app.static_loads import LimitTable, StaticLoads
 
 STARTS = 2  # of the free search within a part, beside those at the mechanisms of practice
-SEARCHED = 1_500  # contact points of a part up to which it is made unasked: some 5 s of processor time
+SEARCHED = 2_500  # contact points of a part up to which it is made unasked: some 10 s of processor time for a push
 
 
 @dataclass(frozen=True, eq=False)

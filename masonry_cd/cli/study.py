@@ -86,7 +86,7 @@ def tell_end(found: dict[str, Any], output: Path, quiet: bool) -> None:
     no_data = found["failed"] + found["timeout"]
     if not quiet:
         typer.echo(f"{found['done']} of {found['runs']} runs done, {found['failed']} failed, {found['timeout']} ran out of time")
-        if found["limits"]:
+        if found.get("limits"):
             typer.echo("\n".join([*found["limits"], f"results: {output / 'limits.csv'}"]))
         else:
             typer.echo(f"results: {output / 'runs.csv'}, {output / 'runs.parquet'}")
