@@ -38,7 +38,7 @@ class LimitAnalysis:
 
     @property
     def factor(self) -> float | None:
-        """The load factor, of associated sliding: an upper value. None where the structure does not stand, or where supports move."""
+        """The load factor, of associated sliding: an upper value. None where the structure does not stand, supports move, or no factor is finite."""
         found: float | None = self.summary["associated"]
         return found
 
