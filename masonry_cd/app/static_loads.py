@@ -28,6 +28,7 @@ from loads.kinds.tilt import PushTable, TiltTable
 from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_direction
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
+from masonry_cd.app.macro_table import MechanismTable
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import Count, Table
 from masonry_cd.foundation.units import Unit
@@ -73,6 +74,8 @@ class LimitTable(Table):
     """By the kinematic approach of a code, of the mechanism with the least a0* of those that a push or a tilt sets in motion."""
     curve: CurveTable | None = None
     """The capacity curve: the mechanism at finite displacements."""
+    mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = ()
+    """Macro-elements to look at, each with all else held, [[limit.mechanism]] each."""
 
     @field_validator("live", mode="before")
     @classmethod

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -17,6 +18,10 @@ def limit(
     picture: Annotated[bool, typer.Option(help="Draw mechanism.png and thrust.png.")] = True,
     curve: Annotated[bool, typer.Option("--curve", help="Follow the mechanism: capacity.csv, .json and .png.")] = False,
     view: Annotated[str, typer.Option(metavar="NAME", help="auto, front, back, side, top or isometric.")] = "auto",
+    macro_elements: Annotated[
+        bool, typer.Option("--macro-elements", help="Look at each part of the structure with all else held.")
+    ] = False,
+    run: Annotated[Path | None, typer.Option(metavar="DIR", help="Of a run, whose damage stands beside the macro-elements.")] = None,
     force: Force = False,
 ) -> None:
     """Find the largest load factor of a scene by limit analysis, and the mechanism.
@@ -28,21 +33,28 @@ def limit(
     with --curve, or a table [limit.curve], the capacity curve: the factor that the moved structure still bears, over the displacement
     of a block, until none is left.
 
+    With --macro-elements the parts that the structure's kind names, facade, gable, side walls, apse, tower, belfry, corners, piers, are
+    looked at one by one with all else held, for the mechanisms of practice and the free least one: macro_elements.csv, .json and .html,
+    and a picture each. Tables [[limit.mechanism]] choose or add parts. The whole is looked at beside them where the scene names a push or
+    a tilt.
+
     \b
     Examples:
       masonry-cd limit arch.toml -o out/limit --set 'limit.push="x"'
       masonry-cd limit church.toml -o out/across --set 'limit.tilt="y"' --no-picture
       masonry-cd limit wall.toml -o out/wall --set limit.starts=20
       masonry-cd limit arch.toml -o out/arch --curve --set limit.curve.dynamics=true
+      masonry-cd limit church.toml -o out/parts --macro-elements
     """
     with errors_reported():
-        from masonry_cd.app.limit_case import EVERY, limit_case, lines, write
+        from masonry_cd.app.limit_case import EVERY
+        from masonry_cd.app.limit_command import Asked, limit_command
+        from masonry_cd.app.macro_files import MACRO_OUTPUTS
         from reports.drawing.render import view_named
 
-        free_folder(output, EVERY, force)
+        free_folder(output, (*EVERY, *MACRO_OUTPUTS), force)
         if picture and view != "auto":
             view_named(view)  # refused before anything is computed
-        case = limit_case(scene, set_ or (), curve)
-        typer.echo("\n".join(lines(case)))
-        written = write(case, output, picture, view)
+        asked = Asked(output, curve, macro_elements, run, picture, view)
+        written = limit_command(scene, set_ or (), asked, typer.echo)
         typer.echo(f"written: {', '.join(map(str, written))}")

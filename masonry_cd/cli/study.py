@@ -11,6 +11,7 @@ import typer
 
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.cli.shared import Force, Output, Quiet, errors_reported, exclude, warn
+from masonry_cd.foundation.errors import InputError
 
 REASONS = 5  # named at the end; the others are counted
 
@@ -34,7 +35,8 @@ def study(
 
     DIR gets runs.csv and runs.parquet, one row per run, and what follows from them: fragilities with their bands, pictures, and the page
     study.html. The same command again goes on where the last one ended, and makes no finished run again; more records or levels in STUDY
-    make only their own runs. Ctrl-C ends a study without losing a finished run.
+    make only their own runs. With asks = "limit" each scene gets a limit analysis, and DIR limits.csv, factors and verdicts over what
+    varies. Ctrl-C ends a study without losing a finished run.
 
     \b
     Examples:
@@ -58,6 +60,9 @@ def study(
             )
             return
         run = made.maker.study.tables.run
+        limits = made.maker.study.tables.asks == "limit"
+        if report and limits:
+            raise InputError("--report: a study of limit analyses has limits.csv and no fits")
         if report:
             _write_report(output, quiet)
             return
@@ -69,7 +74,7 @@ def study(
             typer.echo(go_on, err=True)
             raise
         tell_end(found, output, quiet)
-        if not found["stopped"]:
+        if not found["stopped"] and not limits:
             _write_report(output, quiet)
     if found["stopped"]:
         typer.echo(f"masonry-cd: error: {found['stopped']}; finished runs are kept\n{go_on}", err=True)
@@ -81,7 +86,10 @@ def tell_end(found: dict[str, Any], output: Path, quiet: bool) -> None:
     no_data = found["failed"] + found["timeout"]
     if not quiet:
         typer.echo(f"{found['done']} of {found['runs']} runs done, {found['failed']} failed, {found['timeout']} ran out of time")
-        typer.echo(f"results: {output / 'runs.csv'}, {output / 'runs.parquet'}")
+        if found["limits"]:
+            typer.echo("\n".join([*found["limits"], f"results: {output / 'limits.csv'}"]))
+        else:
+            typer.echo(f"results: {output / 'runs.csv'}, {output / 'runs.parquet'}")
     often = sorted(found["reasons"].items(), key=lambda item: -item[1])
     warn(f"{count} of {no_data} runs without data: {reason}" for reason, count in often[:REASONS])
     if others := often[REASONS:]:

@@ -30,11 +30,11 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     elif table.by_displacements:
         notes.append(no_end(oscillator))
     return CodeCheck(
-        "NTC2018", EDITION, table.limit_state, ground.words, tuple(steps), tuple(verdicts), tuple(notes), left_open=_left_open(table)
+        "NTC2018", EDITION, table.limit_state, ground.words, tuple(steps), tuple(verdicts), tuple(notes), left_open=left_open(table)
     )
 
 
-def _left_open(table: CheckTable) -> tuple[str, ...]:
+def left_open(table: CheckTable) -> tuple[str, ...]:
     """What the clauses leave to the engineer, and what was taken."""
     factor = f"FC = {table.confidence_factor:g}"
     asked = "alpha0 does not account for the compressive strength, for which C8.7.1.2.1.3 asks for the 1.35 of LC1"

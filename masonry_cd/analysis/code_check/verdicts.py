@@ -155,3 +155,9 @@ def _searched(found: SearchNumbers | None) -> str:
         return ""
     spread = "" if found.spread is None else f", spread {100.0 * found.spread:.2g} %"
     return f"; {found.agreeing} of {found.starts} starts agree{spread}"
+
+
+def worst(found: Sequence[Judgement]) -> Judgement | None:
+    """The least of some verdicts, by state and then by ratio; None of none."""
+    order = [(WORST_FIRST.index(one.state), one.ratio if one.ratio is not None else 0.0) for one in found]
+    return found[order.index(min(order))] if found else None

@@ -96,7 +96,7 @@ def candidates(analysis: Analysis, untied: Untied, assembly: Assembly, joints: J
         moves = mechanism(analysis.problem, assembly, joints, optimum.velocity)
         factor = tied_factor(analysis.problem, optimum) if UNTIED in source else optimum.factor
         made = Candidate(source, factor, moves, dilation(analysis.problem, optimum))
-        if np.isfinite(factor) and not any(_alike(made, other) for other in out):
+        if np.isfinite(factor) and not any(alike(made, other) for other in out):
             out.append(made)
     return tuple(out)
 
@@ -123,7 +123,7 @@ def dilation(problem: LimitProblem, found: Optimum) -> float:
     return float(opening @ np.maximum(found.force[:, 0] + problem.tension, 0.0)) / max(power, 1e-300)
 
 
-def _alike(one: Candidate, other: Candidate) -> bool:
+def alike(one: Candidate, other: Candidate) -> bool:
     """Whether two are one mechanism that was found twice in the same way."""
     near = abs(one.factor - other.factor) <= ALIKE * abs(other.factor)
     return one.source == other.source and near and bool(np.array_equal(one.mechanism.moving, other.mechanism.moving))

@@ -23,7 +23,8 @@ def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float)
 
     Args:
         problem: whose least factor is sought.
-        mechanisms: velocities that the live loads drive, w_1 . v > 0, and no tie holds that does not yield; others are passed over.
+        mechanisms: velocities that the live loads drive, w_1 . v > 0, under which no joint closes and that no tie holds which does not
+            yield; others are passed over.
         cap: the largest factor that is looked for.
     """
     ends = []
@@ -36,9 +37,11 @@ def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float)
 
 
 def _held(problem: LimitProblem, velocity: np.ndarray) -> bool:
-    """Whether a mechanism stretches a tie that does not yield."""
+    """Whether a mechanism stretches a tie that does not yield, or closes a joint."""
     longer = (problem.bars @ velocity)[~np.isfinite(problem.strength)]
-    return bool((longer > STILL * np.abs(velocity).max(initial=0.0)).any())
+    opening = (problem.jacobian @ velocity)[:: problem.directions]
+    size = STILL * float(np.abs(velocity).max(initial=0.0))
+    return bool((longer > size).any() or (opening < -size).any())
 
 
 def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | None:

@@ -25,6 +25,7 @@ SETTLED = 2e-4  # change of the factor, as a share of it, at which the sequence 
 ROUNDS = 4  # of the descent at most
 PENALTY = 100.0  # M, over w_1 . v = 1
 NEARLY = 1e-3  # g of a pair that counts, as a share of the power of the loads
+NO_POWER = 1e-3  # w_1 . v of a strip programme below which its factor is the cap: it is 1 elsewhere
 MOST = 10.0  # times the associated factor: the largest that is looked for
 
 
@@ -64,7 +65,19 @@ def _sequence(problem: LimitProblem, normal: np.ndarray, blend: float, cap: floa
             break
         last = found.factor
         normal = blend * normal + (1.0 - blend) * np.maximum(found.force[:, 0] + problem.apex, 0.0)
-    return found.velocity / float(problem.live @ found.velocity)
+    return _with_power(problem, found)
+
+
+def _with_power(problem: LimitProblem, found: Optimum) -> np.ndarray:
+    """The velocities of an optimum, with w_1 . v = 1.
+
+    Raises:
+        Unbounded: they have no power, as those of blocks that are held.
+    """
+    power = float(problem.live @ found.velocity)
+    if power < NO_POWER:
+        raise Unbounded("no mechanism below the largest factor that is looked for")
+    return found.velocity / power
 
 
 def descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | None:
@@ -81,7 +94,9 @@ def descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | N
             best = pair
         normal = np.maximum(pair[0].force[:, 0] + problem.apex, 0.0)
         found = solve_conic(problem, problem.dead, problem.live, cap, problem.mu * normal)
-        velocity = found.velocity / float(problem.live @ found.velocity)
+        if float(problem.live @ found.velocity) < NO_POWER:
+            break
+        velocity = _with_power(problem, found)
     return best
 
 

@@ -16,6 +16,7 @@ from masonry_cd.studies.study.checks import check_first, check_varied
 from masonry_cd.studies.study.clusters import Where, connected
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.folder import NAME, StudyFolder, digest_of
+from masonry_cd.studies.study.limit_runs import limit_lines, write_limits
 from masonry_cd.studies.study.plan import Plan, Planned
 from masonry_cd.studies.study.progress import StudyProgress
 from masonry_cd.studies.study.records import find_records
@@ -105,6 +106,7 @@ class _Made:
         self.plan, self.folder, self.options, self.say = plan, folder, options, say
         self.rows = folder.finished(options.retry)
         self.stopped = ""
+        self.limits = plan.maker.study.tables.asks == "limit"
 
     def make(self) -> dict[str, Any]:
         """Make the missing runs and write the tables."""
@@ -113,7 +115,8 @@ class _Made:
             f"{self.plan.maker.study.title}: {len(known)} runs{' so far' if self.plan.adapts else ''}, {len(missing)} of them to be made"
         )
         if missing:
-            check_first(self.plan)
+            if not self.limits:
+                check_first(self.plan)
             self.folder.forget_hangs(missing)
             try:
                 self._execute(missing, len(known))
@@ -121,7 +124,7 @@ class _Made:
                 self.stopped = str(asked)
                 self._close()
                 raise
-        if not self.stopped:
+        if not self.stopped and not self.limits:
             self._complete_reference()
         return self._close()
 
@@ -160,7 +163,7 @@ class _Made:
                     progress.planned(more.weight)
                 return following
 
-            first = self.plan.ordered()[0].name
+            first = None if self.limits else self.plan.ordered()[0].name
             engine = Engine(
                 client, lambda run: self._task(run, tables, run.name == first), ended, look, patience=self.options.where.patience
             )
@@ -180,7 +183,7 @@ class _Made:
         """What a worker is asked."""
         folder = str(self.folder.path.resolve())
         asked = tables.run
-        return Task(run.name, self.plan.maker.tables(run.asked), asked.timeout, asked.grace, asked.keep, folder, reference)
+        return Task(run.name, self.plan.maker.tables(run.asked), asked.timeout, asked.grace, asked.keep, folder, reference, tables.asks)
 
     def _complete_reference(self) -> None:
         """Have the first run of the plan that is done as the reference; it is made again where another one was the first."""
@@ -196,11 +199,15 @@ class _Made:
     def _close(self) -> dict[str, Any]:
         """Write the tables and study.json; what came out."""
         runs = self.plan.ordered()
-        write_table(self.folder.path, runs, self.plan.maker, self.rows)
+        if self.limits:
+            write_limits(self.folder.path, runs, self.plan.maker, self.rows)
+        else:
+            write_table(self.folder.path, runs, self.plan.maker, self.rows)
         self.folder.describe(_resolved(self.plan, None if self.stopped else len(runs)))
         ended = [self.rows[run.name] for run in runs if run.name in self.rows]
         counts = {status: sum(row["status"] == status for row in ended) for status in ("done", "failed", "timeout")}
-        return {"runs": len(runs), **counts, "stopped": self.stopped, "reasons": _reasons(ended)}
+        lines = limit_lines(runs, self.plan.maker, self.rows) if self.limits else []
+        return {"runs": len(runs), **counts, "stopped": self.stopped, "reasons": _reasons(ended), "limits": lines}
 
 
 def _reasons(rows: Iterable[dict[str, Any]]) -> dict[str, int]:
@@ -216,7 +223,7 @@ def _identity(plan: Plan) -> dict[str, str]:
     vary = {"keys": study.varied.columns, "random": {key: one.model_dump() for key, one in study.varied.random.items()}}
     return {
         "scene": maker.name(maker.base()),
-        "design": tables.design,
+        "design": tables.design + (" of limit analyses" if tables.asks == "limit" else ""),
         "seed": str(tables.seed),
         "intensity measure": digest_of(None if intensity is None else [intensity.measure, intensity.of, intensity.key]),
         "treatment of records": digest_of(records),

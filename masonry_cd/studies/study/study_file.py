@@ -162,6 +162,8 @@ class StudyTables(Table):
     """A scene file, relative to this one, or the tables of a scene."""
     design: Literal["grid", "sample", "stripes", "ida", "cloud", "ensemble"]
     """Which runs there are."""
+    asks: Literal["run", "limit"] = "run"
+    """What is made of each scene: a run, or a limit analysis as its table [limit] asks for it."""
     seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
     """Of everything that is drawn."""
     samples: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
@@ -292,6 +294,12 @@ def _check_design(top: StudyTables) -> None:
         InputError: names the key.
     """
     design, intensity = top.design, top.intensity
+    if top.asks == "limit":
+        if design not in ("grid", "sample"):
+            raise InputError(f'asks: limit analyses vary over a "grid" or a "sample", and this design is "{design}"')
+        stray = [key for key in ("records", "intensity", "limit_states") if getattr(top, key)]
+        if stray:
+            raise InputError(f"{stray[0]}: belongs to runs, and this study asks for limit analyses")
     levels = intensity is not None and intensity.levels is not None
     needs = {
         "sample": [("samples", top.samples is not None), ("vary", bool(top.vary))],

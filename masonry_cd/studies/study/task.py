@@ -39,6 +39,7 @@ class Task:
     keep: str = "none"  # none | summary | all
     folder: str = ""  # of the study, where something is kept
     reference: bool = False  # send the result file back as well
+    asks: str = "run"  # or limit
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def run_task(task: Task) -> Outcome:
         folder = Path(scratch) / "run"
         joints, reference = None, None
         try:
-            row, joints = _made(task, folder)
+            row, joints = _made(task, folder) if task.asks == "run" else (_analysed(task), None)
             if joints is not None:
                 reference = (folder / RESULTS).read_bytes() if task.reference else None
                 _keep(task, folder)
@@ -95,6 +96,14 @@ def _made(task: Task, folder: Path) -> tuple[dict[str, Any], dict[str, Any] | No
     found, joints = numbers.of_run(folder / RESULTS, summary, scene)
     timing = {"set_up": set_up, "stepping": summary["stepping_seconds"], "closing": time.perf_counter() - ended}
     return {"status": "done", "reason": "", **found, "timing": timing}, joints
+
+
+def _analysed(task: Task) -> dict[str, Any]:
+    """The row of a limit analysis."""
+    from masonry_cd.studies.study.checks import scene_of_run
+    from masonry_cd.studies.study.limit_runs import limit_row
+
+    return {"status": "done", "reason": "", "limit": limit_row(scene_of_run(dict(task.tables)))}
 
 
 class _Given:

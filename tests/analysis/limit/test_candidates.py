@@ -10,7 +10,17 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
-from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, UNTIED, Candidate, Untied, candidates, tied_factor, with_untied
+from masonry_cd.analysis.limit.candidates import (
+    ASSOCIATED,
+    SEARCH,
+    UNTIED,
+    Candidate,
+    Untied,
+    candidates,
+    dilation,
+    tied_factor,
+    with_untied,
+)
 from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
 from masonry_cd.analysis.limit.problem import Bars, limit_problem
@@ -144,3 +154,54 @@ def test_more_ties_never_lower_the_least_acceleration_over_a_fixed_set_of_mechan
         assert least >= last
         first, last = least if not count else first, least
     assert last > 1.05 * first
+
+
+def random_wall(random: np.random.Generator) -> list[Block]:
+    """Three courses of stones of random lengths."""
+    blocks = [ground(8.0)]
+    for course in range(3):
+        cuts = np.cumsum([0.0, *random.uniform(0.5, 1.1, 4)])
+        high = 0.5 * course
+        for k, (low, end) in enumerate(zip(cuts[:-1] / cuts[-1] * 3.0, cuts[1:] / cuts[-1] * 3.0, strict=True)):
+            blocks.append(box(f"s{course}.{k}", (low, -0.2, high), (end, 0.2, high + 0.5)))
+    return blocks
+
+
+def random_church(random: np.random.Generator) -> list[Block]:
+    """A facade before two side walls, in three courses of random heights, with straight joints between the walls."""
+    blocks, low = [ground(12.0)], 0.0
+    for course in range(3):
+        high = low + float(random.uniform(0.6, 1.2))
+        blocks.append(box(f"facade.{course}", (4.0, -1.5, low), (4.5, 1.5, high)))
+        for name, y in (("south", -1.5), ("north", 1.1)):
+            blocks.append(box(f"{name}.{course}", (0.0, y, low), (4.0, y + 0.4, high)))
+        low = high
+    return blocks
+
+
+@pytest.mark.parametrize(("make", "seed"), [(random_wall, 1), (random_wall, 2), (random_church, 3), (random_church, 4)])
+def test_over_random_walls_and_churches_more_ties_never_lower_the_ratio(make, seed: int) -> None:
+    """Each tie raises alpha_0 of each mechanism of a fixed set, or leaves it, and no e*: so the least a_0 never falls."""
+    random = np.random.default_rng(seed)
+    assembly, joints = joined(make(random), 0.5)
+    bare = push_loads(assembly)
+    analysis = analyse(assembly, joints, bare, Options(starts=2, seed=seed))
+    assert analysis.stands and analysis.least is not None
+    optima = [analysis.associated.optimum, *analysis.least.ends]
+    moves = [mechanism(analysis.problem, assembly, joints, optimum.velocity) for optimum in optima]
+    dilates = [dilation(analysis.problem, optimum) for optimum in optima]
+    ends = np.array([random.choice(assembly.count, 2, replace=False) for _ in range(5)])
+    assert analysis.problem.axis is not None or make is random_church
+    strength, before = random.uniform(1e3, 2e4, 5), (0.0, [0.0] * len(optima), None)
+    for count in range(6):
+        bars = Bars(ends[:count], assembly.centre[ends[:count]], strength[:count])
+        problem = limit_problem(assembly, joints, replace(bare, bars=bars))
+        factors = [tied_factor(problem, optimum) for optimum in optima]
+        made = [
+            oscillator(Candidate("", factor, moved, dilates[k]), assembly, joints, GRAVITY * X, None)
+            for k, (factor, moved) in enumerate(zip(factors, moves, strict=True))
+        ]
+        least, fractions = min(one.acceleration() for one in made), [one.fraction for one in made]
+        assert least >= before[0] and all(now >= then - 1e-12 for now, then in zip(factors, before[1], strict=True))
+        assert before[2] is None or fractions == before[2]
+        before = least, factors, fractions

@@ -1,0 +1,168 @@
+"""The limit analysis of a macro-element: the mechanisms of practice, and the free least mechanism within it, each push by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from masonry_cd.analysis.limit.analysis import Options, by_solver, searched
+from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, Candidate, alike, dilation
+from masonry_cd.analysis.limit.from_mechanisms import ends_of, joined
+from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
+from masonry_cd.analysis.limit.nonassociated import LeastFound
+from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
+from masonry_cd.analysis.limit.part import Part, Whole, part_of, resting
+from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
+from masonry_cd.analysis.limit.rigid_groups import RigidGroups, rigid_groups
+from masonry_cd.analysis.limit.solution import Optimum, Unbounded
+from structures.macro_elements.element import HORIZONTAL_BENDING, MacroElement
+
+MOST = 5.0  # load factor, in g, beyond which nothing is looked for: a part that bears so much is held
+HELD = 0.99  # share of it from which on a part counts as held
+FREE = "free least mechanism"
+BEGIN_AT = 3  # mechanisms of practice of least factor from which the free search begins as well
+STARTS = 2  # of the search of a mechanism of practice
+SLIDES = 0.5  # speed of the foot of a body over that of its top, or its own, from which on it slides rather than turns over
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is looked for."""
+
+    starts: int  # of the free search within a part, beside those at the mechanisms of practice
+    most_points: int  # contact points of a part up to which it is made
+    seed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class PartMechanism:
+    """A mechanism of a macro-element that starts at a finite factor."""
+
+    element: MacroElement
+    direction: np.ndarray  # (3,) of the push
+    name: str  # of the mechanism, in words
+    source: str  # how it was found
+    oscillator: Oscillator
+    moving: int  # blocks that move
+    height: float  # of the lowest point that moves [m]
+    velocity: np.ndarray  # in the unknowns of the part's blocks
+    found: Candidate | None  # of the least mechanism of a part and a push only: a large structure has a megabyte of joints
+
+
+@dataclass(frozen=True, eq=False)
+class ElementAnalysis:
+    """What was found of a macro-element under one push."""
+
+    element: MacroElement
+    direction: np.ndarray
+    mechanisms: tuple[PartMechanism, ...]  # the least acceleration first; none of a part that is held
+    least: LeastFound | None  # of the free search
+    points: int  # contact points of the part
+    interlock: float  # friction of bonded walls that holds it [N]
+    remarks: tuple[str, ...]
+
+
+def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[float], effort: Effort) -> ElementAnalysis:
+    """All mechanisms of a macro-element under a push along a direction (3,)."""
+    way, found, remarks = np.asarray(direction, dtype=float), [], []
+    made = list(restrictions(whole, element, way))
+    for name in dict.fromkeys(each.name for each in made):
+        try:
+            found += _least_of(whole, element, way, [each for each in made if each.name == name])
+        except Unbounded as failure:
+            remarks.append(f"{name}: no answer: {failure}")
+    part = part_of(whole, resting(whole, element.blocks), way)
+    least = None
+    try:
+        more, least = _free(part, element, way, found, effort)
+        found += more
+    except Unbounded as failure:
+        remarks.append(f"{FREE}: no answer, the part may not stand with all else held: {failure}")
+    found.sort(key=lambda one: one.oscillator.acceleration())
+    found[1:] = [replace(one, found=None) for one in found[1:]]
+    return ElementAnalysis(element, way, tuple(found), least, part.problem.points.count, part.interlock, tuple(remarks))
+
+
+def _least_of(whole: Whole, element: MacroElement, way: np.ndarray, made: Sequence[Restriction]) -> list[PartMechanism]:
+    """Of restrictions that differ in a height or an angle: the one of least factor without dilation, and of least associated factor."""
+    least: list[tuple[Optimum, Part, RigidGroups, Restriction]] = []
+    upper: list[tuple[Optimum, Part, RigidGroups, Restriction]] = []
+    for each in made:
+        part = part_of(whole, each.free, way)
+        bodies = rigid_groups(part.problem, part.assembly, each.bodies)
+        best = by_solver(bodies.problem, bodies.problem.dead, bodies.problem.live, MOST, Options())
+        begun = [bodies.of_bodies(drawn) for drawn in each.by_hand(whole, way)]
+        found = joined(searched(bodies.problem, best, STARTS, 0), len(begun), ends_of(bodies.problem, begun, MOST))
+        if found is not None and found.optimum.factor < HELD * MOST:
+            least.append((found.optimum, part, bodies, each))
+        if best.factor < HELD * MOST:
+            upper.append((best, part, bodies, each))
+    out = []
+    for source, solved in ((SEARCH, least), (ASSOCIATED, upper)):
+        if solved:
+            best, part, bodies, each = min(solved, key=lambda one: one[0].factor)
+            velocity = bodies.of_blocks(best.velocity)
+            called = _worded(each, part, velocity), source
+            out.append(_made(part, element, way, called, replace(best, velocity=velocity), dilation(bodies.problem, best)))
+    return out
+
+
+def _free(
+    part: Part, element: MacroElement, way: np.ndarray, known: Sequence[PartMechanism], effort: Effort
+) -> tuple[list[PartMechanism], LeastFound | None]:
+    """The least mechanism block by block, from starts of its own and from mechanisms that are known."""
+    problem = part.problem
+    if problem.points.count > effort.most_points:
+        return [], None
+    best = by_solver(problem, problem.dead, problem.live, MOST, Options())
+    least = searched(problem, best, effort.starts, effort.seed)
+    first = sorted((one for one in known if len(one.velocity) == problem.unknowns), key=lambda one: one.oscillator.alpha)[:BEGIN_AT]
+    least = joined(least, len(first), ends_of(problem, [one.velocity for one in first], MOST))
+    ends = [] if least is None else sorted((end for end in least.ends if end.factor < HELD * MOST), key=lambda end: end.factor)
+    upper = [(ASSOCIATED, best)] if best.factor < HELD * MOST else []
+    out: list[PartMechanism] = []
+    for source, optimum in [*((SEARCH, end) for end in ends), *upper]:
+        made = _made(part, element, way, (FREE, source), optimum, dilation(problem, optimum))
+        assert made.found is not None
+        if not any(alike(made.found, other.found) for other in out if other.found):
+            out.append(replace(made, name=f"{FREE}: {_counts(made.found.mechanism)}"))
+    return out, least
+
+
+def _made(part: Part, element: MacroElement, way: np.ndarray, called: tuple[str, str], optimum: Optimum, dilates: float) -> PartMechanism:
+    """A mechanism with its oscillator."""
+    moves = _within(mechanism(part.problem, part.assembly, part.whole.joints, optimum.velocity), part)
+    found = Candidate(called[1], optimum.factor, moves, dilates)
+    low = part.whole.box[0][moves.moving & part.free, 2]
+    height = float(low.min()) if len(low) else 0.0
+    made = oscillator(found, part.assembly, part.whole.joints, part.push, None)
+    return PartMechanism(element, way, *called, made, int(moves.moving.sum()), height, optimum.velocity, found)
+
+
+def _within(moves: Mechanism, part: Part) -> Mechanism:
+    """A mechanism whose joints outside the part are still."""
+    inside = np.zeros(part.whole.joints.count, dtype=bool)
+    inside[part.problem.points.joint] = True
+    names = ("opening", "least_opening", "sliding", "rotation", "state")
+    return replace(moves, **{name: np.where(inside, getattr(moves, name), 0) for name in names})
+
+
+def _worded(each: Restriction, part: Part, velocity: np.ndarray) -> str:
+    """The name of a restriction, and where its first body slides at its foot, that it does."""
+    if each.name == HORIZONTAL_BENDING:
+        return each.name
+    own, moved = each.bodies[0], part.problem.block_velocity(velocity, part.assembly.count)
+    low, high = part.whole.box[0][own, 2].min(), part.whole.box[1][own, 2].max()
+    middle, spin = part.assembly.centre[own].mean(axis=0), moved[own[0], 3:]
+    ends = [moved[own[0], :3] + np.cross(spin, [*middle[:2], z] - part.assembly.centre[own[0]]) for z in (low, high)]
+    foot, top = (float(np.linalg.norm(end[:2])) for end in ends)
+    return f"{each.name}: it slides" if foot > SLIDES * max(foot, top) else each.name
+
+
+def _counts(moves: Mechanism) -> str:
+    """How many joints hinge and slide."""
+    both = moves.count("hinge and slide")
+    counts = {"hinge": moves.count("hinge") + both, "slide": moves.count("slide") + both, "open": moves.count("open")}
+    return ", ".join(f"{number} joints {word}" for word, number in counts.items() if number) or "no joint at work"

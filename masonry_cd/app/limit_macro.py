@@ -1,0 +1,169 @@
+"""The macro-elements of a scene: ``masonry-cd limit --macro-elements`` and ``[[limit.mechanism]]``."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from masonry_cd.analysis.code_check.verdicts import Judgement, worst
+from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, analyse_element
+from masonry_cd.analysis.limit.part import Whole
+from masonry_cd.app.macro_parts import elements_of
+from masonry_cd.app.macro_verdicts import MacroRow, judged, rows_of
+from masonry_cd.app.scene import Scene
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import counted
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.solvers.options import cores
+from structures.macro_elements import MacroElement, macro_elements
+from structures.macro_elements.by_kind import rests
+
+if TYPE_CHECKING:
+    from masonry_cd.app.static_loads import LimitTable, StaticLoads
+
+STARTS = 2  # of the free search within a part, beside those at the mechanisms of practice
+SEARCHED = 2_500  # contact points of a part up to which it is made unasked: some 10 s of processor time for a push
+
+
+@dataclass(frozen=True, eq=False)
+class MacroCase:
+    """A scene and the analysis of its macro-elements."""
+
+    scene: Scene
+    assembly: Assembly
+    joints: Joints
+    loads: StaticLoads
+    parts: tuple[ElementAnalysis, ...]  # one for each macro-element and push
+    rows: tuple[MacroRow, ...]  # every mechanism, the least ratio first; without a check the least a0
+    verdict: Judgement | None  # None where no check is asked for
+    notes: tuple[str, ...]
+    seconds: float
+
+
+def macro_case(scene: Scene, every: bool, jobs: int | None = None, whole: Judgement | None = None) -> MacroCase:
+    """Analyse the macro-elements of a scene.
+
+    Args:
+        scene: what is analysed.
+        every: those of its structure's kind, beside the chosen ones of ``[[limit.mechanism]]``.
+        jobs: processes; as many as there are cores by default.
+        whole: verdict on the structure as a whole, where that was looked at.
+
+    Raises:
+        InputError: anything wrong with the scene, or a table that names no block.
+    """
+    from masonry_cd.app.case import make_structures
+    from masonry_cd.app.static_loads import limit_table
+
+    begin = time.perf_counter()
+    blocks, notes, bars = make_structures(scene)
+    try:
+        refuse_spheres(blocks, "structure: limit analysis")
+        asked = limit_table(scene.limit)
+        _suits(asked, scene)
+        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joint_laws)
+        named = macro_elements(str(scene.structure.get("kind", "")), blocks)
+        elements = elements_of(asked.mechanism, named, every, assembly)
+        loads = _loads(scene, asked, assembly, [(bar.where, bar.load()) for bar in bars])
+        joints = find_joints(assembly)
+        gravity = math.hypot(*scene.run.gravity)
+        structure = Whole(assembly, joints, loads.at().dead, loads.bars, gravity, rests)
+        effort = Effort(STARTS if asked.starts is None else asked.starts, SEARCHED if asked.starts is None else 2**62, scene.run.seed)
+        parts = _analysed(structure, elements, effort, jobs or cores())
+        rows = rows_of(parts, asked.check, scene.folder, (gravity, _ground(assembly)), effort)
+    except InputError as error:
+        raise scene.at_fault(error) from None
+    notes = [*notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
+    verdict = None if asked.check is None else worst([one for one in (judged(rows, parts), whole) if one is not None])
+    return MacroCase(scene, assembly, joints, loads, tuple(parts), rows, verdict, tuple(notes), time.perf_counter() - begin)
+
+
+def _suits(asked: LimitTable, scene: Scene) -> None:
+    """Refuse what a check of parts does not know.
+
+    Raises:
+        InputError: names the key.
+    """
+    if not any(scene.run.gravity):
+        raise InputError("limit: macro-elements need gravity, but run.gravity is zero")
+    if asked.begin is not None:
+        raise InputError("limit.from: macro-elements are those of the structure as built")
+    if any(law.compressive_strength for law in scene.material.joint_laws.values()):
+        raise InputError(
+            "material.joints: joints of macro-elements do not crush; without compressive_strength they are those of rigid joints"
+        )
+    if asked.check is not None and asked.check.limit_state == "SLC":
+        raise InputError("limit.check.limit_state: SLC is checked by displacements only, and macro-elements are checked by accelerations")
+    if abs(scene.run.gravity[0]) + abs(scene.run.gravity[1]) > 1e-9 * math.hypot(*scene.run.gravity):
+        raise InputError("limit: macro-elements need gravity along -z")
+
+
+def _loads(scene: Scene, asked: LimitTable, assembly: Assembly, made: Sequence[tuple[str, Any]]) -> StaticLoads:
+    """Dead loads and ties of a scene; the push is that of each part."""
+    from loads.motion import parse_direction
+    from masonry_cd.app.static_loads import static_loads
+
+    pushed = asked.model_copy(update={"push": parse_direction("x"), "tilt": None, "live": ()})
+    return static_loads(scene.loads, pushed, scene.run.gravity, scene.folder, assembly, made)
+
+
+def _ground(assembly: Assembly) -> float:
+    """Height of the lowest point of what is free: heights of a building count from there [m]."""
+    return min(float(block.vertices[:, 2].min()) for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True) if not fixed)
+
+
+def _analysed(whole: Whole, elements: Sequence[MacroElement], effort: Effort, jobs: int) -> list[ElementAnalysis]:
+    """All parts under all their pushes, in order, on so many processes that share the structure."""
+    asked = [(element, way) for element in elements for way in element.directions]
+    whole.prepare()
+    if jobs < 2 or len(asked) < 2:
+        return [analyse_element(whole, element, way, effort) for element, way in asked]
+    _SHARED[:] = [whole, effort]
+    try:
+        with ProcessPoolExecutor(jobs, mp_context=get_context("fork")) as pool:
+            return list(pool.map(_one, asked))
+    finally:
+        _SHARED.clear()
+
+
+_SHARED: list[Any] = []  # structure and effort, inherited by the processes of a pool
+
+
+def _one(asked: tuple[MacroElement, tuple[float, float, float]]) -> ElementAnalysis:
+    """A part, in a process of the pool."""
+    whole, effort = _SHARED
+    return analyse_element(whole, *asked, effort)
+
+
+def lines(case: MacroCase) -> list[str]:
+    """The analysis in words: the least mechanism of each part, ranked, and the verdict."""
+    pushes, elements = len(case.parts), len({one.element.name for one in case.parts})
+    out = [f"{counted(elements, 'macro-element')} under {pushes} pushes, each with all else held, {case.assembly.count} blocks"]
+    out += [row.words for row in least_rows(case.rows)]
+    held = [f"{one.element.name} {_way(one.direction)}" for one in case.parts if not one.mechanisms]
+    if held:
+        out.append(f"held, no mechanism below a factor of 5: {', '.join(held)}")
+    return [*out, *([] if case.verdict is None else [case.verdict.words]), *case.notes]
+
+
+def least_rows(rows: Sequence[MacroRow]) -> list[MacroRow]:
+    """The first row of each part and push."""
+    first: dict[tuple[str, str], MacroRow] = {}
+    for row in rows:
+        first.setdefault((row.element, row.push), row)
+    return list(first.values())
+
+
+def _way(direction: np.ndarray) -> str:
+    from masonry_cd.app.macro_verdicts import way_words
+
+    return way_words(direction)

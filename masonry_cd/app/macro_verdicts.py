@@ -1,0 +1,155 @@
+"""What the mechanisms of macro-elements amount to: a row each, and the verdict of the least."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from masonry_cd.analysis.code_check.verdicts import MARGIN, NOT_DECIDED, Basis, Judgement, Looked, SearchNumbers, Verdict, worst
+from masonry_cd.analysis.limit.candidates import ASSOCIATED
+from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, PartMechanism
+from masonry_cd.analysis.limit.nonassociated import AGREE
+
+if TYPE_CHECKING:
+    from masonry_cd.analysis.code_check.ground import Ground
+    from masonry_cd.analysis.code_check.table import CheckTable
+
+ON_THE_GROUND = 0.5  # height of the line about which a part turns up to which the motion of the ground is that of the part [m]
+AXES = {"x": (1.0, 0.0), "-x": (-1.0, 0.0), "y": (0.0, 1.0), "-y": (0.0, -1.0)}
+
+
+@dataclass(frozen=True)
+class MacroRow:
+    """A mechanism of a macro-element."""
+
+    element: str
+    kind: str
+    push: str
+    mechanism: str
+    found: str  # how
+    height: float  # of the lowest point that moves, over the foundation [m]
+    moving_blocks: int
+    alpha0: float
+    fraction: float  # e* as taken
+    acceleration: float  # a0*, over the confidence factor where there is a check [m/s2]
+    demand: float | None  # [m/s2]
+    ratio: float | None
+    state: str  # empty without a check
+    doubt: str  # why e* = 1 is taken, if it is
+    undecided: str  # why "satisfied" does not follow, in words
+    part: int  # which of the analyses of parts it is of
+    number: int  # which of its mechanisms
+
+    @property
+    def words(self) -> str:
+        """The row in a line."""
+        a0 = f"alpha0 {self.alpha0:.4g}, e* {self.fraction:.3g}, a0* {self.acceleration:.4g} m/s2"
+        if self.ratio is None:
+            return f"{self.element}, push {self.push}: {a0}: {self.mechanism}"
+        return (
+            f"{self.element}, push {self.push}: {self.state}, ratio {self.ratio:.3g}: {a0}, {self.demand:.4g} asked for: {self.mechanism}"
+        )
+
+
+def rows_of(
+    parts: Sequence[ElementAnalysis], table: CheckTable | None, folder: Path, about: tuple[float, float], effort: Effort
+) -> tuple[MacroRow, ...]:
+    """All mechanisms, the least ratio first.
+
+    Args:
+        parts: what was found.
+        table: the check, None without one.
+        folder: from which the path of a record is read.
+        about: gravity [m/s2] and the height of the foundation [m].
+        effort: of the search.
+
+    Raises:
+        InputError: a record that cannot be read.
+    """
+    from masonry_cd.analysis.code_check.ground import ground_of
+
+    ground = None if table is None else ground_of(table, folder)
+    rows = [
+        _row(one, (k, number), part, table, ground, about[1], effort)
+        for k, part in enumerate(parts)
+        for number, one in enumerate(part.mechanisms)
+    ]
+    return tuple(sorted(rows, key=lambda row: (row.ratio if row.ratio is not None else row.acceleration, row.element, row.push)))
+
+
+def _row(
+    one: PartMechanism, place: tuple[int, int], part: ElementAnalysis, table: CheckTable | None, ground: Ground | None, foot: float,
+    effort: Effort,
+) -> MacroRow:  # fmt: skip
+    """A mechanism, and its check where one is asked for."""
+    height, made = max(one.height - foot, 0.0), one.oscillator
+    facts = (one.element.name, one.element.kind, way_words(one.direction), one.name, one.source, height, one.moving)
+    if table is None or ground is None:
+        numbers = (made.alpha, made.fraction, made.acceleration(), None, None, "", made.doubt, "")
+        return MacroRow(*facts, *numbers, *place)
+    undecided = _undecided(part, table, height, effort)
+    verdict = _verdict(one, table, ground, height, undecided)
+    numbers = (made.alpha, made.fraction, verdict.capacity, verdict.demand, verdict.ratio, verdict.state, made.doubt, undecided)
+    return MacroRow(*facts, *numbers, *place)
+
+
+def _verdict(one: PartMechanism, table: CheckTable, ground: Ground, height: float, undecided: str) -> Verdict:
+    """The check by accelerations, at the height at which the mechanism is held where the building is known."""
+    from masonry_cd.analysis.code_check.check import CODES
+
+    there = height if table.height and height > ON_THE_GROUND else 0.0
+    own = table.model_copy(update={"displacements": False, "height": there})
+    return CODES[table.code](own, one.oscillator, ground).resting_on(Basis(doubt=undecided)).verdicts[0]
+
+
+def _undecided(part: ElementAnalysis, table: CheckTable, height: float, effort: Effort) -> str:
+    """Why the check of a part cannot say "satisfied", in words."""
+    if not table.height and height > ON_THE_GROUND:
+        there = "limit.check.height and building_period say that of the building"
+        return f"held {height:.3g} m above the ground, whose motion is asked for: {there}"
+    if part.remarks:
+        return part.remarks[0]
+    if part.least is None:
+        if part.points > effort.most_points:
+            size = f"a part of more than {effort.most_points:,} contact points"
+            return f"the free least mechanism is not searched for in {size}: limit.starts = 2 does"
+        return "no start of the search for the free least mechanism came to an end: raise limit.starts"
+    if not part.least.agreed:
+        return (
+            f"{part.least.agreeing} of {part.least.starts} starts came to the least factor found, {AGREE} have to agree: raise limit.starts"
+        )
+    return ""
+
+
+def judged(rows: Sequence[MacroRow], parts: Sequence[ElementAnalysis]) -> Judgement | None:
+    """The verdict of the least mechanism; None of none."""
+    return worst([_judgement(row, parts[row.part]) for row in rows])
+
+
+def _judgement(row: MacroRow, part: ElementAnalysis) -> Judgement:
+    """The verdict on one mechanism of a part."""
+    assert row.ratio is not None and row.demand is not None
+    looked = Looked(row.found, row.moving_blocks, row.alpha0, row.fraction, row.acceleration, row.doubt)
+    least, upper = part.least, [one.oscillator.alpha for one in part.mechanisms if one.source.startswith(ASSOCIATED)]
+    numbers = None
+    if least is not None:
+        top = min(upper, default=math.inf)
+        numbers = SearchNumbers(top, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)
+    sides = f"{row.acceleration:.4g} m/s2 borne, {row.demand:.4g} m/s2 asked for, ratio {row.ratio:.3g}"
+    reason = f"{row.element}, push {row.push}, {row.mechanism}: {sides}, alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}"
+    if row.state == NOT_DECIDED:
+        reason += f"; {row.undecided or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
+    return Judgement(row.state, reason, "linear", row.demand, row.acceleration, "m/s2", row.ratio, MARGIN, looked, numbers)
+
+
+def way_words(direction: np.ndarray) -> str:
+    """A level direction as a user writes it: "-x", or its components."""
+    for name, (x, y) in AXES.items():
+        if abs(direction[0] - x) + abs(direction[1] - y) < 1e-9:
+            return name
+    return f"[{direction[0]:.3g}, {direction[1]:.3g}]"

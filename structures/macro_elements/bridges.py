@@ -1,0 +1,40 @@
+"""Macro-elements of arches and bridges: spans in their plane, piers along and across, what stands free on top."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from structures.macro_elements.element import AROUND, EAST, HINGES, NORTH, OVERTURNING, SOUTH, WEST, MacroElement
+from structures.macro_elements.layout import Layout
+
+SPAN, PIER = re.compile(r"(?:tier\d+_)?arch\d*$"), re.compile(r"(?:tier\d+_)?pier\d+$")
+FREE_ON_TOP = ("parapet", "parapets")
+
+
+def arch(layout: Layout) -> list[MacroElement]:
+    """An arch, or a vault of one span, in its plane."""
+    return [MacroElement("arch", "span", np.flatnonzero(~layout.fixed), (EAST, WEST), (HINGES,))]
+
+
+def aqueduct(layout: Layout) -> list[MacroElement]:
+    """Spans with what rests on them, piers, parapets."""
+    names = list(dict.fromkeys(str(name) for name in layout.group[~layout.fixed]))
+    found = []
+    for name in names:
+        own = layout.of_groups(name)
+        if SPAN.search(name):
+            low, high = layout.low[own].min(axis=0), layout.high[own].max(axis=0)
+            free = np.flatnonzero(~layout.fixed)
+            over = free[(layout.low[free, 2] >= low[2]) & (layout.middle[free, 0] > low[0]) & (layout.middle[free, 0] < high[0])]
+            over = over[[not PIER.search(str(layout.group[b])) for b in over]]
+            found.append(MacroElement(f"span {name}", "span", np.union1d(own, over), (EAST, WEST, NORTH), (HINGES,)))
+        elif PIER.search(name):
+            above = np.flatnonzero(~layout.fixed & (layout.low[:, 2] >= layout.top(own) - 1e-6))
+            reach = layout.low[own, 0].min(), layout.high[own, 0].max()
+            over = above[(layout.middle[above, 0] >= reach[0]) & (layout.middle[above, 0] <= reach[1])]
+            found.append(MacroElement(f"{name} with what stands on it", "pier", np.union1d(own, over), AROUND, (OVERTURNING,)))
+        elif name in FREE_ON_TOP:
+            found.append(MacroElement(name, "parapet", own, (NORTH, SOUTH), (OVERTURNING,)))
+    return found

@@ -1,0 +1,101 @@
+"""Stones by wall, and the openings of a wall, read from the names and places of blocks.
+
+Walls in plan name their stones ``WALL.COURSE.NUMBER``, and those around an opening ``WALL.oOPENING.PIECE`` (see structures/layout).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.mechanics.model.blocks import Block
+
+SAME = 1e-6  # lengths closer than this are one [m]
+OF_OPENING = re.compile(r"o(\d+)$")
+
+
+@dataclass(frozen=True)
+class Hole:
+    """An opening in a wall [m]."""
+
+    start: float  # along the wall
+    end: float
+    sill: float
+    head: float  # where its arch springs, or its lintel lies
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """The B blocks of a structure by name, place and group."""
+
+    wall: np.ndarray  # (B,) first part of the name
+    piece: np.ndarray  # (B,) second part of the name, empty without one
+    group: np.ndarray  # (B,)
+    fixed: np.ndarray  # (B,)
+    low: np.ndarray  # (B, 3) [m]
+    high: np.ndarray  # (B, 3) [m]
+
+    @classmethod
+    def of(cls, blocks: Sequence[Block]) -> Layout:
+        """Of blocks."""
+        parts = [(*block.name.split("."), "")[:2] for block in blocks]
+        low = np.array([block.vertices.min(axis=0) for block in blocks])
+        high = np.array([block.vertices.max(axis=0) for block in blocks])
+        wall, piece = (np.array([part[k] for part in parts], dtype=object) for k in (0, 1))
+        group = np.array([block.group for block in blocks], dtype=object)
+        return cls(wall, piece, group, np.array([block.fixed for block in blocks]), low, high)
+
+    @property
+    def middle(self) -> np.ndarray:
+        """Of the boxes around the blocks, (B, 3) [m]."""
+        return 0.5 * (self.low + self.high)
+
+    def of_walls(self, *names: str) -> np.ndarray:
+        """Numbers of the free blocks of walls."""
+        return np.flatnonzero(np.isin(self.wall, names) & ~self.fixed)
+
+    def of_groups(self, *names: str) -> np.ndarray:
+        """Numbers of the free blocks of groups."""
+        return np.flatnonzero(np.isin(self.group, names) & ~self.fixed)
+
+    def above(self, blocks: np.ndarray, height: float) -> np.ndarray:
+        """Those of some blocks that stand on or above a height."""
+        return blocks[self.low[blocks, 2] >= height - SAME]
+
+    def foot(self, blocks: np.ndarray) -> float:
+        """Lowest point of some blocks [m]."""
+        return float(self.low[blocks, 2].min())
+
+    def top(self, blocks: np.ndarray) -> float:
+        """Highest point of some blocks [m]."""
+        return float(self.high[blocks, 2].max())
+
+    def axis(self, blocks: np.ndarray) -> int:
+        """Along which a wall runs: 0 or 1."""
+        size = self.high[blocks, :2].max(axis=0) - self.low[blocks, :2].min(axis=0)
+        return int(size[1] > size[0])
+
+    def holes(self, wall: str) -> list[Hole]:
+        """The openings of a wall, from its start on."""
+        own = self.of_walls(wall)
+        if not len(own):
+            return []
+        axis, found = self.axis(own), []
+        plain = own[[not OF_OPENING.match(self.piece[b]) for b in own]]
+        for piece in dict.fromkeys(self.piece[b] for b in own if OF_OPENING.match(self.piece[b])):
+            around = own[self.piece[own] == piece]
+            head, middle = self.foot(around), float(np.mean(self.middle[around, axis]))
+            under = plain[
+                (self.low[plain, axis] < middle + SAME) & (self.high[plain, axis] > middle - SAME) & (self.high[plain, 2] <= head + SAME)
+            ]
+            sill = self.top(under) if len(under) else self.foot(own)
+            beside = plain[(self.low[plain, 2] < head - SAME) & (self.high[plain, 2] > sill + SAME)]
+            left = self.high[beside, axis][self.high[beside, axis] <= middle]
+            right = self.low[beside, axis][self.low[beside, axis] >= middle]
+            ends = self.low[around, axis].min(), self.high[around, axis].max()
+            start, end = (float(left.max()) if len(left) else float(ends[0])), (float(right.min()) if len(right) else float(ends[1]))
+            found.append(Hole(start, end, sill, head))
+        return sorted(found, key=lambda hole: (hole.start, hole.sill))

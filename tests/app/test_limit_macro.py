@@ -1,0 +1,109 @@
+"""masonry_cd.app.limit_macro: macro-elements of a scene, what is written of them, what is refused, and the one verdict."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from models import GRAVITY, box, ground
+from test_limit_case import scene
+from typer.testing import CliRunner
+
+from masonry_cd.app.limit_macro import MacroCase, least_rows, lines, macro_case
+from masonry_cd.app.scene import read_scene
+from masonry_cd.cli.app import app
+from masonry_cd.mechanics.model.blocks import Block
+
+SLAB = '[[limit.mechanism]]\nblocks = ["slab"]\ndirection = "-x"\nmechanisms = ["overturning"]\n'
+BORNE = GRAVITY / 6.0 / 1.35  # a0* of the slab of 0.5 by 3 m
+
+
+def slabs() -> list[Block]:
+    """A slab that leans at 1/6, and a low block beside it that leans at 2."""
+    return [ground(8.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0)), box("low", (3.0, -1.0, 0.0), (4.0, 1.0, 0.5))]
+
+
+def found(folder: Path, ratio: float, more: str = SLAB, check: str = "") -> MacroCase:
+    """The macro-elements of the slabs, for a demand that the slab meets by a ratio."""
+    asked = f'[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / ratio}\ndisplacements = false\n{check}'
+    return macro_case(read_scene(scene(folder, slabs(), f"{asked}{more}", mu=0.6)), False, jobs=1)
+
+
+@pytest.mark.parametrize(("ratio", "state"), [(0.98, "NOT satisfied"), (1.03, "not decided"), (1.08, "satisfied")])
+def test_the_least_ratio_decides(ratio: float, state: str, tmp_path: Path) -> None:
+    case = found(tmp_path, ratio, SLAB + SLAB.replace('"slab"', '"low"'))
+    assert case.verdict is not None
+    assert (case.verdict.state, case.verdict.ratio) == (state, pytest.approx(ratio, rel=1e-3))
+    first, *others = least_rows(case.rows)
+    assert first.element == "slab" and first.mechanism.endswith("overturning")
+    assert first.alpha0 == pytest.approx(1.0 / 6.0, rel=1e-3) and first.fraction == pytest.approx(1.0, rel=1e-3)
+    assert [row.element for row in others] == ["low"] and all(row.ratio > first.ratio for row in others if row.ratio and first.ratio)
+    assert case.verdict.words in lines(case)
+
+
+def test_a_part_above_the_ground_is_asked_for_the_motion_there(tmp_path: Path) -> None:
+    """Without the building's period nothing is satisfied; with it the demand is that of the floor."""
+    table = '[[limit.mechanism]]\nbox = [[-1.0, -2.0, 1.0], [1.0, 2.0, 4.0]]\ndirection = "x"\nmechanisms = ["overturning"]\n'
+    blocks = [ground(8.0), box("low", (0.0, -1.0, 0.0), (1.5, 1.0, 1.0)), box("high", (0.0, -1.0, 1.0), (0.5, 1.0, 2.0))]
+    building = "height = 1.0\nbuilding_height = 2.0\nbuilding_period = 0.3\nstoreys = 1\n"
+    rows = []
+    for more in ("", building):
+        check = f'[limit.check]\nspectrum = "EC8"\nag = 0.2\ndisplacements = false\n{more}'
+        case = macro_case(read_scene(scene(tmp_path, blocks, f"{check}{table}", mu=0.8)), False, jobs=1)
+        rows.append(least_rows(case.rows)[0])
+        assert rows[-1].height == pytest.approx(1.0)
+    low, high = rows
+    assert low.state == "not decided" and "held 1 m above the ground" in low.undecided
+    assert high.state == "satisfied" and low.demand is not None and high.demand is not None and high.demand > 1.2 * low.demand
+
+
+def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path: Path) -> None:
+    check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 1.5}\ndisplacements = false\n'
+    path, folder = scene(tmp_path, slabs(), f"{check}{SLAB}", mu=0.6), tmp_path / "out"
+    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder)])
+    assert done.exit_code == 0, done.output
+    parts, whole = (json.loads((folder / name).read_text()) for name in ("macro_elements.json", "limit.json"))
+    assert parts["verdict"] == whole["verdict"] and parts["verdict"]["words"] in done.output
+    with (folder / "macro_elements.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert rows[0]["element"] == "slab" and float(rows[0]["ratio"]) == pytest.approx(1.5, rel=1e-3)
+    assert [path.name for path in (folder / "macro_elements").iterdir()] == ["01_slab.png"]
+    page = (folder / "macro_elements.html").read_text()
+    assert page.count("data:image/png") == 1 and "[C8.7.1.2]" in page and f">{parts['verdict']['state']}</span>" in page
+
+
+REFUSED = {
+    "no block": ('[[limit.mechanism]]\nbox = [[50, 50, 50], [51, 51, 51]]\n', "limit.mechanism[0]: names no block that is free to move"),
+    "support": ('[[limit.mechanism]]\ngroup = "base"\n', "limit.mechanism[0]: names no block that is free to move"),
+    "group": ('[[limit.mechanism]]\ngroup = "towr"\n', 'limit.mechanism[0].group: there is no group "towr"'),
+    "block": ('[[limit.mechanism]]\nblocks = ["slob"]\n', 'limit.mechanism[0].blocks: there is no block "slob" (did you mean "slab"?)'),
+    "part": ('[[limit.mechanism]]\npart = "facade"\n', 'limit.mechanism[0].part: there is no "facade"'),
+    "two": ('[[limit.mechanism]]\ngroup = "a"\nblocks = ["slab"]\n', "group and blocks given"),
+    "none": ('[[limit.mechanism]]\nname = "x"\n', "nothing given; name the blocks by one of part, group, blocks or box"),
+    "slope": (SLAB.replace('"-x"', '"z"'), "limit.mechanism[0].direction: must be level"),
+    "mechanism": (SLAB.replace("overturning", "falling over"), "limit.mechanism[0].mechanisms"),
+    "SLC": ('[limit.check]\nspectrum = "EC8"\nag = 1.0\nlimit_state = "SLC"\n' + SLAB, "limit.check.limit_state: SLC"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("tables, words", REFUSED.values(), ids=list(REFUSED))
+def test_what_cannot_be_is_one_line(tables: str, words: str, tmp_path: Path) -> None:
+    path = scene(tmp_path, slabs(), tables)
+    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2, done.output
+    assert words in done.output and len(done.output.strip().splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_damage_of_a_run_stands_beside_macro_elements_only(tmp_path: Path) -> None:
+    path = scene(tmp_path, slabs(), SLAB)
+    refused = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--run", str(tmp_path)])
+    assert refused.exit_code == 2 and "has no damage.csv" in refused.output
+    (tmp_path / "damage.csv").write_text("part,grade,mechanism\nblock,D3,overturning\n")
+    blocks = read_scene(path).structure
+    assert blocks["kind"] == "file"
+    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--run", str(tmp_path), "--no-picture"])
+    assert done.exit_code == 0, done.output
+    assert "damage in the run" in (tmp_path / "out" / "macro_elements.html").read_text()
