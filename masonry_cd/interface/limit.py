@@ -38,7 +38,8 @@ class LimitAnalysis:
 
     @property
     def factor(self) -> float | None:
-        """The load factor, of associated sliding: an upper value. None where the structure does not stand, or where supports move."""
+        """The load factor, of associated sliding: an upper value. None where the structure does not stand, where supports move, or where no
+        factor is finite."""
         found: float | None = self.summary["associated"]
         return found
 

@@ -58,3 +58,8 @@ def test_what_has_no_answer_is_one_line(strength, tables, fault, tmp_path):
     done = CliRunner().invoke(app, ["limit", str(scene(tmp_path, strength, tables)), "-o", str(tmp_path / "out")])
     assert done.exit_code == 2 and fault in done.output and done.output.count("\n") == 1
     assert not (tmp_path / "out" / "limit.json").exists()
+
+
+def test_macro_elements_do_not_crush(tmp_path):
+    done = CliRunner().invoke(app, ["limit", str(scene(tmp_path, "2e6")), "-o", str(tmp_path / "out"), "--macro-elements"])
+    assert done.exit_code == 2 and "material.joints: joints of macro-elements do not crush" in done.output

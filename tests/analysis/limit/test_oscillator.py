@@ -10,7 +10,7 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
 from masonry_cd.analysis.limit.analysis import Options, analyse
-from masonry_cd.analysis.limit.candidates import Candidate, candidates
+from masonry_cd.analysis.limit.candidates import Candidate, Untied, candidates
 from masonry_cd.analysis.limit.capacity import CurveOptions, capacity_curve
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
@@ -32,7 +32,7 @@ def of_blocks(blocks, friction=0.65) -> Oscillator:
 def associated(assembly: Assembly, joints: Joints) -> Candidate:
     """The associated mechanism of a push along x."""
     options = Options(starts=0)
-    return candidates(analyse(assembly, joints, push_loads(assembly), options), assembly, joints, options)[0]
+    return candidates(analyse(assembly, joints, push_loads(assembly), options), Untied(), assembly, joints)[0]
 
 
 def test_a_free_standing_wall():
