@@ -150,8 +150,8 @@ class _Made:
                 queue.extend(self.plan.after(run, self.rows[run.name]))
             else:
                 missing.setdefault(run.name, run)
-        first, *others = missing.values() if missing else [None]
-        return ([] if first is None else [first, *self.plan.shuffled(others)]), known
+        made = list(missing.values())
+        return [*made[:1], *self.plan.shuffled(made[1:])], known
 
     def _execute(self, missing: list[Planned], known: int) -> None:
         """Make runs until there are none left, or a signal comes."""
