@@ -141,8 +141,8 @@ def _tables_of(scene: Scene) -> dict[str, Any]:
 def _study(scene: Scene, tables: dict[str, Any]) -> Study:
     """The study that an assessment is to the engine."""
     own = scene_of(tables, scene.text, scene.path, scene.origin)
-    asked: dict[str, Any] = {"scene": tables, "design": "ensemble", "title": scene.title}
-    top = StudyTables(**asked, ensemble=EnsembleTable(perturb=_perturbs(tables), size=SIZE), run=RunTable(timeout=TIMEOUT))
+    ensemble, run = EnsembleTable(perturb=_perturbs(tables), size=SIZE), RunTable(timeout=TIMEOUT)
+    top = StudyTables(scene=tables, design="ensemble", title=scene.title, ensemble=ensemble, run=run)
     return Study(scene.path, dump_toml(tables), top, own, tables, scene.path.name, Varied({}, {}, []), scene.origin)
 
 
