@@ -1,7 +1,7 @@
 """Steps scenes in two trees of the program by turns, for ``benchmarks.profile --beside``: what the machine does meanwhile meets both alike.
 
-Each tree has a process of its own, in which ``masonry_cd``, ``structures`` and ``loads`` are those of the tree, and the scenes those of
-this one. A process steps a share of a scene, then waits while the other one does.
+Each tree has a process of its own, in which the packages of the program are those of the tree, and the scenes those of this one.
+A process steps a share of a scene, then waits while the other one does.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 HEAD = head("scene", "contacts", "steps", "ms per step: beside", "here", "ratio", "missed: beside", "here", "largest error: beside", "here")
-BEGIN = (  # the packages of a tree come first, then the benchmarks of this one
-    "import sys; sys.path[:0] = [{tree!r}]; import masonry_cd, structures, loads; sys.path[0] = {here!r}\n"
-    "from benchmarks import turns; turns.serve()"
+BEGIN = (  # packages are found in a tree, but for the benchmarks, which are these
+    "import sys, types; sys.path.insert(0, {tree!r}); sys.modules['benchmarks'] = types.ModuleType('benchmarks')\n"
+    "sys.modules['benchmarks'].__path__ = [{here!r}]; from benchmarks import turns; turns.serve()"
 )
 SHARES = 10  # of a scene, by turns
 HEAP = ["--heap", "--dt", "4e-3", "--still", "1e-9", "--longest", "2", "--friction", "0.6"]
@@ -112,7 +112,7 @@ class Tree:
 @contextmanager
 def process_of(tree: Path) -> Iterator[Tree]:
     """The process of a tree, on one thread."""
-    code = BEGIN.format(tree=str(tree.resolve()), here=str(HERE.parent))
+    code = BEGIN.format(tree=str(tree.resolve()), here=str(HERE))
     with subprocess.Popen(
         [sys.executable, "-P", "-c", code], env=environment(1), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=HERE.parent
     ) as running:
