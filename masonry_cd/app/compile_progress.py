@@ -31,7 +31,7 @@ WEIGHTS = {
 LATE = {  # what a run may have compiled when a step first comes to it
     "newton_by_team": "Newton's method",
     "interior_by_team": "the interior point method",
-    "path_by_team": "its path by length",
+    "path_by_team": "the path by length of the interior point method",
 }
 
 
