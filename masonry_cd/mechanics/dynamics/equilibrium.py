@@ -30,9 +30,7 @@ LONGEST = 40  # steps of a swing: a slower one goes on from rest, and still come
 SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last swing is this share of all of it; or its first step this, and these shrink no more
 SHARE, FINEST = 1e-2, 1e-12  # of the run's tolerance, to which steps of settling are solved, and the finest
 COARSEST = 1e-8  # to which they are at the least: at 1e-5 joints that should stick creep on, and a church does not come to rest
-CUT_SWINGS = (
-    2  # at the end, with joints cut where they are open: those that open and close from swing to swing would not let it come to rest
-)
+CUT_SWINGS = 2  # at the end, with joints cut where they are open: those that open and close between swings would not let it come to rest
 SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
 
 
