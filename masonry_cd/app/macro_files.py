@@ -149,5 +149,5 @@ def _subject(case: MacroCase, one: PartMechanism) -> Subject:
         moves, velocity=moves.velocity[shown], speed=moves.speed[shown], **{name: getattr(moves, name)[between] for name in of_joints}
     )
     nothing = np.zeros(some.count)
-    collapse = Collapse(part, nothing, nothing, np.full((some.count, 3), np.nan), np.zeros(0))
+    collapse = Collapse(part, nothing, nothing, np.full((some.count, 3), np.nan), np.zeros(0), np.full(some.count, np.nan))
     return Subject(collapse, [case.assembly.blocks[b] for b in shown], some)

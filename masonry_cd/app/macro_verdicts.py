@@ -90,12 +90,11 @@ def _row(
     height, made = max(one.height - foot, 0.0), one.oscillator
     facts = (one.element.name, one.element.kind, way_words(one.direction), one.name, one.source, height, one.moving)
     if table is None or ground is None:
-        numbers = (made.alpha, made.fraction, made.acceleration(), None, None, "", made.doubt, "")
-        return MacroRow(*facts, *numbers, *place)
+        return MacroRow(*facts, made.alpha, made.fraction, made.acceleration(), None, None, "", made.doubt, "", *place)
     undecided = _undecided(part, table, height, effort)
     verdict = _verdict(one, table, ground, height, undecided)
-    numbers = (made.alpha, made.fraction, verdict.capacity, verdict.demand, verdict.ratio, verdict.state, made.doubt, undecided)
-    return MacroRow(*facts, *numbers, *place)
+    numbers = (verdict.capacity, verdict.demand, verdict.ratio)
+    return MacroRow(*facts, made.alpha, made.fraction, *numbers, verdict.state, made.doubt, undecided, *place)
 
 
 def _verdict(one: PartMechanism, table: CheckTable, ground: Ground, height: float, undecided: str) -> Verdict:
