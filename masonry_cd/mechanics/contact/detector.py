@@ -26,7 +26,6 @@ from masonry_cd.mechanics.contact.broad_phase import SKIN, Listing, list_holds, 
 from masonry_cd.mechanics.contact.contact_set import ContactSet, write_contacts
 from masonry_cd.mechanics.contact.facets import Facets, Overlay
 from masonry_cd.mechanics.contact.flat_contact import look_again
-from masonry_cd.mechanics.contact.manifold import CUT
 from masonry_cd.mechanics.contact.motion import Motion, pair_margin
 from masonry_cd.mechanics.contact.pair_memory import APART, KEPT, SEARCHED, PairMemory, check_pairs, is_stuck, update_gaps
 from masonry_cd.mechanics.contact.round_contact import POINTS, find_round_contact
@@ -34,13 +33,12 @@ from masonry_cd.mechanics.contact.workspace import Workspace
 from masonry_cd.mechanics.linalg.threads import in_shares
 from masonry_cd.mechanics.model.blocks import Assembly, Shapes
 from masonry_cd.mechanics.model.geometry import relative_pose
-from masonry_cd.mechanics.model.materials import JointLaws
 
 ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for each: meshes of nearly one size have three or so
 
-# Kinds of pairs: points at corners; at centroids too, with areas; of elastic joints, left whole, or cut where they are open; between
-# facets, for the kinds before, by how much higher theirs are; of a sphere. All but the first four have loops of their own.
-CORNERS, BY_AREA, WHOLE_JOINT, ELASTIC, FACET_PAIR, ROUND_PAIR = 0, 1, 2, 3, 4, 8
+# Kinds of pairs: points at corners; at centroids too, with areas; between facets; those with areas; of a sphere. All but the first two have
+# loops of their own.
+CORNERS, BY_AREA, FACET_PAIR, FACETS_BY_AREA, ROUND_PAIR = 0, 1, 2, 3, 4
 
 
 class TooManyPoints(RuntimeError):
@@ -68,8 +66,7 @@ class Detector:
         shapes = assembly.shapes
         self._shapes = shapes
         self._part_group = assembly.group_of[shapes.part_block]
-        self._laws = assembly.laws
-        self._kind_of_law = _kinds_of(assembly.laws) * (not corners_only)  # (G, G)
+        self._law_by_area = assembly.laws.by_area & (not corners_only)
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
@@ -138,13 +135,6 @@ class Detector:
         other._listing = Listing(*[array.copy() for array in self._listing])
         other.tally = self.tally.copy()
         return other
-
-    def cut_joints(self, open_ones: bool) -> None:
-        """Cut elastic joints where they are open from here on, as at first, or leave them whole; their points are found anew."""
-        kinds = _kinds_of(self._laws)
-        self._kind_of_law = kinds if open_ones else np.minimum(kinds, WHOLE_JOINT)
-        self._memory.built[:] = np.inf
-        self._remember(self._memory)
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """What the detector remembers, as arrays for a checkpoint."""
@@ -223,16 +213,14 @@ class Detector:
         self._memory = memory
         first, second = self._part_group[memory.parts].T
         round_pair, meshed = (self._shapes.rounding[memory.parts] > 0.0).any(axis=1), self._facets[memory.parts].any(axis=1)
-        self._kind = self._kind_of_law[first, second] + np.where(meshed, FACET_PAIR, 0)
+        self._kind = np.where(self._law_by_area[first, second], BY_AREA, CORNERS) + np.where(meshed, FACET_PAIR, 0)
         self._kind[round_pair] = ROUND_PAIR
         self._arm = self._rolling[first, second] * effective_radius(*self._shapes.rounding[memory.parts].T)
         self._meshed, self._round = bool((meshed & ~round_pair).any()), bool(round_pair.any())
 
     def _capacity(self, pairs: np.ndarray) -> np.ndarray:
-        """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; centroid; cut; facets."""
-        first, second = self._part_group[pairs].T
-        cut = np.where(self._kind_of_law[first, second] >= WHOLE_JOINT, CUT, 0)
-        return np.asarray(self._corners[pairs].sum(axis=1) + 1 + cut + more_points(self._facets[pairs].sum(axis=1)))
+        """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; the centroid; those of facets."""
+        return np.asarray(self._corners[pairs].sum(axis=1) + 1 + more_points(self._facets[pairs].sum(axis=1)))
 
 
 def more_points(facets: Any) -> Any:
@@ -243,11 +231,6 @@ def more_points(facets: Any) -> Any:
 def effective_radius(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """1 / (1 / R_a + 1 / R_b) of pairs of spheres of those radii [m]; 0 stands for a polyhedron, which is flat, or of two for no sphere."""
     return np.where(np.minimum(first, second) > 0.0, first * second / np.maximum(first + second, 1e-300), np.maximum(first, second))
-
-
-def _kinds_of(laws: JointLaws) -> np.ndarray:
-    """The kinds (G, G) of pairs between groups, by their laws."""
-    return np.where(laws.elastic, ELASTIC, np.where(laws.by_area, BY_AREA, CORNERS))
 
 
 def _most_corners(shapes: Shapes) -> np.ndarray:
@@ -286,7 +269,7 @@ def update_pairs(
     parts, slot, count, gap, now = memory.parts, memory.slot, memory.point_count, memory.gap, work.now
     within = 0
     for k in range(share[0], share[1]):
-        if kind[k] >= FACET_PAIR:
+        if kind[k] > BY_AREA:
             continue
         a, b = parts[k, 0], parts[k, 1]
         block_a, block_b = part_block[a], part_block[b]
@@ -297,7 +280,7 @@ def update_pairs(
             update_gaps(memory, k, now, motion.affine)
             tally[KEPT] += 1
         else:
-            look_again(memory, k, shapes, motion, margin, width, _law(kind[k]), work, None, tally)
+            look_again(memory, k, shapes, motion, margin, width, kind[k] == BY_AREA, work, None, tally)
         for s in range(slot[k], slot[k] + count[k]):
             if gap[s] > margin:
                 gap[s] = np.inf
@@ -313,11 +296,11 @@ def update_facet_pairs(
     """As :func:`update_pairs`, for the pairs of which one part at least is meshed; apart, as those with spheres."""
     within = 0
     for k in range(memory.parts.shape[0]):
-        if kind[k] < FACET_PAIR or kind[k] == ROUND_PAIR:
+        if kind[k] <= BY_AREA or kind[k] == ROUND_PAIR:
             continue
         margin, width, kept = _keep_points(memory, k, shapes, motion, work, tally)
         if not kept:
-            look_again(memory, k, shapes, motion, margin, width, _law(kind[k] - FACET_PAIR), work, overlay, tally)
+            look_again(memory, k, shapes, motion, margin, width, kind[k] == FACETS_BY_AREA, work, overlay, tally)
         within += _within_margin(memory, k, margin)
     return within
 
@@ -340,12 +323,6 @@ def update_round_pairs(
             tally[SEARCHED if looked else APART] += 1
         within += _within_margin(memory, k, margin)
     return within
-
-
-@borrower()
-def _law(kind):
-    """Whether the law of a kind of pairs goes by area, is elastic, and is cut where it is open."""
-    return kind != CORNERS, kind >= WHOLE_JOINT, kind == ELASTIC
 
 
 @borrower()

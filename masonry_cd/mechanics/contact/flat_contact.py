@@ -17,20 +17,9 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.contact.facets import has_facets, split
-from masonry_cd.mechanics.contact.manifold import across_edges, contact_points, cut_where_open, incident_face
+from masonry_cd.mechanics.contact.manifold import across_edges, contact_points, incident_face
 from masonry_cd.mechanics.contact.motion import distance_moved, pose_ahead
-from masonry_cd.mechanics.contact.pair_memory import (
-    APART,
-    ASUNDER,
-    CENTRED,
-    CLIPPED,
-    REUSE,
-    SEARCHED,
-    SHARED,
-    STILL,
-    store_points,
-    update_gaps,
-)
+from masonry_cd.mechanics.contact.pair_memory import APART, CLIPPED, REUSE, SEARCHED, store_points, update_gaps
 from masonry_cd.mechanics.contact.separation import EDGES, FACE_OF_A, FAR_APART, WHOLE, Placed, place_part, separate
 
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
@@ -39,13 +28,12 @@ FAR = 0.05  # a pair that may move by more than this share of the smaller part's
 
 
 @borrower()
-def look_again(memory, k, shapes, motion, margin, width, law, work, overlay, tally):
+def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay, tally):
     """Find the points of pair k and their gaps anew, as far as the pair has moved; ``margin`` and ``width`` [m].
 
-    ``law``: whether that of the joint goes by area, is elastic, cut where it is open; ``overlay``: with the facets of meshed
-    blocks; None, which is known when this is compiled, where none of the two has any.
+    ``overlay``: with the facets of meshed blocks; None, which is known when this is compiled, where none of the two has any.
     """
-    solids, now, feature, (by_area, elastic, cut) = shapes.solids, work.now, memory.feature[k], law
+    solids, now, feature = shapes.solids, work.now, memory.feature[k]
     a, b = memory.parts[k, 0], memory.parts[k, 1]
     moved = distance_moved(now, memory.pose[k], shapes.radius[b])
     if feature[0] == FAR_APART and memory.budget[k] - moved > margin:
@@ -70,15 +58,11 @@ def look_again(memory, k, shapes, motion, margin, width, law, work, overlay, tal
     else:
         found = _points_of_facets(memory, k, solids, own, other, now, width, with_area, work, overlay)
     _copy(now, memory.built[k])
-    continued = ASUNDER
     if with_area:
-        turned, continued = _forgive(memory, k, found, facing, EDGE_BIAS * width, work.manifold.height), SHARED
-        if overlay is None and elastic and found > 0:
-            found = cut_where_open(found, memory.normal[k], STILL * width if cut else np.inf, work.manifold)
-            continued = SHARED if turned else CENTRED
+        _forgive(memory, k, found, facing, EDGE_BIAS * width, work.manifold.height)
     if found == 0 and margin > FAR * width and not with_area:
         found = _look_ahead(memory, k, shapes, motion, margin, width, work, overlay)
-    store_points(memory, k, found, work.manifold, continued, width, work.place)
+    store_points(memory, k, found, work.manifold, with_area, width, work.place)
     update_gaps(memory, k, now, motion.affine)
 
 
@@ -105,20 +89,17 @@ def _facing(memory, k):
 def _forgive(memory, k, found, facing, allowed, height):
     """Take what its springs do not feel of the overlap of pair k off the gaps ``height`` of its ``found`` points.
 
-    ``facing``: where its springs faced before, three numbers; a new joint has its springs feel an overlap up to ``allowed`` [m]. Returns
-    whether it is a new one.
+    ``facing``: where its springs faced before, three numbers; a new joint has its springs feel an overlap up to ``allowed`` [m].
     """
     deepest, n = 0.0, memory.normal[k]
     for i in range(found):
         deepest = max(deepest, -height[i])
-    turned = n[0] * facing[0] + n[1] * facing[1] + n[2] * facing[2] < SAME
-    if turned:
+    if n[0] * facing[0] + n[1] * facing[1] + n[2] * facing[2] < SAME:
         memory.unfelt[k] = deepest if deepest > allowed else 0.0
     else:
         memory.unfelt[k] = min(memory.unfelt[k], deepest)
     for i in range(found):
         height[i] += memory.unfelt[k]
-    return turned
 
 
 @borrower()

@@ -16,11 +16,6 @@ First moments sum w_i c_i are zero for any polygon; lambda, between 1/2 and 3/2,
 the joint), and all of them are exact for triangles, parallelograms and regular polygons (A/12 at a corner of a rectangle). No weight is
 negative. Crossing edges have no area: they are rigid and dry in any joint.
 
-**Open joints.** The pressure of springs is linear over what touches, and zero beyond the line where the gap changes its sign. An elastic
-joint is cut there, and either part has corners, a centroid and shares of its own: resultant and moments are those of the pressure itself,
-however far the joint has opened, about whatever axis. Corners and centroid of the whole joint are up to 37 % too strong, 60 % about a
-diagonal, where it is just opening, since a corner then carries for a strip that hangs open.
-
 All is done in the frame of part a of the pair; see :class:`masonry_cd.mechanics.contact.separation.Placed` for the two parts as placed
 there.
 """
@@ -33,11 +28,10 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.contact.separation import EDGES, FACE_OF_A
-from masonry_cd.mechanics.model.polygon import clip_in_place, clip_into, plane_distances
+from masonry_cd.mechanics.model.polygon import clip_in_place, plane_distances
 
 SLIVER = 1e-4  # narrowest interface, as a share of the smaller part's width
 SNAP = 1e-4  # a corner this close to a side plane is on it, as a share of the smaller part's width
-CUT = 3  # points that cutting a joint adds: two on the line, one centroid
 
 
 class Manifold(NamedTuple):
@@ -47,16 +41,12 @@ class Manifold(NamedTuple):
     height: np.ndarray  # (N,) gap [m]; side distances while the polygon is clipped
     area: np.ndarray  # (N,) share of the joint's area [m2], where its law goes by area
     other: np.ndarray  # (N, 3) scratch
-    whole: np.ndarray  # (N, 4) a joint that is cut, with the gap as the fourth coordinate [m]
-    piece: np.ndarray  # (N, 4) what of it touches, then what is open
-    share: np.ndarray  # (N,) the areas of that [m2], and distances from the line [m]
 
     @classmethod
     def allocate(cls, corners: int, more: int = 0) -> Manifold:
         """Room for faces, by their largest number of corners, and for more points where facets cut them."""
         most = 2 * corners + 8 + more
-        one, three, four = (most,), (most, 3), (most, 4)
-        return cls(np.empty(three), np.empty(one), np.empty(one), np.empty(three), np.empty(four), np.empty(four), np.empty(one))
+        return cls(np.empty((most, 3)), np.empty(most), np.empty(most), np.empty((most, 3)))
 
 
 @borrower()
@@ -196,106 +186,6 @@ def share_out(polygon, count, nx, ny, nz, area):
         area[i] *= 1.0 + mixed / squares
         area[count] -= area[i]
     return count + 1
-
-
-@borrower()
-def cut_where_open(found, normal, even, manifold):
-    """Cut a joint with areas, the first ``found`` points of the manifold, where its gap changes its sign; returns how many points then.
-
-    Gaps up to ``even`` [m] count as none; a joint that touches or is open all over stays whole. The centroid of what touches, or of the
-    whole, becomes the first point. Points on the line have shares of both pieces: a joint that closes by much within a step meets what it
-    closes on, and one that is bonded is pulled where it is open.
-    """
-    height, whole, share, corners = manifold.height, manifold.whole, manifold.share, found - 1
-    least, most = np.inf, -np.inf
-    for k in range(corners):
-        for d in range(3):
-            whole[k, d] = manifold.point[k, d]
-        whole[k, 3] = height[k]
-        least, most = min(least, height[k]), max(most, height[k])
-    if not (least < -even and most > even):
-        _swap_with_first(corners, manifold)
-        return found
-    total = 0
-    for sign in (-1.0, 1.0):
-        for k in range(corners):
-            share[k] = sign * whole[k, 3]
-        count = clip_into(whole, corners, share, even, manifold.piece)
-        count = share_out(manifold.piece, count, normal[0], normal[1], normal[2], share)
-        _carry_pressure(count, even, normal, manifold)
-        total = _add_piece(count, total, manifold)
-        if sign < 0.0:
-            _swap_with_first(total - 1, manifold)
-    return total
-
-
-@borrower()
-def _swap_with_first(k, manifold):
-    """Let point k of the manifold and its first one change places."""
-    point, height, area = manifold.point, manifold.height, manifold.area
-    for d in range(3):
-        point[0, d], point[k, d] = point[k, d], point[0, d]
-    height[0], height[k] = height[k], height[0]
-    area[0], area[k] = area[k], area[0]
-
-
-@borrower()
-def _carry_pressure(count, even, normal, manifold):
-    """Move the centroid of a piece, its last point, to where it and the corners have force and moments of a pressure linear in the gap.
-
-    With the weights of the corners and gaps g it is the rest of int g x dA over that of int g dA. What the weight of that point loses goes
-    to the ends of the line, whose gap is none.
-    """
-    piece, share, corners = manifold.piece, manifold.share, count - 1
-    rest = manifold.other
-    for d in range(4):
-        rest[d, 0] = 0.0
-    force = 0.0
-    for i in range(1, corners - 1):
-        p, q, r = piece[0], piece[i], piece[i + 1]
-        part = abs(_triangle(p, q, r, normal[0], normal[1], normal[2]))
-        gaps = p[3] + q[3] + r[3]
-        force += part / 3.0 * gaps
-        for d in range(4):
-            rest[d, 0] += part / 12.0 * (gaps * (p[d] + q[d] + r[d]) + p[3] * p[d] + q[3] * q[d] + r[3] * r[d])
-    ends = 0
-    for i in range(corners):
-        ends += 1 if abs(piece[i, 3]) <= even else 0
-        force -= share[i] * piece[i, 3]
-        for d in range(4):
-            rest[d, 0] -= share[i] * piece[i, 3] * piece[i, d]
-    if ends == 0 or not (rest[3, 0] > 0.0 and abs(force) > 0.0):
-        return
-    weight = force * force / rest[3, 0]
-    left = (share[corners] - weight) / ends
-    for i in range(corners):
-        if abs(piece[i, 3]) <= even and not share[i] + left > 0.0:
-            return
-    for d in range(4):
-        piece[corners, d] = rest[d, 0] / force
-    share[corners] = weight
-    for i in range(corners):
-        if abs(piece[i, 3]) <= even:
-            share[i] += left
-
-
-@borrower()
-def _add_piece(count, total, manifold):
-    """Add the points of a piece to the first ``total`` of the manifold, each place once; returns how many there are then.
-
-    What lies on the line has the same bits in both pieces.
-    """
-    point, piece = manifold.point, manifold.piece
-    for k in range(count):
-        at = 0
-        while at < total and not (point[at, 0] == piece[k, 0] and point[at, 1] == piece[k, 1] and point[at, 2] == piece[k, 2]):
-            at += 1
-        if at == total:
-            point[at, 0], point[at, 1], point[at, 2] = piece[k, 0], piece[k, 1], piece[k, 2]
-            manifold.height[at], manifold.area[at] = piece[k, 3], 0.0
-            total += 1
-        manifold.area[at] += manifold.share[k]
-    return total
 
 
 @borrower()

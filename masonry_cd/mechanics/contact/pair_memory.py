@@ -27,7 +27,6 @@ STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the
 RINGING = 1e-6  # and of blocks that deform, which are never quite still
 REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this share of the smaller part's width
 APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
-ASUNDER, SHARED, CENTRED = 0, 1, 2  # how points continue contacts, see _match
 MATCH = 0.05  # a contact is the same as one of the last step if it moved by less than this share of the smaller part's width
 
 
@@ -193,42 +192,36 @@ def update_gaps(memory, k, now, affine):
 
 
 @borrower()
-def store_points(memory, k, found, manifold, continued, width, place):
+def store_points(memory, k, found, manifold, with_area, width, place):
     """Put the ``found`` points of a manifold in the memory of pair k, each with the contact of the last set that it continues.
 
-    ``place`` (N,) is scratch, ``width`` [m] that of the smaller part; ``continued`` says how points find what they continue, see
-    :func:`_match`.
+    ``place`` (N,) is scratch, ``width`` [m] that of the smaller part. With areas several points may continue one contact.
     """
-    _match(memory, k, manifold.point, found, MATCH * width, continued, place)
+    _match(memory, k, manifold.point, found, MATCH * width, with_area, place)
     memory.point_count[k] = found
     for i in range(found):
         s = memory.slot[k] + i
         for d in range(3):
             memory.local[s, d] = manifold.point[i, d]
         memory.height[s] = manifold.height[i]
-        memory.area[s] = manifold.area[i] if continued > ASUNDER else 0.0
+        memory.area[s] = manifold.area[i] if with_area else 0.0
         memory.place[s] = place[i]
 
 
 @borrower()
-def _match(memory, k, point, found, reach, continued, new_place):
+def _match(memory, k, point, found, reach, shared, new_place):
     """Fill ``new_place`` with the nearest contact of pair k in the last set for each point that no other point has taken, or -1.
 
-    ``point`` (N, 3), of which ``found`` count; none farther off than ``reach`` [m]. Unless ``continued`` is ASUNDER one that was taken
-    counts too: a corner that parts in two hands on its slip and its bond to both. CENTRED: the first point, the centroid of what touches,
-    goes on as such wherever it has moved, and hands on to points that find none near them.
+    ``point`` (N, 3), of which ``found`` count; none farther off than ``reach`` [m]. With ``shared`` one that was taken counts too: a corner
+    that parts in two hands on its slip and its bond to both.
     """
     local, place, first, last = memory.local, memory.place, memory.slot[k], memory.slot[k] + memory.point_count[k]
     for i in range(found):
         nearest, new_place[i] = reach * reach, -1
-        if continued == CENTRED and last > first:
-            new_place[i] = place[first]
-            if i == 0:
-                continue
         for s in range(first, last):
             taken = place[s] < 0
             for j in range(i):
-                taken = taken or (new_place[j] == place[s] and continued == ASUNDER)
+                taken = taken or (new_place[j] == place[s] and not shared)
             dx, dy, dz = point[i, 0] - local[s, 0], point[i, 1] - local[s, 1], point[i, 2] - local[s, 2]
             distance = dx * dx + dy * dy + dz * dz
             if not taken and distance < nearest:

@@ -30,7 +30,6 @@ LONGEST = 40  # steps of a swing: a slower one goes on from rest, and still come
 SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last swing is this share of all of it; or its first step this, and these shrink no more
 SHARE, FINEST = 1e-2, 1e-12  # of the run's tolerance, to which steps of settling are solved, and the finest
 COARSEST = 1e-8  # to which they are at the least: at 1e-5 joints that should stick creep on, and a church does not come to rest
-CUT_SWINGS = 2  # at the end, with joints cut where they are open: those that open and close between swings would not let it come to rest
 SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
 
 
@@ -51,7 +50,6 @@ def settle(stepper: Stepper) -> int:
     trial = _trial(stepper)
     begin, steps, sunk, first, still = trial.state.position.copy(), 0, 0.0, np.inf, False
     ends: list[np.ndarray] = []
-    trial.detector.cut_joints(False)
     most = STEPS * max(1.0, _step(stepper) / trial.settings.dt)
     while not still and steps < most and sunk <= SUNK * stepper.width:
         before, last = trial.state.position.copy(), first
@@ -65,9 +63,6 @@ def settle(stepper: Stepper) -> int:
         under = "its weight and the tension of ties" if trial.tensions.any() else "its weight"
         tied = "; a tie with from_start = true holds it meanwhile" if _jacked(stepper).any() else ""
         raise InputError(f'run.settle: block "{block}" does not come to rest under {under}; settle = false starts the run without{tied}')
-    trial.detector.cut_joints(True)
-    for _ in range(CUT_SWINGS):
-        steps += _swing(trial)[0]
     stepper.begin_from(trial, stepper.settings.dt / trial.settings.dt)
     stepper.lock_ties()
     return steps

@@ -29,9 +29,6 @@ takes pi f beta of critical from a mode of frequency f). With a = theta h + beta
 and alike along the joint, where w_t is what slides and neither spring nor dashpot stretches. The force of both together is what does not
 pull, and what friction bounds.
 
-Where a joint opens or closes, its points come to stand for more of it or for less (``contact/manifold.py``). What begins to touch has not
-slipped: a spring that grows keeps its force, one that shrinks its slip, and those that come of one share the area that has slipped.
-
 A spring that is only just closing, g^0 > 0, takes theta = 1 on the normal: the average of an open and a closed state would give it energy
 that nobody put in, and its dashpot waits for the next step. A stiff spring so lands without a bounce, like a rigid contact, and no spring
 bounces higher than it fell.
@@ -78,13 +75,11 @@ class JointMemory(NamedTuple):
 
     slip: np.ndarray  # (K, 3) elastic slip in the frame of the antagonist [m]
     bonded: np.ndarray  # (K,) bool: intact
-    area: np.ndarray  # (K,) [m2] that the slip holds for
 
     @classmethod
     def empty(cls, contacts: int) -> JointMemory:
         """Contacts that are dry and have not slipped."""
-        count = max(1, contacts)
-        return cls(np.zeros((count, 3)), np.zeros(count, dtype=np.bool_), np.zeros(count))
+        return cls(np.zeros((max(1, contacts), 3)), np.zeros(max(1, contacts), dtype=np.bool_))
 
 
 class Springs(NamedTuple):
@@ -142,7 +137,7 @@ def load_springs(
     """
     bodies, supports, jacobian, frame, groups = rows.bodies, rows.supports, rows.jacobian, rows.frame, rows.groups
     h, m = constants.step, rows.jacobian.shape[2]
-    base, left = np.empty(m), memory.area.copy()
+    base = np.empty(m)
     for c in range(rows.active.shape[0]):
         k, first, second = rows.active[c], groups[c, 0], groups[c, 1]
         if found.area[k] == 0.0:
@@ -169,12 +164,8 @@ def load_springs(
         else:
             springs.compliance[c, 0] = 1.0 / (theta * h * a * k_n * area)
             springs.offset[c, 0] = base[0] + (start + (1.0 - theta) * a * u[0]) / (theta * a)
-        taken = 0.0
-        if old >= 0:
-            taken = 1.0 if springs.bonded[c] else min(1.0, max(0.0, left[old]) / area)
-            left[old] -= taken * area
         for i in range(1, m):
-            slip = taken * _remembered(memory.slip, old, rotation, rows.blocks[c, 1], frame, c, i) if old >= 0 else 0.0
+            slip = _remembered(memory.slip, old, rotation, rows.blocks[c, 1], frame, c, i) if old >= 0 else 0.0
             springs.slip[c, i - 1] = slip
             springs.compliance[c, i] = 1.0 / (theta * h * a * k_t * area)
             springs.offset[c, i] = base[i] + (slip + (1.0 - theta) * a * u[i]) / (theta * a)
@@ -265,7 +256,6 @@ def unload_springs(
         elif slips[c] and size > 0.0:  # the state at the end of a slipping step is brought back to the cone
             keeps = min(1.0, rows.mu[c] * (p[0] + springs.bond[c]) / (constants.step * k_t * size))
         _remember(keeps, slip, rotation[rows.blocks[c, 1]], frame[c], memory.slip[k])
-        memory.area[k] = area
         work[0] += taken
         work[2] += 0.5 * k_t * (keeps * size) ** 2
         work[3] += 0.5 * k_t * held**2

@@ -73,7 +73,7 @@ def test_stones_at_the_toe_of_what_rocks_gain_no_energy():
         lost.append(sum(moving.energy[name] for name in ("friction", "impact", "damping")))
         squeezed = max(squeezed, shortening.depth)
     assert squeezed > 0.015
-    assert np.diff(lost).min() > -5e-3 * moving.energy["base_work"]  # joints are cut where they were open at q_m, a step behind
+    assert np.diff(lost).min() > -1e-3 * moving.energy["base_work"]
     assert moving.energy["damping"] > 0.0
     assert abs(moving.energy["balance"]) < 1e-4 * moving.energy["base_work"]
     assert fastest < 4.0
