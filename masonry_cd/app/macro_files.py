@@ -144,7 +144,7 @@ def _subject(case: MacroCase, one: PartMechanism) -> Subject:
         number[joints.block_a[between]], number[joints.block_b[between]], joints.area[between], joints.normal[between],
         np.cumsum([0, *map(len, corners)]), joints.polygon[np.concatenate([*corners, np.zeros(0, dtype=np.int64)])],
     )  # fmt: skip
-    of_joints = ("opening", "least_opening", "sliding", "rotation", "hinge", "state")
+    of_joints = ("opening", "least_opening", "sliding", "rotation", "hinge", "state", "closing")
     part = replace(
         moves, velocity=moves.velocity[shown], speed=moves.speed[shown], **{name: getattr(moves, name)[between] for name in of_joints}
     )

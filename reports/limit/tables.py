@@ -45,8 +45,9 @@ def joint_rows(collapse: Collapse, assembly: Assembly, joints: Joints) -> list[l
     for j in range(joints.count):
         names = [assembly.names[joints.block_a[j]], assembly.names[joints.block_b[j]]]
         rates = [moves.opening[j], moves.least_opening[j], moves.sliding[j], moves.rotation[j], *moves.hinge[j]]
-        forces = [collapse.normal_force[j], collapse.shear_force[j], *collapse.force_point[j], moves.closing[j], collapse.block_share[j]]
-        rows.append([j, *names, float(joints.area[j]), STATES[moves.state[j]], *map(float, rates), *map(float, forces)])
+        forces = [collapse.normal_force[j], collapse.shear_force[j], *collapse.force_point[j], moves.closing[j]]
+        share = np.nan if collapse.block_share is None else collapse.block_share[j]
+        rows.append([j, *names, float(joints.area[j]), STATES[moves.state[j]], *map(float, rates), *map(float, [*forces, share])])
     return rows
 
 

@@ -74,7 +74,7 @@ class Collapse:
     shear_force: np.ndarray  # (J,) [N]
     force_point: np.ndarray  # (J, 3) where the resultant crosses the joint [m]; nan without a normal force
     bars: np.ndarray  # (T,) tensions of the ties [N]
-    block_share: np.ndarray  # (J,) share of the joint's area under stress at its strength, N / (f A); nan of joints that do not crush
+    block_share: np.ndarray | None = None  # (J,) share of the joint under stress at its strength; nan of joints that do not crush
 
 
 @dataclass(frozen=True, eq=False)
