@@ -24,11 +24,10 @@ from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.solvers.options import cores
-from structures.macro_elements import MacroElement, macro_elements
-from structures.macro_elements.by_kind import rests
 
 if TYPE_CHECKING:
     from masonry_cd.app.static_loads import LimitTable, StaticLoads
+    from structures.macro_elements import MacroElement
 
 STARTS = 2  # of the free search within a part, beside those at the mechanisms of practice
 SEARCHED = 2_500  # contact points of a part up to which it is made unasked: some 10 s of processor time for a push
@@ -63,6 +62,8 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None, whole: Judgem
     """
     from masonry_cd.app.case import make_structures
     from masonry_cd.app.static_loads import limit_table
+    from structures.macro_elements import macro_elements
+    from structures.macro_elements.by_kind import rests
 
     begin = time.perf_counter()
     blocks, notes, bars = make_structures(scene)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from masonry_cd.app.macro_table import MechanismTable
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.mechanics.model.blocks import Assembly
-from structures.macro_elements import MacroElement
-from structures.macro_elements.element import AROUND, HORIZONTAL_BENDING, OVERTURNING, VERTICAL_BENDING
 
-OWN = (OVERTURNING, VERTICAL_BENDING, HORIZONTAL_BENDING)
+if TYPE_CHECKING:
+    from structures.macro_elements import MacroElement
 
 
 def elements_of(tables: Sequence[MechanismTable], named: Sequence[MacroElement], every: bool, assembly: Assembly) -> list[MacroElement]:
@@ -38,6 +38,8 @@ def elements_of(tables: Sequence[MechanismTable], named: Sequence[MacroElement],
 
 def _chosen(table: MechanismTable, where: str, named: Sequence[MacroElement], assembly: Assembly) -> MacroElement:
     """The part of a table."""
+    from structures.macro_elements.element import AROUND, HORIZONTAL_BENDING, OVERTURNING, VERTICAL_BENDING, MacroElement
+
     if table.part is not None:
         known = {one.name: one for one in named}
         if table.part not in known:
@@ -48,7 +50,7 @@ def _chosen(table: MechanismTable, where: str, named: Sequence[MacroElement], as
         blocks = blocks[~assembly.fixed[blocks]]
         if not len(blocks):
             raise InputError(f"{where}: names no block that is free to move: {words}")
-        made = MacroElement(words, "chosen", blocks, AROUND, OWN)
+        made = MacroElement(words, "chosen", blocks, AROUND, (OVERTURNING, VERTICAL_BENDING, HORIZONTAL_BENDING))
     if table.name is not None:
         made = replace(made, name=table.name)
     if table.mechanisms is not None:

@@ -13,12 +13,13 @@ import pytest
 from places import EXAMPLES
 
 from masonry_cd.analysis.deformed import Pose, solids_of
-from masonry_cd.app.case import prepare
+from masonry_cd.app.case import make_structures, prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 from masonry_cd.studies.study.study_case import plan_of
 from masonry_cd.studies.study.task import Task, run_task
+from structures.macro_elements import macro_elements
 
 GRAVITY = 9.81
 
@@ -43,6 +44,13 @@ def test_every_example_is_tested_here():
     text = Path(__file__).read_text(encoding="utf-8")
     for scene in EXAMPLES.glob("*.toml"):
         assert f'"{scene.name}"' in text, f"no test runs {scene.name}"
+
+
+def test_the_parts_of_the_church_are_those_of_practice():
+    """In the plan of examples/church_parts.toml; its macro-elements are analysed in tests of their own, on smaller churches."""
+    made = make_structures(read_scene(EXAMPLES / "church_parts.toml", []))
+    names = " ".join(part.name for part in macro_elements("church", made[0]))
+    assert all(word in names for word in ("facade", "triumphal arch", "apse", "belfry"))
 
 
 def test_the_springings_of_the_arch_carry_its_weight(tmp_path):

@@ -197,7 +197,7 @@ def test_a_dry_wall_whose_contacts_give_way_goes_on_and_the_dynamics_bracket_it(
     assert curve.factor[0] == pytest.approx(first, abs=1e-5)
     assert curve.end == "the control displacement of 50 mm is reached"
     assert curve.displacement[-1] < 0.06
-    for bracket in brackets(curve, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -GRAVITY])):
+    for bracket in brackets(curve, assembly.laws, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -GRAVITY])):
         assert bracket.low <= bracket.factor + 1e-3 and bracket.factor <= bracket.high + 1e-3
         assert bracket.high - bracket.low < 0.011 * curve.factor[0]
 

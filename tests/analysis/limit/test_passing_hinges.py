@@ -111,8 +111,8 @@ def test_while_hinges_pass_the_dead_loads_do_work_and_the_load_does_none():
 
 
 def test_the_dynamics_bracket_the_curve_where_hinges_have_passed():
-    _, curve = followed()
-    for bracket in brackets(curve, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -GRAVITY])):
+    assembly, curve = followed()
+    for bracket in brackets(curve, assembly.laws, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -GRAVITY])):
         assert bracket.low - 1e-3 * curve.factor[0] <= bracket.factor <= bracket.high
         assert bracket.high - bracket.low <= 0.011 * curve.factor[0]
 
