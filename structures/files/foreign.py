@@ -30,7 +30,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.foundation import system
-from masonry_cd.foundation.extras import missing
 
 Faces = tuple[tuple[int, ...], ...]
 Piece = tuple[int, str, np.ndarray, Faces]  # a number (block of the file, or course), a name or group, vertices (V, 3), faces
@@ -159,6 +158,8 @@ def serve(request: Mapping[str, Any]) -> None:
     except MemoryError:
         _refuse(f"{Path(file).name}: cannot be read: it needs more than {limits.memory / GIB:.3g} GiB of memory")
     except ModuleNotFoundError as failure:
+        from masonry_cd.foundation.extras import missing
+
         _refuse(f"{Path(file).name}: cannot be read: {missing(failure) or failure}")
     except (Exception, SystemExit) as failure:
         what = str(failure).strip() or type(failure).__name__

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -110,6 +111,7 @@ def test_a_link_that_leads_to_itself_does_not_end_the_search(tmp_path: Path) -> 
     assert looped > 1
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs os.fork")
 @pytest.mark.parametrize("text", [texts.SCENES["sine"].replace("dt =", "td ="), "\0", ""])
 def test_a_case_is_refused_in_a_process_of_its_own(tmp_path: Path, text: str) -> None:
     folder = tmp_path / "case"
