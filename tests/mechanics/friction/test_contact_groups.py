@@ -115,8 +115,7 @@ def test_groups_have_the_operators_of_the_rows(name: str) -> None:
     given, pattern, groups = grouped(problem)
     assert (len(groups.s) == 6) == (name in ("rigid", "coupled"))
     kept = tuple(np.empty(0, dtype=np.float32) for _ in range(2))
-    index, *_ = pattern.locate(given.bodies, given.bodies)
-    work = allocate_workspace(given, pattern, groups, index, (*kept, np.empty(problem.contacts)))
+    work = allocate_workspace(given, pattern, groups, (*kept, np.empty(problem.contacts)))
     generator, (blocks, n), m = np.random.default_rng(1), problem.v_free.shape, problem.dimension
     v, impulse = generator.normal(size=(blocks, n)), generator.normal(size=(problem.contacts, m))
     v_sorted, p, u = (
