@@ -62,7 +62,7 @@ JOBS = {  # of ``auto``, in a plane and in space: those of this process, and of 
 SELDOM = ("newton", "interior")  # what a run in a plane seldom comes to
 
 # What there is to compile, by solver and whether in a plane: kernels, and seconds of a processor.
-KERNELS = {("auto", True): (34, 76.0), ("auto", False): (37, 95.0), ("nlgs", True): (25, 45.0), ("nlgs", False): (25, 50.0)}
+KERNELS = {("auto", True): (34, 100.0), ("auto", False): (37, 119.0), ("nlgs", True): (25, 45.0), ("nlgs", False): (25, 50.0)}
 MORE = ((2, 4.0), (5, 8.0), (8, 20.0), (10, 25.0))  # beside these for joint laws by area, stress, blocks that deform, and spheres
 SHARED = 0.55  # of the time that one process takes, where two share the work
 PLAIN_TAKES = 2.0  # times as long takes numba's own njit
