@@ -142,15 +142,15 @@ def _expected(kind: SceneKind, helped: bool) -> tuple[int, float]:
 def compile_missing(kind: SceneKind) -> None:
     """Have all that a kind of scene needs compiled, or loaded where it is there."""
     if kind.solver != "auto":
-        _shake_cubes(kind)
+        shake_cubes(kind)
     else:
         compile_jobs(kind, 0)
         compile_jobs(kind, 1)
         if jit.PLAIN:  # each run compiles, so that one line says it for all
             compile_seldom(kind)
-        _shake_cubes(replace(kind, solver="admm"))
+        shake_cubes(replace(kind, solver="admm"))
         if kind.spheres:  # which it begins with only where there are many
-            _shake_cubes(replace(kind, solver="accelerated"))
+            shake_cubes(replace(kind, solver="accelerated"))
     islands.compile_kernels()
 
 
@@ -160,7 +160,7 @@ def compile_jobs(kind: SceneKind, process: int) -> None:
         if job == "joints":
             _cubes(kind)
         elif job == "step":
-            _shake_cubes(replace(kind, solver="admm"), unsolved=True)
+            shake_cubes(replace(kind, solver="admm"), unsolved=True)
         elif job == "errors":
             problem, impulse = _falling_block(kind), np.zeros((1, 2 if kind.planar else 3))
             natural_map_error(problem, impulse)
@@ -208,7 +208,7 @@ def _cubes(kind: SceneKind) -> tuple[Assembly, Joints]:
     return assembly, joints
 
 
-def _shake_cubes(kind: SceneKind, unsolved: bool = False) -> None:
+def shake_cubes(kind: SceneKind, unsolved: bool = False) -> None:
     """The run; ``unsolved`` by no solver, as one island."""
     assembly, joints = _cubes(kind)
     shaking = np.zeros((STEPS + 1, 1, 3))

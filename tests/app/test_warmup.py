@@ -104,7 +104,7 @@ def test_the_two_processes_compile_what_a_run_needs(planar):
 def test_a_run_in_a_plane_does_not_wait_for_methods_that_it_seldom_needs(monkeypatch):
     asked: list[str] = []
     monkeypatch.setattr(warmup, "SOLVERS", {name: lambda *_, name=name: asked.append(name) for name in ("pivoting", *warmup.SELDOM)})
-    monkeypatch.setattr(warmup, "_shake_cubes", lambda kind, unsolved=False: asked.append(kind.solver))
+    monkeypatch.setattr(warmup, "shake_cubes", lambda kind, unsolved=False: asked.append(kind.solver))
     monkeypatch.setitem(warmup.JOBS, True, ((), ("pivoting",)))
     warmup.compile_missing(SceneKind("auto", True))
     assert asked == ["pivoting", "admm"]
