@@ -209,7 +209,7 @@ def _cubes(kind: SceneKind) -> tuple[Assembly, Joints]:
 
 
 def shake_cubes(kind: SceneKind, unsolved: bool = False) -> None:
-    """The run; ``unsolved`` by no solver, as one island."""
+    """A short run of cubes, which compiles what its solver needs; ``unsolved`` by no solver, as one island."""
     assembly, joints = _cubes(kind)
     shaking = np.zeros((STEPS + 1, 1, 3))
     shaking[:, 0, 0] = 0.01 * np.arange(STEPS + 1)
