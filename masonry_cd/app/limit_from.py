@@ -64,7 +64,10 @@ def left_state(asked: LimitTable, folder: Path, assembly: Assembly, joints: Join
             "limit.check.displacements: no curve is followed from the state that a run left; false leaves the check by accelerations"
         )
     place = folder / asked.begin
-    with Results.open(place / "result.h5" if place.is_dir() or not place.suffix else place) as results:
+    file = place / "result.h5" if place.is_dir() or not place.suffix else place
+    if not file.exists():
+        raise InputError(f"{KEY}: {file}: no such result file")
+    with Results.open(file) as results:
         _refuse_others(results, assembly)
         frame = _frame(results, asked.time)
         if results.gradient(frame) is not None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, warn
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, same_command, warn
 
 
 def assess(
@@ -56,7 +54,7 @@ def assess(
             return
         run = made.maker.study.tables.run
         options = Options(Where(None, None, workers, None, run.timeout + run.grace), retry, force, quiet=quiet)
-        go_on = f"masonry-cd: go on with: {shlex.join(['masonry-cd', *(word for word in sys.argv[1:] if word != '--force')])}"
+        go_on = same_command()
         try:
             found = assess_case(made, output, options, lambda line: None if quiet else typer.echo(line, err=True))
         except Interrupted:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -35,6 +37,11 @@ def warn(lines: Iterable[str]) -> None:
     """Print warnings, a line each."""
     for line in lines:
         typer.echo(f"masonry-cd: warning: {line}", err=True)
+
+
+def same_command() -> str:
+    """The line that says by which command a study continues: this one, without --force."""
+    return f"masonry-cd: go on with: {shlex.join(['masonry-cd', *(word for word in sys.argv[1:] if word != '--force')])}"
 
 
 @contextmanager

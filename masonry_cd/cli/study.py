@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Force, Output, Quiet, errors_reported, exclude, warn
+from masonry_cd.cli.shared import Force, Output, Quiet, errors_reported, exclude, same_command, warn
 from masonry_cd.foundation.errors import InputError
 
 REASONS = 5  # named at the end; the others are counted
@@ -67,7 +65,7 @@ def study(
             _write_report(output, quiet)
             return
         options = Options(Where(scheduler, slurm, workers or run.workers, run.memory, run.timeout + run.grace), retry, force, resume, quiet)
-        go_on = f"masonry-cd: go on with: {shlex.join(['masonry-cd', *(word for word in sys.argv[1:] if word != '--force')])}"
+        go_on = same_command()
         try:
             found = study_case(made, output, options, lambda line: None if quiet else typer.echo(line, err=True))
         except Interrupted:

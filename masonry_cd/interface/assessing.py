@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import os
 import signal
 import warnings
@@ -15,6 +14,7 @@ from masonry_cd.analysis.assessment.assessment import read_assessment
 from masonry_cd.analysis.assessment.verdict import heading, lines_of, to_pin_down, verdict, warnings_of
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.interface.closing import closing_as_html
 from masonry_cd.interface.plots import Page
 from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.scenes import Scene, scene
@@ -122,9 +122,7 @@ class Assessment:
         return f'<Assessment "{self.title}": {self.verdict or "no verdict"}>'
 
     def _repr_html_(self) -> str:
-        lines = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
-        warned = "".join(f'<li style="color:#b3261e">warning: {html.escape(line)}</li>' for line in self.warnings)
-        return f"<b>{html.escape(self.lines[0])}</b><ul>{lines}{warned}</ul>"
+        return closing_as_html(self.lines, self.warnings)
 
 
 def assess(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,6 +19,7 @@ from masonry_cd.analysis.deformed import solids_of
 from masonry_cd.analysis.stress.peaks import principal, require_stress, stress_peaks
 from masonry_cd.app.summary import closing_lines, damage_line
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.interface.closing import closing_as_html
 from masonry_cd.interface.mesh_tables import STRESSES, element_peak_table, element_table, node_table
 from masonry_cd.interface.plots import Plots
 from masonry_cd.interface.scenes import Scene, scene_of
@@ -365,9 +365,7 @@ class Run:
         return f'<Run "{self.title}": {len(self.time)} frames to {self.time[-1]:g} s{end}>'
 
     def _repr_html_(self) -> str:
-        lines = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
-        warned = "".join(f'<li style="color:#b3261e">warning: {html.escape(line)}</li>' for line in self.warnings)
-        return f"<b>{html.escape(self.lines[0])}</b><ul>{lines}{warned}</ul>"
+        return closing_as_html(self.lines, self.warnings)
 
 
 def open_run(folder: str | os.PathLike[str]) -> Run:

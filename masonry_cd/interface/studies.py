@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import os
 import signal
 import sys
@@ -21,6 +20,7 @@ from masonry_cd.analysis.fragility.measures import unit
 from masonry_cd.analysis.fragility.sensitivity import COLUMNS, Correlation, correlations
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.interface.closing import closing_as_html
 from masonry_cd.interface.results import RESULTS, Run
 from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.study_plots import StudyPlots
@@ -161,9 +161,7 @@ class Study:
         return f'<Study "{self.title}": {self._found.asked["design"]}, {count} runs{some}{end}>'
 
     def _repr_html_(self) -> str:
-        lines = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
-        warned = "".join(f'<li style="color:#b3261e">warning: {html.escape(line)}</li>' for line in self.warnings)
-        return f"<b>{html.escape(self.lines[0])}</b><ul>{lines}{warned}</ul>"
+        return closing_as_html(self.lines, self.warnings)
 
 
 def study(
