@@ -18,7 +18,11 @@ from masonry_cd.foundation import kernel_store
 
 PACKAGES = ("masonry_cd", "structures", "loads", "reports")
 QUICK = ("loads/test_sinusoidal.py", "loads/test_readers.py", "foundation/test_errors.py")  # tests that need no kernels
-SCENE = '[structure]\nkind = "arch"\nspan = 4.0\nthickness = 0.6\n[material]\ndensity = 2000.0\nfriction = 0.6\n[run]\ndt = 2e-3\nduration = 0.01\nsettle = false\n'
+SCENE = """
+structure = {kind = "arch", span = 4.0, thickness = 0.6}
+material = {density = 2000.0, friction = 0.6}
+run = {dt = 2e-3, duration = 0.01}
+"""
 
 pytestmark = pytest.mark.slow(reason="builds the wheel and the source archive")
 
@@ -49,10 +53,10 @@ def from_wheel(made: Path, *arguments: str, cwd: Path) -> str:
 
 def test_the_wheel_holds_the_packages_and_their_data(made: Path):
     code = f"import sys, importlib; print(*[importlib.import_module(name).__file__ for name in {PACKAGES}], sep='\\n')"
-    files = from_wheel(made, "-c", code, cwd=made).split()
-    assert [Path(file).is_relative_to(made / "site") for file in files] == [True] * len(PACKAGES)
-    data = {path.relative_to(ROOT) for package in PACKAGES for path in (ROOT / package).rglob("*") if path.suffix not in (".pyc", ".nbc", ".part")}
-    lacking = [str(path) for path in data if (ROOT / path).is_file() and not (made / "site" / path).exists()]
+    found = from_wheel(made, "-c", code, cwd=made).split()
+    assert [Path(file).is_relative_to(made / "site") for file in found] == [True] * len(PACKAGES)
+    files = [path for package in PACKAGES for path in (ROOT / package).rglob("*") if path.is_file() and "__pycache__" not in path.parts]
+    lacking = [str(path) for path in files if not (made / "site" / path.relative_to(ROOT)).exists()]
     assert lacking == []
 
 
