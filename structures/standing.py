@@ -19,6 +19,7 @@ from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.state import State, rotation_matrices
+from structures.files.supports import HOW
 
 UPRIGHT = 1e-4  # sine of the slope of a joint: less is upright
 NAMED = 3  # blocks named in a line
@@ -51,7 +52,7 @@ def in_words(loose: Sequence[str], hanging: Sequence[str], adrift: Sequence[str]
         verbs = "touches no other block, and falls" if len(loose) == 1 else "touch no other block, and fall"
         lines.append(f"{_these(loose)} {verbs}; of a file, structure.gaps = WIDTH [m] closes gaps up to that width")
     if adrift:
-        lines.append(f"{_these(adrift)}: in a piece of the structure that touches no support, and falls as a whole")
+        lines.append(f"{_these(adrift)}: in a piece of the structure that touches no support, and falls as a whole; of a file, {HOW}")
     if hanging:
         names = ", ".join(hanging[:NAMED]) + (" ..." if len(hanging) > NAMED else "")
         hang = "hangs" if len(hanging) == 1 else "hang"

@@ -6,10 +6,18 @@ asked first.
 
 from __future__ import annotations
 
+from typing import Literal
+
 from loads.readers.source import RawRecord, Reader, Request, Source
 from masonry_cd.foundation.extensions import Entries
 
-__all__ = ["READERS", "RawRecord", "Request", "Source", "read"]
+__all__ = ["READERS", "FormatName", "RawRecord", "Request", "Source", "formats", "read"]
+
+FormatName = Literal[
+    "auto", "afad", "at2", "bhrc", "columns", "cosmos", "counted", "csmip", "csv", "cwb", "esm", "geonet", "knet", "mseed", "renadic",
+    "sac", "smc", "unam", "usc",
+]  # fmt: skip
+"""What a table may ask for: "auto", or one of ``READERS``, which a test compares."""
 
 READERS: Entries[Reader] = Entries("loads.readers", "FORMATS")
 
@@ -34,6 +42,11 @@ def read(source: Source, name: str, request: Request) -> tuple[str, RawRecord]:
         if found is None and not source.lines:
             raise source.error("not a text file, nor a binary one of a format that is read")
         if found is None:
-            raise source.error(f"not recognised as one of {', '.join(READERS)}; name the format by the key format")
+            raise source.error(f"not recognised as one of {', '.join(sorted(READERS))}; name the format by the key format")
         name = found
     return name, READERS[name].read(source, request)
+
+
+def formats() -> list[tuple[str, str, str]]:
+    """All formats by name: what is read of each, and who publishes it."""
+    return [(name, reader.about, reader.by) for name, reader in sorted(READERS.items())]

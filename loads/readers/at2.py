@@ -72,4 +72,4 @@ def _count_line(source: Source) -> tuple[int, str, str] | None:
     return None
 
 
-FORMATS = {"at2": Reader(recognises, read)}
+FORMATS = {"at2": Reader(recognises, read, about="AT2, VT2, DT2, one component", by="PEER")}

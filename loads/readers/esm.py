@@ -1,17 +1,18 @@
-"""ESM and ITACA ASCII (DYNA 1.2): a heading of ``KEY: value`` lines, then one acceleration per line.
+"""ESM and ITACA ASCII (DYNA 1.0 to 1.2): a heading of ``KEY: value`` lines, then one acceleration per line.
 
-Needed of the heading: SAMPLING_INTERVAL_S, NDATA, UNITS, and DATA_TYPE where it is given.
+Needed of the heading: SAMPLING_INTERVAL_S, NDATA, UNITS, and DATA_TYPE where it is given; ITACA 1 names the component COMPONENT instead of
+STREAM.
 """
 
 from __future__ import annotations
 
 import re
 
-from loads.readers.quantity import Stated, of_channel
+from loads.readers.quantity import Stated, named, of_channel
 from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
-from loads.readers.units import UNITS
 
 KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*):(.*)$")
+PEAK = re.compile(r"PG[AVD]_(.+)$")  # the unit of older files stands in the key of their peak: PGA_CM/S^2
 HEADING = 100  # lines in which the keys are looked for
 
 
@@ -40,8 +41,9 @@ def read(source: Source, request: Request) -> RawRecord:
     values = source.stream(max(index for index, _ in heading.values()) + 1)
     line, text = heading["NDATA"]
     check_count(source, values, source.number(text, line), line)
-    unit = heading.get("UNITS", (0, ""))[1]
-    return RawRecord(values, step, 0.0, unit or None, heading.get("STREAM", (0, ""))[1], stated=stated)
+    unit = heading.get("UNITS", (0, ""))[1] or next((found[1] for key in heading if (found := PEAK.match(key))), "")
+    name = heading.get("STREAM", heading.get("COMPONENT", (0, "")))[1]
+    return RawRecord(values, step, 0.0, unit or None, name, stated=stated)
 
 
 def _stated(source: Source, heading: dict[str, tuple[int, str]]) -> Stated | None:
@@ -49,9 +51,9 @@ def _stated(source: Source, heading: dict[str, tuple[int, str]]) -> Stated | Non
     line, text = heading.get("DATA_TYPE", (0, ""))
     if not text:
         return of_channel(heading.get("STREAM", (0, ""))[1])
-    if text.lower() not in UNITS:
-        raise source.error(f"a record of {text.lower()}, where one of acceleration is needed", line)
-    return Stated(text.lower(), f"line {line + 1}, DATA_TYPE", firm=True)
+    if (quantity := named(text)) and not re.search("SPECTR|RESPONSE", text, re.IGNORECASE):
+        return Stated(quantity, f"line {line + 1}, DATA_TYPE", firm=True)
+    raise source.error(f"a record of {text.lower()}, where one of acceleration is needed", line)
 
 
 def _heading(source: Source) -> dict[str, tuple[int, str]]:
@@ -65,4 +67,4 @@ def _heading(source: Source) -> dict[str, tuple[int, str]]:
     return found
 
 
-FORMATS = {"esm": Reader(recognises, read)}
+FORMATS = {"esm": Reader(recognises, read, about="DYNA 1.0 to 1.2, ITACA 1 and 2, one component", by="ESM, ITACA (INGV), AFAD (TADAS)")}

@@ -66,4 +66,4 @@ def _heading(source: Source) -> dict[str, tuple[int, str]]:
     return found
 
 
-FORMATS = {"knet": Reader(recognises, read)}
+FORMATS = {"knet": Reader(recognises, read, about="K-NET and KiK-net text, one component", by="NIED, Japan")}

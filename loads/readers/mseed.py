@@ -93,4 +93,4 @@ def _channel(source: Source, traces: list[Any], column: str | int | None) -> lis
     return [trace for trace in traces if trace.id == fitting[0]]
 
 
-FORMATS = {"mseed": Reader(recognises, read)}
+FORMATS = {"mseed": Reader(recognises, read, about="miniSEED 2 and 3, by channel (extra records)", by="networks of the FDSN")}

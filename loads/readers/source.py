@@ -97,6 +97,7 @@ class RawRecord:
     column: int | None = None  # its place in a table, counted from 0
     stated: Stated | None = None  # what the file says the values are, beside their unit
     counts: bool = False  # of a digitiser, whose meaning the file does not give
+    notes: tuple[str, ...] = ()  # what was done to the samples to read them
 
 
 class Reader(NamedTuple):
@@ -105,6 +106,8 @@ class Reader(NamedTuple):
     recognises: Callable[[Source], bool]
     read: Callable[[Source, Request], RawRecord]
     loose: bool = False  # recognises much, so that it is asked last
+    about: str = ""  # what is read of it
+    by: str = ""  # who publishes it
 
 
 def check_count(source: Source, values: np.ndarray, announced: float, index: int) -> None:
@@ -133,4 +136,4 @@ def refuse_layout(source: Source, request: Request, kind: str) -> None:
 def refuse_calibration(source: Source, request: Request, kind: str) -> None:
     """Raise where the user gives a calibration for values that are no counts, or whose header has one: it is applied once."""
     if request.calibration is not None:
-        raise source.error(f"the key calibration does not apply to {kind} files, only to miniSEED, which holds counts")
+        raise source.error(f"the key calibration does not apply to {kind} files, only to those of counts, such as miniSEED")

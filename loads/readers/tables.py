@@ -7,6 +7,7 @@ needs the key time_step. A table that could be one series in reading order is re
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,8 +21,11 @@ from masonry_cd.foundation.fields import finite_number
 
 IRREGULAR = 0.2  # of a step: times written with few digits (1/128 s as 0.008) stay below, a missing line does not
 DELIMITERS = (";", "\t", ",")
+TIME_NAMES = ("t", "time", "tempo", "tempi", "tiempo", "temps", "zeit", "zaman")
 MOST_NAMED = 30  # columns in a message
 PROBE = 20  # lines looked at to recognise a table
+DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
+PADDED = re.compile(r"[+-]?\d+,0\d+")  # 0,05: no second column is written so
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,7 @@ def recognises_csv(source: Source) -> bool:
 def recognises_columns(source: Source) -> bool:
     """True when one of the first two lines starts with a number, and no delimiter stands beside numbers."""
     first = [line for _, (_, line) in zip(range(2), source.content(), strict=False)]
-    return _delimiter(source) is None and any(_is_number(line.split()[0]) for line in first)
+    return _delimiter(source) is None and any(_is_number(_decimal(line.split()[0], None)) for line in first)
 
 
 def read_csv(source: Source, request: Request) -> RawRecord:
@@ -58,6 +62,11 @@ def read_csv(source: Source, request: Request) -> RawRecord:
     delimiter = _delimiter(source)
     if delimiter is None:
         raise source.error("no comma, semicolon or tab between numbers, as a CSV file has")
+    if delimiter == ",":
+        words = [line.strip() for _, line in source.content()]
+        padded = [word for word in words if PADDED.fullmatch(word)]
+        if padded and all(DECIMAL_COMMA.fullmatch(word) for word in words[1:]):
+            raise source.error(f"{padded[0]} is one number with a decimal comma, or two of a CSV file; write it with a decimal point")
     return _read(source, request, delimiter)
 
 
@@ -299,9 +308,9 @@ def _time_factor(source: Source, layout: Layout, time: int) -> float:
 
 
 def _names_time(heading: str) -> bool:
-    """True for ``t``, ``time``, ``Time (s)``, ``time_ms``."""
+    """True for ``t``, ``time``, ``Time (s)``, ``time_ms``, ``Tempo [s]``, ``tiempo``."""
     name = split_heading(heading)[0].lower()
-    return name in ("t", "time") or name.startswith("time_")
+    return name in TIME_NAMES or name.startswith(tuple(f"{word}_" for word in TIME_NAMES if len(word) > 1))
 
 
 def _even_step(source: Source, times: np.ndarray, places: list[int]) -> float:
@@ -328,6 +337,8 @@ def _delimiter(source: Source) -> str | None:
     """The delimiter of a CSV: the one beside which numbers stand in the first lines."""
     lines = [line for _, (_, line) in zip(range(PROBE), source.content(), strict=False)]
     for delimiter in DELIMITERS:
+        if delimiter == "," and any(len(line.split()) > 1 and all(map(DECIMAL_COMMA.fullmatch, line.split())) for line in lines):
+            continue  # columns apart by blanks, of numbers with a decimal comma
         rows = [_split(line, delimiter) for line in lines]
         if any(len(row) > 1 and any(_is_number(_decimal(field, delimiter)) for field in row) for row in rows):
             return delimiter
@@ -349,7 +360,7 @@ def _split(line: str, delimiter: str | None) -> list[str]:
 
 def _decimal(word: str, delimiter: str | None) -> str:
     """A decimal comma is read where the comma does not separate values."""
-    return word.replace(",", ".") if delimiter in (";", "\t") else word
+    return word if delimiter == "," else word.replace(",", ".")
 
 
 def _is_number(word: str) -> bool:
@@ -361,6 +372,6 @@ def _is_number(word: str) -> bool:
 
 
 FORMATS = {
-    "csv": Reader(recognises_csv, read_csv, loose=True),
-    "columns": Reader(recognises_columns, read_columns, loose=True),
+    "csv": Reader(recognises_csv, read_csv, loose=True, about="tables with commas, semicolons or tabs", by="anyone"),
+    "columns": Reader(recognises_columns, read_columns, loose=True, about="numbers separated by blanks", by="anyone"),
 }

@@ -13,26 +13,49 @@ ACCELERATION = {
     "gal": 0.01,
     "g": STANDARD_GRAVITY,
     "mg": 1e-3 * STANDARD_GRAVITY,
+    "g/10": 0.1 * STANDARD_GRAVITY,
+    "%g": 0.01 * STANDARD_GRAVITY,
+    "nm/s2": 1e-9,
+    "in/s2": 0.0254,
+    "ft/s2": 0.3048,
 }
-VELOCITY = {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001, "kine": 0.01}
-DISPLACEMENT = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+VELOCITY = {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001, "nm/s": 1e-9, "in/s": 0.0254, "kine": 0.01}
+DISPLACEMENT = {"m": 1.0, "cm": 0.01, "mm": 0.001, "nm": 1e-9}
 UNITS = {"acceleration": ACCELERATION, "velocity": VELOCITY, "displacement": DISPLACEMENT}
 SUFFIX = "m_s2|cm_s2|mm_s2|m/s2|cm/s2|mm/s2|m_s|cm_s|mm_s|m/s|cm/s|mm/s|gal|kine|mg|g|cm|mm|m|s|sec|ms"  # of a heading, after "_"
-TIME = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3}
+TIME = {"s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0, "seg": 1.0, "segundos": 1.0, "secondi": 1.0, "sek": 1.0, "ms": 1e-3}
+SPELT = {
+    "gals": "gal",
+    "galileo": "gal",
+    "galileos": "gal",
+    "g's": "g",
+    "gn": "g",
+    "milli-g": "mg",
+    "millig": "mg",
+    "kines": "kine",
+    "g%": "%g",
+    "% g": "%g",
+    "percent g": "%g",
+    "percent of g": "%g",
+    "g /10": "g/10",
+    "g / 10": "g/10",
+    "tenths of g": "g/10",
+    "decig": "g/10",
+}  # as networks write them
 
 
 def plain(unit: str) -> str:
     """Write a unit the one way it is keyed here: ``cm/s^2``, ``cm/sec2``, ``cm/s/s``, ``cm_s2``, ``cm s-2`` all become ``cm/s2``."""
     word = re.sub(r"\s+", " ", unit.strip().lower()).replace("²", "2").replace("⁻", "-")
-    word = re.sub(r"\bsec\b|(?<=/)sec(?=\d|\^|\*|/|$)", "s", word)
+    word = re.sub(r"\b(?:sec|seg)\b|(?<=/)(?:sec|seg)(?=\d|\^|\*|/|$)", "s", word)
     word = word.replace("**", "^").replace("^", "")
-    match = re.fullmatch(r"(m|cm|mm)(?:/s/s|/s2|_s2|[ .*]?s-2|/\(s2\))", word)
+    match = re.fullmatch(r"(nm|m|cm|mm|in|ft)(?:/s/s|/s2|_s2|[ .*]?s-2|/\(s2\))", word)
     if match:
         return f"{match[1]}/s2"
-    match = re.fullmatch(r"(m|cm|mm)(?:/s|_s|[ .*]?s-1|/\(s\))", word)
+    match = re.fullmatch(r"(nm|m|cm|mm|in)(?:/s|_s|[ .*]?s-1|/\(s\))", word)
     if match:
         return f"{match[1]}/s"
-    return {"gals": "gal", "g's": "g", "gn": "g", "milli-g": "mg", "kines": "kine"}.get(word, word)
+    return SPELT.get(word, word)
 
 
 def acceleration_unit(unit: str) -> float | None:

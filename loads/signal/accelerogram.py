@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
 from loads.motion import describe, strict
-from loads.readers import RawRecord, Request, Source, read
+from loads.readers import FormatName, RawRecord, Request, Source, read
 from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.filters import band_pass, resample, taper_factors
 from loads.signal.intensity import arias, in_words, intensity
@@ -80,10 +80,10 @@ class Accelerogram(BaseModel):
 
     path: str
     """Of the record, relative to the scene file."""
-    format: Literal["auto", "at2", "esm", "knet", "mseed", "csv", "columns"] = "auto"
+    format: FormatName = "auto"
     """Recognised by the content of the file when "auto"."""
     column: Column = None
-    """Of a file with several: its heading, or its place counted from 0; the channel of miniSEED."""
+    """Of a file with several: its heading, or its place counted from 0; the channel or component of other formats."""
     units: str | None = None
     """Of the values, where the file does not say, as "m/s2" or "g"."""
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None
@@ -91,7 +91,7 @@ class Accelerogram(BaseModel):
     layout: Literal["columns", "series", "pairs"] | None = None
     """Of a table of numbers that could be read in several ways: side by side, or one series, or (time, value) pairs, several to a line."""
     calibration: Annotated[float, Field(gt=0.0)] | None = None
-    """What one count means, in units; miniSEED only."""
+    """What one count means, in units; of files that hold counts, such as miniSEED."""
     time_step: Annotated[Positive, Unit("s")] | None = None
     """Where the file has no times."""
     window: Window | None = None
@@ -118,6 +118,7 @@ class Processed:
     format: str
     column: str
     quantity: str = "acceleration"  # of the samples of the file
+    notes: tuple[str, ...] = ()  # what the reader did to them
 
     def scaled(self, factor: float) -> Processed:
         """Both motions times a factor."""
@@ -196,7 +197,7 @@ def process(table: Accelerogram, folder: Path, dt: float, where: str) -> Process
     before = integrate(values, raw.step)
     cleaned, step = _clean(values, raw.step, table, dt, where)
     after = correct(integrate(cleaned, step), ORDERS[table.correction])
-    return Processed(before, after, begin, name, raw.name, quantity)
+    return Processed(before, after, begin, name, raw.name, quantity, raw.notes)
 
 
 def _clean(values: np.ndarray, step: float, table: Accelerogram, dt: float, where: str) -> tuple[np.ndarray, float]:
@@ -230,7 +231,7 @@ def describe_both(where: str, processed: Processed, correction: str) -> list[str
     """Peaks before and after on two lines, intensity and duration on a third; what the mean adds where it counts."""
     numbers = processed.numbers()
     before, after = numbers["before"], numbers["after"]
-    lines = []
+    lines = [f"{where}   {note}" for note in processed.notes]
     if processed.quantity != "acceleration":
         lines.append(
             f"{where}   a record of {processed.quantity}, differentiated {'once' if processed.quantity == 'velocity' else 'twice'}"

@@ -144,7 +144,7 @@ def _size(raw: RawRecord, quantity: str, units: str | None, where: str, path: st
     """Size of the record's unit in SI."""
     given = None if units is None else measured_by(units)
     written = None if raw.unit is None else measured_by(raw.unit)
-    if given is not None and written is not None and not np.isclose(given[1], written[1]):
+    if given is not None and written is not None and not np.isclose(given[1], written[1], atol=0.0):
         raise InputError(f'{where}.units: "{units}", but {path} says "{raw.unit}"; leave the key out or correct the file')
     found = given or written
     if found is None:

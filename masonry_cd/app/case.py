@@ -84,9 +84,10 @@ class Structure:
     @cached_property
     def falling(self) -> list[str]:
         """Warnings on blocks that nothing carries."""
+        from structures.files.supports import HOW
         from structures.standing import standing
 
-        return standing(self.assembly).warnings() if self.assembly.fixed.any() else [FALLING]
+        return standing(self.assembly).warnings() if self.assembly.fixed.any() else [f"{FALLING}; of a file, {HOW}"]
 
     @cached_property
     def odd_size(self) -> list[str]:
@@ -182,7 +183,9 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
-        remedy = '; structure.fixed = ["NAME*"] names the supports' if scene.structure.get("kind") == "file" else ""
+        from structures.files.supports import HOW
+
+        remedy = f"; {HOW}" if scene.structure.get("kind") == "file" else ""
         raise InputError(f"{scene.origin.path}: loads: the base is shaken, but no block of the structure is fixed{remedy}")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)

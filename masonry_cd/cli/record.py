@@ -12,7 +12,7 @@ from masonry_cd.cli.shared import errors_reported, warn
 
 
 def record(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Record of accelerations.", show_default=False)],
+    file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="Record of accelerations.", show_default=False)] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="PNG", help="Picture to draw; none by default.")] = None,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help='A key of [[loads]] kind = "record": units=g, window=[5,17].')
@@ -23,6 +23,7 @@ def record(
             metavar="NAME", help='Intensity measure to print instead of Sa at five periods: "Sa(0.5)", "FIV3(0.5)"; as often as needed.'
         ),
     ] = None,
+    formats: Annotated[bool, typer.Option("--formats", help="List the formats that are read, and who publishes them.")] = False,
 ) -> None:
     """Print the numbers of a record, and draw it: acceleration, velocity, displacement and spectrum, before and after its correction.
 
@@ -44,6 +45,13 @@ def record(
         from masonry_cd.app.scene_text import parse_change
         from masonry_cd.foundation.errors import InputError
 
+        if formats:
+            from loads.readers import formats as known
+
+            typer.echo("\n".join(f"{name:9} {about}; {by}" for name, about, by in known()))
+            return
+        if file is None:
+            raise InputError("FILE: missing; --formats lists the formats that are read")
         if not os.path.exists(file):  # Path.exists raises where a name is too long
             raise InputError(f"{file}: no such record")
         measures = of_one_component(measure, "--measure")

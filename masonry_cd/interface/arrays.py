@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
-from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
 
 if TYPE_CHECKING:
     from masonry_cd.mechanics.model.blocks import Block
@@ -71,7 +71,8 @@ def _among_several(tables: Mapping[str, Any]) -> list[int]:
 
 def _structure(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """A [structure] table whose blocks are arrays, with a block file in their place."""
-    from structures.files import blockfile, meshfile
+    from structures.files import blockfile
+    from structures.files.supports import Supports, with_supports
 
     rest = {key: value for key, value in table.items() if key not in (BLOCKS, FIXED)}
     if rest.get("kind", "file") != "file" or "path" in rest:
@@ -79,8 +80,8 @@ def _structure(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if not _is_list(table[BLOCKS]) or not len(table[BLOCKS]):
         raise InputError("structure.blocks: a list of blocks is needed, each (vertices, faces), a dict or a Block")
     blocks = [_block(given, i) for i, given in enumerate(table[BLOCKS])]
-    names = table.get(FIXED, ())
-    blockfile.write(folder / BLOCK_FILE, meshfile.with_supports(blocks, [names] if isinstance(names, str) else names, "structure.fixed"))
+    rules = parse_table(Supports, {FIXED: table.get(FIXED, ())}, "structure").fixed
+    blockfile.write(folder / BLOCK_FILE, with_supports(blocks, rules, "structure.fixed"))
     return {"kind": "file", "path": BLOCK_FILE} | rest
 
 

@@ -11,8 +11,6 @@ area go, and so do faces given twice; loops are turned to agree with each other,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -247,15 +245,3 @@ def _write_vtu(path: Path, blocks: Sequence[Block]) -> None:
         "group": [group[numbers] for numbers in owner.values()],
     }
     meshio.Mesh(np.concatenate(points), list(cells.items()), cell_data=data).write(path)
-
-
-def with_supports(blocks: Sequence[Block], patterns: Sequence[str], where: str) -> list[Block]:
-    """Fix the blocks whose names match one of some patterns (``ground*``).
-
-    Raises:
-        InputError: a pattern that matches no block.
-    """
-    for pattern in patterns:
-        if not any(fnmatchcase(block.name, pattern) for block in blocks):
-            raise InputError(f'{where}: no block is named "{pattern}"; the first are {", ".join(b.name for b in blocks[:5])}')
-    return [replace(block, fixed=True, group="base") if any(fnmatchcase(block.name, p) for p in patterns) else block for block in blocks]

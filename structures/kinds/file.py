@@ -14,6 +14,7 @@ from masonry_cd.foundation.quantities import length
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
 from structures.files import blockfile, meshfile
 from structures.files.blockfile import METRES, sound
+from structures.files.supports import Rules, with_supports
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.flatten import flattened
 from structures.geometry.gaps import close_gaps
@@ -30,7 +31,10 @@ class FileTable(BaseModel):
     path: str = Field(description="of the block file, relative to the scene file")
     units: Literal["m", "cm", "mm"] | None = Field(None, description="of an OBJ, STL, VTU or VTM file, which does not say")
     up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
-    fixed: tuple[str, ...] = Field((), strict=False, description="names of the supports in such a file; * stands for anything")
+    fixed: Rules = Field(
+        (),
+        description='supports: names (* stands for anything), "ground" for what touches it, tables of below, box, group, name, or a list',
+    )
     repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
     flatness: Height | None = Field(None, description="faces this near to a plane are made flat; a thousandth of the block when not given")
     gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file")
@@ -49,10 +53,11 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
             f'structure.path: {path.name} is no file of blocks; kind = "file" reads .json, {", ".join(meshfile.FORMATS)}, '
             f'and kind = "solid" {", ".join(SUFFIXES)}'
         )
-    for key in () if is_mesh else ("units", "up", "fixed", "repair"):
+    for key in () if is_mesh else ("units", "up", "repair"):
         if key in keys.model_fields_set:
             raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
     blocks = _from_mesh(keys, path, density) if is_mesh else blockfile.read_unchecked(path, density)
+    blocks = with_supports(blocks, keys.fixed, "structure.fixed", "base" if is_mesh else None)
     blocks, moved, uneven = flattened(blocks, keys.flatness)
     notes = [f"{path.name}: faces of {uneven} blocks made flat, corners moved by at most {length(moved)}"] if uneven else []
     if keys.gaps is not None:
@@ -86,5 +91,4 @@ def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:
     for key, known in (("units", METRES), ("up", ("y", "z"))):
         if getattr(keys, key) is None:
             raise InputError(f"structure.{key}: missing; {path.name} does not say it, so take one of {', '.join(known)}")
-    blocks = meshfile.read(path, density, METRES[keys.units or "m"], keys.up or "z", keys.repair)
-    return meshfile.with_supports(blocks, keys.fixed, "structure.fixed")
+    return meshfile.read(path, density, METRES[keys.units or "m"], keys.up or "z", keys.repair)

@@ -142,7 +142,7 @@ def raw(code: str, counts: bool = False) -> RawRecord:
         ("HHE", Keys(units="m/s2"), "w.quantity: missing, and f is a record of velocity (channel HHE"),
         ("HHE", Keys(units="m/s"), "w.quantity: missing"),
         ("HHE", Keys("velocity", "m/s2"), 'w.units: "m/s2" is a unit of acceleration, but f is one of velocity (quantity = "velocity")'),
-        ("HHE", Keys("velocity"), "w.units: missing, and f does not name its unit; give one of m/s, cm/s, mm/s, kine"),
+        ("HHE", Keys("velocity"), "w.units: missing, and f does not name its unit; give one of m/s, cm/s, mm/s, nm/s, in/s, kine"),
         ("HNE", Keys(units="cm/s"), 'w.units: "cm/s" is a unit of velocity, but f is one of acceleration (channel HNE'),
         ("HLE", Keys(units="m/s2"), "w.quantity: missing, and f is of channel HLE, that of a low-gain sensor"),
         ("LDO", Keys(units="m/s2"), "w.quantity: missing, and f is of channel LDO, that of a pressure sensor; say which"),

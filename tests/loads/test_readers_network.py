@@ -69,7 +69,7 @@ def test_bad_knet_files_are_named_with_their_line(tmp_path: Path, text: str, mes
 
 def test_only_counts_take_a_calibration(tmp_path: Path) -> None:
     for text in (knet(), "0.00 1\n0.01 2\n0.02 1\n"):
-        with pytest.raises(InputError, match=r"the key calibration does not apply to .* files, only to miniSEED"):
+        with pytest.raises(InputError, match=r"the key calibration does not apply to .* files, only to those of counts"):
             load(tmp_path, text, calibration=0.1)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import record_files
 import records
 from hypothesis import given
 from hypothesis import strategies as st
@@ -168,6 +169,25 @@ def test_records(format_: str, data: st.DataObject, request_: Request, tmp_path_
     (folder / "quake.dat").write_text(data.draw(changed_lines(RECORDS[format_], WORDS)), encoding="utf-8")
     for name in ("auto", *READERS):
         refusal(folder, lambda name=name: sound(folder / "quake.dat", name, request_), LONGEST)
+
+
+NETWORKS = {
+    "cosmos": [record_files.cosmos()],
+    "csmip": [record_files.csmip2(), record_files.csmip1()],
+    "volumes": [record_files.volume("RENADIC", "COMP NS"), record_files.volume("* VOL1DS FILE:  5528/01", "COMP L1", pairs=False)],
+    "geonet": [record_files.geonet()],
+    "smc": [record_files.smc()],
+    "networks": [record_files.afad(), record_files.unam(), record_files.cwb()],
+    "counted": [record_files.counted()],
+}
+
+
+@pytest.mark.parametrize("format_", NETWORKS)
+@given(data=st.data(), request_=REQUESTS)
+def test_records_of_networks(format_: str, data: st.DataObject, request_: Request, tmp_path_factory: pytest.TempPathFactory) -> None:
+    folder = tmp_path_factory.mktemp("record")
+    (folder / "quake.dat").write_text(data.draw(changed_lines(NETWORKS[format_], WORDS)), encoding="utf-8")
+    refusal(folder, lambda: sound(folder / "quake.dat", "auto", request_), LONGEST)
 
 
 @given(content=st.binary(max_size=300))

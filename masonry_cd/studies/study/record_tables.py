@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from loads.readers import FormatName
 from loads.signal.accelerogram import Accelerogram
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.fields import Instant, Number, Table
@@ -66,7 +67,7 @@ class RecordsTable(Table):
     """Of the values, where they are no accelerations, or where the files leave it open."""
     layout: Literal["columns", "series", "pairs"] | None = None
     """Of tables of numbers that could be read in several ways."""
-    format: Literal["auto", "at2", "esm", "knet", "mseed", "csv", "columns"] = "auto"
+    format: FormatName = "auto"
     """Of the files; recognised by their content when "auto"."""
     column: str | int | None = None
     """Of files with several: a heading, or a place counted from 0."""

@@ -1,0 +1,83 @@
+"""CSMIP, CGS, CDMG: Volume 1 (uncorrected) and Volume 2 (corrected), of one or several channels.
+
+A line announces each series, its unit and the Fortran format of its values:
+
+    Volume 2    7500 points of accel data equally spaced at  .010 sec, in cm/sec2. (8f10.6)
+    Volume 1    13200 Accelerogram points at 200 pts/sec in units of g .      Format: (8f9.6)
+
+Of a channel the accelerations are read; its velocities and displacements follow from them. Older files of Volume 1 announce none and hold
+(time, value) pairs, see :mod:`.volumes`. Source: OSMS 85-03, California Strong Motion Instrumentation Program.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from loads.readers.channels import Fields, component, fields_of, fixed, only_physical, pick, positive, whole
+from loads.readers.quantity import Stated
+from loads.readers.source import RawRecord, Reader, Request, Source
+from loads.readers.volumes import read_volume
+
+MARK = re.compile(r"(?<!\d )\b(?:UN)?CORRECTED ACCELEROGRAM", re.IGNORECASE)  # SMC files number theirs
+CORRECTED = re.compile(r"^\s*(\d+)\s+points of acc\w*\s+data\s+equally spaced at\s+(\S+)\s*sec\b(.*)$", re.IGNORECASE)
+RAW = re.compile(r"^\s*(\d+)\s+accelerogram points at\s+(\S+)\s+pts/sec(.*)$", re.IGNORECASE)
+UNIT = re.compile(r"(?:\bunits?\s*(?:of|[:=])|\bin(?!\s+units?\b))\s*([A-Za-z%][A-Za-z0-9/^*]*)", re.IGNORECASE)
+CHANNEL = re.compile(r"\bCHAN(?:NEL)?\s*(\d+)\s*:\s*(.*?)(?:\s+from\b.*|\s{3,}.*)?$", re.IGNORECASE)
+USUAL = {"corrected": Fields(8, 10), "raw": Fields(8, 9)}
+
+
+class _Series(NamedTuple):
+    """A series of accelerations: its component, the line that announces it, and what that says."""
+
+    name: str
+    index: int
+    count: str
+    step: str  # [s], or samples a second
+    rest: str
+    raw: bool
+
+
+def recognises(source: Source) -> bool:
+    """True when the first lines speak of accelerograms as this programme does."""
+    head = source.lines[:2]
+    return any(MARK.search(line) for line in head) and "OF VOLUME" not in head[0].upper() and "GNS SCIENCE" not in head[0].upper()
+
+
+def read(source: Source, request: Request) -> RawRecord:
+    """Read the accelerations of one channel.
+
+    Raises:
+        InputError: no such channel, text among the numbers, a wrong count.
+    """
+    found = _series(source)
+    if not found:
+        return read_volume(source, request, "CSMIP")
+    only_physical(source, request, "CSMIP")
+    one = found[pick(source, [series.name for series in found], request, "CSMIP")]
+    count = whole(source, one.count, one.index, "the number of points")
+    step = positive(source, one.step.rstrip(",."), one.index, "the sampling")
+    unit = UNIT.search(one.rest)
+    values, _ = fixed(source, one.index + 1, count, fields_of(one.rest, USUAL["raw" if one.raw else "corrected"]), last=True)
+    stated = Stated("acceleration", f"line {one.index + 1}", firm=True)
+    return RawRecord(values, 1.0 / step if one.raw else step, 0.0, unit[1] if unit else None, one.name, stated=stated)
+
+
+def _series(source: Source) -> list[_Series]:
+    """The series of accelerations, each with the component that was named last."""
+    found: list[_Series] = []
+    name = ""
+    for index, line in enumerate(source.lines):
+        if channel := CHANNEL.search(line.rstrip()):
+            name = component(channel[2]) if channel[2].strip() else channel[1]
+        for pattern, raw in ((CORRECTED, False), (RAW, True)):
+            if match := pattern.match(line):
+                found.append(_Series(name, index, match[1], match[2], match[3], raw))
+    return found
+
+
+FORMATS = {
+    "csmip": Reader(
+        recognises, read, about="Volumes 1 and 2, one or several channels", by="CSMIP, California Geological Survey; CDMG, CESMD"
+    )
+}

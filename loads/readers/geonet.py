@@ -1,0 +1,71 @@
+"""GeoNet (GNS Science, New Zealand): V1A (uncorrected) and V2A (corrected), three components.
+
+For each component 16 lines of text, 40 integers (10I8), 60 reals (10F8.0), then accelerations [mm/s2], velocities and displacements, ten a
+line. Integers 34 to 36 count them, real 26 is their interval [s]; line 13 of the text names the component. Velocities and displacements
+follow from the accelerations and are passed over. Source: GNS Science, "Accelerogram Data Files, Standard Format", 2008.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from loads.readers.channels import Fields, component, fixed, only_physical, pick
+from loads.readers.quantity import Stated
+from loads.readers.source import RawRecord, Reader, Request, Source
+
+TEXT, INTEGERS, REALS = 16, 40, 60
+FIELDS = Fields(10, 8)
+NAME_LINE = 12  # counted from 0, like the places below
+COUNTS, INTERVAL = slice(33, 36), 25
+UNIT = "mm/s2"  # of all files, by the description of the format
+MOST = 12  # components looked for: a file has three
+
+
+class _Component(NamedTuple):
+    name: str
+    first: int  # index of the line of its first accelerations
+    count: int
+    step: float
+
+
+def recognises(source: Source) -> bool:
+    """True when the first line names GNS Science and an accelerogram."""
+    first = source.lines[0] if source.lines else ""
+    return "GNS Science" in first and bool(re.search(r"\b(?:un)?corrected accelerogram", first, re.IGNORECASE))
+
+
+def read(source: Source, request: Request) -> RawRecord:
+    """Read the accelerations of one component.
+
+    Raises:
+        InputError: no such component, text among the numbers, fewer values than the header announces.
+    """
+    only_physical(source, request, "GeoNet")
+    found = _components(source)
+    one = found[pick(source, [one.name for one in found], request, "GeoNet")]
+    values, _ = fixed(source, one.first, one.count, FIELDS)
+    return RawRecord(values, one.step, 0.0, UNIT, one.name, stated=Stated("acceleration", "the format of GeoNet files", firm=True))
+
+
+def _components(source: Source) -> list[_Component]:
+    """Those of the file, each behind the series of the one before."""
+    found: list[_Component] = []
+    at = 0
+    while len(found) < MOST and any(line.strip() for line in source.lines[at : at + TEXT]):
+        integers, after = fixed(source, at + TEXT, INTEGERS, FIELDS)
+        reals, first = fixed(source, after, REALS, FIELDS)
+        counts = integers[COUNTS].astype(np.int64)
+        if counts[0] < 2 or (counts < 0).any():
+            raise source.error(f"{counts[0]} accelerations are announced, which is no record", at + TEXT + 3)
+        if reals[INTERVAL] <= 0.0:
+            raise source.error(f"the interval of the samples must be above zero, got {reals[INTERVAL]:g}", after + 2)
+        name = component(source.lines[at + NAME_LINE].partition("omponent")[2])
+        found.append(_Component(name, first, int(counts[0]), float(reals[INTERVAL])))
+        at = first + int(sum(-(-int(count) // FIELDS.each) for count in counts))
+    return found
+
+
+FORMATS = {"geonet": Reader(recognises, read, about="V1A, V2A, three components", by="GeoNet, GNS Science, New Zealand")}

@@ -1,0 +1,176 @@
+"""Formats of networks: peak, sampling and component of synthetic files of the published layouts; what contradicts itself is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+import record_files as files
+from places import ROOT
+from typer.testing import CliRunner
+
+from loads.picture import file_picture
+from loads.readers import READERS, FormatName, RawRecord, Request, Source, formats, read
+from loads.readers.units import acceleration_unit
+from masonry_cd.cli.app import app
+from masonry_cd.foundation.errors import InputError
+
+PEAK = float(np.abs(files.WAVE).max())
+G = 9.80665
+VOLUME = {"usc": ("FILE     1 OF UNCORRECTED ACCELEROGRAM DATA OF VOLUME I:", "COMP  UP          9", "UP"),
+          "renadic": ("RENADIC", "COMP NS", "NS"),
+          "csmip": ("UNCORRECTED ACCELEROGRAM DATA              PROCESSED: 02/08/94", "CHAN  1:  90 DEG", "90"),
+          "bhrc": ("* VOL1DS FILE:  5528/01", "COMP L1", "L1")}  # fmt: skip
+FILES: list[tuple[str, str | bytes, str, dict[str, Any], float]] = [
+    ("cosmos", files.cosmos(), "340", {}, 1.0),
+    ("cosmos", files.cosmos(azimuth=400, unit="g", code=2, values=0.1 * files.WAVE), "Up", {}, 0.1 * G),
+    ("cosmos", files.cosmos() + files.cosmos(azimuth=70), "70", {"column": "70"}, 1.0),
+    ("csmip", files.csmip2(), "360", {}, 1.0),
+    ("csmip", files.csmip2() + files.csmip2("Up", 50.0), "Up", {"column": "up"}, 0.5),
+    ("csmip", files.csmip1(), "360", {}, 0.1 * G),
+    ("geonet", files.geonet(), "S90E", {"column": "S90E"}, 1.0),
+    ("geonet", files.geonet(), "Up", {"column": 1}, 0.5),
+    ("smc", files.smc(), "133", {}, 1.0),
+    ("smc", files.smc(precise=True), "133", {}, 1.0),
+    ("afad", files.afad(), "E-W", {"column": "E-W"}, 0.5),
+    ("unam", files.unam(), "N00E", {"column": "n00e"}, 1.0),
+    ("cwb", files.cwb(), "E", {"column": "E"}, 0.5),
+    ("sac", files.sac("<"), "HNE", {"units": "m/s2"}, 1.0),
+    ("sac", files.sac(">"), "HNE", {"units": "m/s2"}, 1.0),
+    ("sac", files.sac(scale=2.0), "HNE", {"units": "m/s2", "calibration": 2.0}, 2.0),
+    ("esm", files.itaca(), "NS", {}, 1.0),
+    ("counted", files.counted(), "", {"units": "m/s2"}, 1.0),
+    ("counted", files.counted(f"NPTS {files.COUNT}  200 Hz  cm/s2"), "", {}, 0.01),
+    *((name, files.volume(first, line, name != "bhrc", " " if name == "usc" else ""), component, {}, 0.1 * G)
+      for name, (first, line, component) in VOLUME.items()),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "content", "component", "keys", "pga"), FILES, ids=[f"{k}-{row[0]}" for k, row in enumerate(FILES)])
+def test_peak_sampling_and_component(
+    tmp_path: Path, name: str, content: str | bytes, component: str, keys: dict[str, Any], pga: float
+) -> None:
+    (tmp_path / "quake.dat").write_bytes(content.encode() if isinstance(content, str) else content)
+    found = file_picture(tmp_path / "quake.dat", None, correction="none", **keys)
+    assert (found.format, found.column, len(found.before.acceleration)) == (name, component, files.COUNT)
+    assert found.before.step == pytest.approx(files.STEP, rel=1e-6)
+    assert found.before.numbers()["pga"] == pytest.approx(pga * PEAK, rel=1e-3)
+
+
+def load(folder: Path, content: str | bytes, **request: Any) -> RawRecord:
+    (folder / "quake.dat").write_bytes(content.encode() if isinstance(content, str) else content)
+    return read(Source.open(folder / "quake.dat", "p"), "auto", Request(**request))[1]
+
+
+def cut(text: str, lines: int) -> str:
+    return "\n".join(text.splitlines()[:lines])
+
+
+@pytest.mark.parametrize(
+    ("content", "request_", "message"),
+    [
+        (files.cosmos(unit="g"), {}, 'units "g", but integer-header value 3 is that of cm/s2'),
+        (files.cosmos(kind=2), {}, "a series of acceleration, but integer-header value 2 is that of velocity"),
+        (cut(files.cosmos(), 50), {}, "cut short"),
+        (files.cosmos() + files.cosmos(), {"column": "340"}, 'several channels are called "340"; give the place of one'),
+        (files.cosmos() + files.cosmos(azimuth=70), {}, "several channels; say which by the key column; channels: 340, 70"),
+        (files.csmip2(), {"column": "90"}, 'no channel "90"; channels: 360'),
+        (cut(files.csmip2(), 50), {}, "cut short"),
+        (files.csmip2().replace(f"{files.COUNT} points of accel", "90 points of accel"), {}, "more follow: longer than it says"),
+        (files.csmip2(), {"time_step": 0.01}, "the key time_step does not apply to CSMIP files, whose header gives it"),
+        (files.csmip2(), {"calibration": 2.0}, "the key calibration does not apply to CSMIP files"),
+        (cut(files.geonet(), 30), {"column": 0}, "cut short"),
+        (cut(files.smc(), 35), {}, "cut short"),
+        (files.afad().replace(f": {files.COUNT}", ": 99"), {"column": 0}, "the header announces 99 values, the file holds 103"),
+        (files.unam().replace("N00E/N90E", "N00E"), {"column": 1}, "3 columns, where the table has 2"),
+        (files.cwb(100), {"column": 0}, "100 samples a second, but the times are 0.005 s apart: correct the file"),
+        (files.sac(scale=2.0), {}, "SCALE is 2 in its header, which programs apply or not; the key calibration"),
+        (files.volume(*VOLUME["usc"][:2]).replace("  0.010", "  0.001", 1), {}, "the time does not advance"),
+    ],
+)
+def test_what_is_wrong_is_one_line(tmp_path: Path, content: str | bytes, request_: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as failure:
+        load(tmp_path, content, **request_)
+    assert message in str(failure.value)
+    assert "\n" not in str(failure.value)
+
+
+def test_a_velocity_is_refused_and_differentiated_where_asked_for(tmp_path: Path) -> None:
+    (tmp_path / "quake.smc").write_text(files.smc("3 VELOCITY"))
+    with pytest.raises(InputError, match=r'is a record of velocity .*; quantity = "velocity" differentiates it'):
+        file_picture(tmp_path / "quake.smc", None)
+    found = file_picture(tmp_path / "quake.smc", None, quantity="velocity", correction="none")
+    assert found.before.numbers()["pga"] == pytest.approx(2.0 * np.pi * 3.0, rel=0.05)  # of a sine, at its start
+
+
+def test_film_read_at_uneven_times_is_interpolated_and_reported(tmp_path: Path) -> None:
+    first, line, _ = VOLUME["usc"]
+    uneven = files.TIME + np.where(np.arange(files.COUNT) > 50, 0.008, 0.0)
+    (tmp_path / "film.v1").write_text(files.volume(first, line, times=uneven))
+    found = file_picture(tmp_path / "film.v1", None, correction="none")
+    assert found.before.step == pytest.approx(files.STEP)
+    assert found.before.duration == pytest.approx(uneven[-1], abs=files.STEP)
+    assert "uneven times, 0.005 to 0.013 s apart: interpolated" in found.notes[0]
+
+
+def test_counts_of_cosmos_need_a_calibration(tmp_path: Path) -> None:
+    text = files.cosmos(unit="counts", code=50, values=np.round(1000.0 * files.WAVE))
+    (tmp_path / "quake.v0").write_text(text)
+    with pytest.raises(InputError, match=r"\.units: missing"):
+        file_picture(tmp_path / "quake.v0", None)
+    with pytest.raises(InputError, match=r"\.calibration: missing"):
+        file_picture(tmp_path / "quake.v0", None, units="m/s2")
+    found = file_picture(tmp_path / "quake.v0", None, units="m/s2", calibration=1e-3, correction="none")
+    assert found.before.numbers()["pga"] == pytest.approx(PEAK, rel=1e-3)
+
+
+def test_each_file_is_recognised_by_one_strict_format(tmp_path: Path) -> None:
+    for name, content, *_ in FILES:
+        (tmp_path / "quake.dat").write_bytes(content.encode() if isinstance(content, str) else content)
+        source = Source.open(tmp_path / "quake.dat", "p")
+        strict = [format_ for format_, reader in READERS.items() if not reader.loose and reader.recognises(source)]
+        assert strict == [] if name == "counted" else strict == [name], content[:60]
+
+
+@pytest.mark.parametrize(
+    ("unit", "size"),
+    [
+        ("G/10", 0.1 * G), ("%g", 0.01 * G), ("g%", 0.01 * G), ("cm/s/s", 0.01), ("cm/seg2", 0.01), ("cm/sec/sec", 0.01), ("Gallons", None),
+        ("Gal", 0.01), ("in/sec2", 0.0254),
+    ],
+)  # fmt: skip
+def test_units_as_networks_write_them(unit: str, size: float | None) -> None:
+    assert acceleration_unit(unit) == (None if size is None else pytest.approx(size))
+
+
+@pytest.mark.parametrize("heading", ["Tempo [s];Accelerazione [cm/s2]", "Tiempo (seg);Aceleración (cm/seg2)", "tiempo_s;aceleracion_cm_s2"])
+def test_headings_in_italian_and_spanish(tmp_path: Path, heading: str) -> None:
+    body = "".join(f"{t:.3f};{100.0 * v:.6f}\n" for t, v in zip(files.TIME, files.WAVE, strict=True)).replace(".", ",")
+    (tmp_path / "onda.csv").write_text(f"{heading}\n{body}", encoding="utf-8")
+    found = file_picture(tmp_path / "onda.csv", None, correction="none")
+    assert found.before.numbers()["pga"] == pytest.approx(PEAK, rel=1e-5)
+
+
+def test_decimal_commas_between_blanks(tmp_path: Path) -> None:
+    body = "".join(f"{t:.3f}  {v:.6f}\n" for t, v in zip(files.TIME, files.WAVE, strict=True)).replace(".", ",")
+    (tmp_path / "onda.txt").write_text(body)
+    found = file_picture(tmp_path / "onda.txt", None, units="m/s2", correction="none")
+    assert found.before.numbers()["pga"] == pytest.approx(PEAK, rel=1e-5)
+    with pytest.raises(InputError, match=r"0,0[0-9]+ is one number with a decimal comma, or two of a CSV file"):
+        load(tmp_path, "\n".join(f"{v:.4f}" for v in files.WAVE).replace(".", ","), time_step=0.01)
+
+
+def test_the_page_on_records_has_a_row_for_each_format() -> None:
+    page = (ROOT / "docs" / "howto" / "records.md").read_text(encoding="utf-8").partition("## Formats")[2]
+    assert {line.split("`")[1] for line in page.splitlines() if line.startswith("| `") and "`format`" not in line} == set(READERS)
+
+
+def test_formats_are_listed_with_what_is_read_and_who_publishes_them() -> None:
+    assert set(get_args(FormatName)) == {"auto", *READERS}
+    assert all(about and by for _, about, by in formats())
+    shown = CliRunner().invoke(app, ["record", "--formats"])
+    assert shown.exit_code == 0
+    assert [line.split()[0] for line in shown.output.splitlines()] == sorted(READERS)
+    assert CliRunner().invoke(app, ["record"]).exit_code == 2
