@@ -18,7 +18,7 @@ from loads.kinds.forces import Forces, TieTable, bar, collect
 from loads.kinds.gravity import GravityTable
 from loads.kinds.sequence import Pause, Shock
 from loads.kinds.tilt import TiltTable, load_factors
-from loads.motion import LoadKind, LoadTable, RunGrid
+from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.extensions import Entries
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -71,6 +71,7 @@ def build(
     assembly: Assembly | None = None,
     longest: float | None = None,
     ties: Sequence[tuple[str, Mapping[str, Any]]] = (),
+    own: Sequence[Part] = (),
 ) -> Loading:
     """Sum all [[loads]] tables, and the ties of the structure.
 
@@ -83,6 +84,7 @@ def build(
         assembly: the blocks; without them no load may name one.
         longest: the longest step where it adapts [s].
         ties: tables of kind "tie", with what the structure calls them; nothing is said of each of them.
+        own: what code beside the scene adds.
 
     Raises:
         InputError: an unknown kind, a bad key, or a bad record file.
@@ -91,6 +93,7 @@ def build(
     asked = [parse_load(table, f"loads[{i}]") for i, table in enumerate(tables)]
     falls = _gravity_tables(asked)
     parts = [KINDS[table.kind].part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
+    parts += own
     if not falls:
         parts.append(KINDS["gravity"].part(GravityTable(), grid, "gravity"))
     tied = [bar(parse_table(TieTable, table, where), grid, where) for where, table in ties]

@@ -26,6 +26,7 @@ NAMES = {
     "Run": "masonry_cd.interface.results:Run",
     "RunWarning": "masonry_cd.interface.running:RunWarning",
     "Scene": "masonry_cd.interface.scenes:Scene",
+    "Simulation": "masonry_cd.interface.simulation:Simulation",
     "Structure": "masonry_cd.interface.structure:Structure",
     "Study": "masonry_cd.interface.studies:Study",
     "assess": "masonry_cd.interface.assessing:assess",

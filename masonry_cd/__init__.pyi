@@ -13,6 +13,7 @@ from masonry_cd.interface.running import resume as resume
 from masonry_cd.interface.running import run as run
 from masonry_cd.interface.scenes import Scene as Scene
 from masonry_cd.interface.scenes import scene as scene
+from masonry_cd.interface.simulation import Simulation as Simulation
 from masonry_cd.interface.structure import Structure as Structure
 from masonry_cd.interface.studies import Study as Study
 from masonry_cd.interface.studies import open_study as open_study
@@ -31,6 +32,7 @@ __all__ = [
     "Run",
     "RunWarning",
     "Scene",
+    "Simulation",
     "Structure",
     "Study",
     "assess",

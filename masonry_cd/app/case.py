@@ -36,6 +36,7 @@ from masonry_cd.mechanics.solvers import cores
 
 if TYPE_CHECKING:
     from loads import Loading
+    from loads.motion import Part
     from structures import Made
     from structures.ties import Bar
 
@@ -104,11 +105,20 @@ def structure_of(scene: Scene) -> Structure:
         InputError: with file and line of the scene where a key is at fault.
     """
     blocks, notes, bars = make_structures(scene)
+    return assembled(scene, blocks, tuple(notes), bars)
+
+
+def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: Sequence[Bar]) -> Structure:
+    """Blocks with the material of a scene, lines on what was changed in making them, and ties.
+
+    Raises:
+        InputError: with file and line of the scene where a key is at fault.
+    """
     material = scene.material
     try:
         moduli = material.joint_moduli
         assembly = Assembly.from_blocks(blocks, material.friction, material.joint_laws, material, material.rolling_friction, moduli)
-        return Structure(blocks, tuple(notes), bars, assembly)
+        return Structure(blocks, notes, bars, assembly)
     except InputError as error:
         raise scene.at_fault(error) from None
 
@@ -147,12 +157,13 @@ def make_structures(scene: Scene) -> Made:
         raise scene.at_fault(error) from None
 
 
-def prepare(scene: Scene, structure: Structure | None = None) -> Case:
+def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part] = ()) -> Case:
     """Build and check all that a run needs.
 
     Args:
         scene: whose tables are checked.
         structure: the scene's, where it is built already.
+        own: what code beside the scene adds to its loads.
 
     Raises:
         InputError: anything wrong with the structure, the material or the loads.
@@ -177,7 +188,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         assembly, run = structure.assembly, scene.run
         longest = run.longest_step if run.adaptive else None
         ties = [(bar.where, bar.load()) for bar in structure.bars]
-        loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties)
+        loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties, own)
         plane = _plane(assembly, loading, run)
         strained = unknowns_of_strain(assembly, plane)
     except InputError as error:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.damage.step_peaks import StepPeaks
+from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.io.layout import (
     BONDED,
     CLOSING,
@@ -21,7 +22,6 @@ from masonry_cd.io.layout import (
 )
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
-from masonry_cd.mechanics.contact.find_joints import joint_parts
 from masonry_cd.mechanics.dynamics.energy import ENERGIES
 from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.mean_stress import MeanStress
@@ -65,9 +65,7 @@ class Recorder:
             writer.begin_meshes(meshes)
         self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
         self._tensions: list[np.ndarray] = []  # likewise
-        self._joint_of = {(a, b): j for j, (a, b) in enumerate(joint_parts(stepper.assembly).tolist())}
-        self._pairs: np.ndarray | None = None
-        self._pair_joint = np.empty(0, dtype=np.int64)
+        self._pair_joints = PairJoints(stepper.assembly)
         writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
         if len(stepper.tensions):
             writer.extend({"ties/tension": np.empty((0, len(stepper.tensions)))})
@@ -161,12 +159,8 @@ class Recorder:
             self._tensions.clear()
 
     def _joint_of_pairs(self) -> np.ndarray:
-        """The joint of each pair of the detector, -1 for pairs that are none; made anew when the list of pairs is."""
-        pairs = self._stepper.detector.pairs
-        if pairs is not self._pairs:
-            self._pair_joint = np.array([self._joint_of.get((a, b), -1) for a, b in pairs.tolist()], dtype=np.int64)
-            self._pairs = pairs
-        return self._pair_joint
+        """The joint of each pair of the detector, -1 for pairs that are none."""
+        return self._pair_joints.of(self._stepper.detector.pairs)
 
 
 def staying_support(stepper: Stepper, joints: Joints) -> int:

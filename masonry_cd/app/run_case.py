@@ -6,11 +6,14 @@ import math
 import os
 import signal
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from masonry_cd.app import time_step_checks
+from masonry_cd.app.advance import Advance, Advanced
+from masonry_cd.app.beginning import begin as begin_run
+from masonry_cd.app.beginning import pauses_of, stepper_of
 from masonry_cd.app.case import Case
 from masonry_cd.app.disc_space import check_disc_space, result_bytes
 from masonry_cd.app.dump import FILES, Dump
@@ -22,7 +25,6 @@ from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import Checkpoints, Plan
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.app.scene import Scene
 from masonry_cd.app.step_costs import StepCosts, motion_classes
 from masonry_cd.app.summary import as_json, run_summary, run_warnings, write_json
 from masonry_cd.foundation.atomic import part_of
@@ -33,10 +35,7 @@ from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import NAME as SUMMARY
-from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from masonry_cd.mechanics.dynamics.pauses import Pauses
-from masonry_cd.mechanics.dynamics.start import drawn_velocities
 from reports.extra import EXTRA
 
 RESULTS = "result.h5"
@@ -53,7 +52,13 @@ def file_names() -> tuple[str, ...]:
 
 
 def run_case(
-    case: Case, folder: Path, quiet: bool = True, resume: bool = False, dump: Sequence[int] = (), limit: float = math.inf
+    case: Case,
+    folder: Path,
+    quiet: bool = True,
+    resume: bool = False,
+    dump: Sequence[int] = (),
+    limit: float = math.inf,
+    own: Own | None = None,
 ) -> dict[str, Any]:
     """Run a case and write everything into a folder, which is made if need be.
 
@@ -64,6 +69,7 @@ def run_case(
         resume: go on from the folder's checkpoint, with the scene that it was made by.
         dump: steps whose friction problems are written, see :mod:`masonry_cd.app.dump`.
         limit: the run ends after the step in which this time of the clock has passed since its first [s].
+        own: of code that steps the case itself; such a run takes no checkpoints.
 
     Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end the run after its step; once the steps are done they raise Interrupted, and ``resume``
     finishes what was left to write.
@@ -77,16 +83,14 @@ def run_case(
         the signal that ended it.
     """
     begin = time.perf_counter()
-    scene, settings = case.scene, case.scene.run
+    scene = case.scene
     saved, dumped = folder / checkpoint.NAME, Dump(folder, dump)
-    loading = case.loading
-    stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
+    stepper = stepper_of(case) if own is None else own.stepper
     _fits(case, stepper, folder, resume)
     if not resume:
         dumped.check(1, case.steps)
-        _settle(stepper, scene)
-        if settings.first_velocities is not None:
-            stepper.kick(drawn_velocities(stepper.system, settings.first_velocities))
+        if own is None:
+            begin_run(stepper, case)
     with locked(folder), Interrupt() as interrupt:
         mended = ""
         if resume:
@@ -97,12 +101,14 @@ def run_case(
         stepper.watch = dumped if dump else None
         since = case.seconds - begin
         with _writer(case, folder / RESULTS, saved, resume) as writer:
-            report = _steps(case, stepper, writer, saved, _Watch(interrupt, limit), quiet, resume)
+            report = _steps(case, stepper, writer, saved, _Watch(interrupt, limit), quiet, resume, own)
             summary = run_summary(case, report) | {
                 "dumped": [path.name for path in dumped.written],
                 "explanation": left_out(scene, stepper, report),
                 "warnings": [*([mended] if mended else []), *case.warnings, *dumped.warnings()],
             }
+            if own is not None and own.note:
+                summary["python"] = own.note
             summary = _closing(case, writer, summary, since)
         interrupt.at_once = not report.signal  # from here on nothing is torn
         summary = _write_damage(case, folder, summary, since)
@@ -113,6 +119,14 @@ def run_case(
             checkpoint.remove(saved)
         interrupt.at_once = False
     return summary
+
+
+class Own(NamedTuple):
+    """What code that steps a case itself brings."""
+
+    stepper: Stepper  # at its beginning
+    follow: Callable[[Advance, Advanced], str]  # called after each step; what it returns in words ends the run
+    note: str = ""  # for the summary, where the scene alone does not repeat the run
 
 
 class _Watch:
@@ -127,11 +141,11 @@ class _Watch:
             raise TimedOut(self._limit)
 
 
-def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watch: _Watch, quiet: bool, resume: bool) -> RunReport:
+def _steps(
+    case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watch: _Watch, quiet: bool, resume: bool, own: Own | None
+) -> RunReport:
     """Make the steps of a run and write result.h5."""
     scene, settings, loading = case.scene, case.scene.run, case.loading
-    paused = loading.shocks or loading.pauses
-    pauses = Pauses(case.assembly, loading.pauses, loading.shocks, case.steps) if paused else None
     costs = StepCosts(motion_classes(loading.support_velocity[: settings.steps + 1], settings.dt), settings.adaptive)
     show = Progress(settings.steps, quiet, costs=costs, tick=settings.dt if settings.adaptive else None)
 
@@ -144,9 +158,9 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watc
             stepper,
             case.joints,
             writer,
-            Plan(case.steps, settings.frame_every, pauses=pauses, stress=scene.stress),
+            Plan(case.steps, settings.frame_every, pauses_of(case), scene.stress, None if own is None else own.follow),
             progress,
-            Checkpoints(saved, resume=resume),
+            Checkpoints(saved, resume=resume) if own is None else None,
         )
 
 
@@ -199,15 +213,6 @@ def _fits(case: Case, stepper: Stepper, folder: Path, resume: bool) -> None:
         check_disc_space(folder, needed, float(file.stat().st_size) if resume and file.exists() else 0.0)
     except InputError as error:
         raise case.scene.at_fault(error) from None
-
-
-def _settle(stepper: Stepper, scene: Scene) -> None:
-    """Let elastic joints take up the weight, unless the scene wants it to come at once."""
-    try:
-        if scene.run.settle:
-            settle(stepper)
-    except InputError as error:
-        raise scene.at_fault(error) from None
 
 
 def _clear(folder: Path) -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from masonry_cd.app.advance import Advance, Advanced
 from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.recorder import Recorder
@@ -38,6 +39,7 @@ class Plan:
     frame_every: int = 1  # steps of length dt between two frames; the first and the last state are always written
     pauses: Pauses | None = None  # of loads that come as shocks in a row: steps of the loads may be left out
     stress: bool = False  # whether that of blocks and joints is kept
+    follow: Callable[[Advance, Advanced], str] | None = None  # called after each step; what it returns in words ends the run
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,7 @@ def run(
     pauses, save_to = plan.pauses, None if checkpoints is None else checkpoints.path
     recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks, plan.stress)
     report = RunReport(planar=stepper.plane is not None, fall=_fall(stepper))
-    pace = AdaptiveSteps(stepper) if stepper.settings.adaptive else None
-    loop = _Loop(stepper, recorder, report, pauses, save_to, pace)
+    loop = _Loop(stepper, recorder, report, Advance.of(stepper, plan.steps, plan.frame_every, pauses), save_to, plan.follow)
     if checkpoints is not None and checkpoints.resume:
         loop.resume(checkpoints.path)
     else:
@@ -85,7 +86,7 @@ def run(
         writer.flush()
     try:
         while stepper.load_step < plan.steps and not loop.report.stopped:
-            loop.step(plan.steps, plan.frame_every)
+            loop.step()
             loop.save_when_due()
             loop.report_progress(progress)
     except RunStopped as reason:
@@ -105,33 +106,30 @@ class _Loop:
     stepper: Stepper
     recorder: Recorder
     report: RunReport
-    pauses: Pauses | None
+    advance: Advance
     save_to: Path | None
-    pace: AdaptiveSteps | None  # of steps that adapt
+    follow: Callable[[Advance, Advanced], str] | None = None
     saved: float = field(default_factory=clock.monotonic)  # when the last checkpoint was taken [s]
 
-    def step(self, steps: int, frame_every: int) -> None:
-        """Make a step and record it; after the last step of the loads, and at the end of a pause, with a frame."""
-        stepper, recorder, before, shock = self.stepper, self.recorder, self.stepper.load_step, None
-        with np.errstate(over="ignore", invalid="ignore"):  # what is not finite stops the run by name
-            adapted = None if self.pace is None else self.pace.step(self._room(steps, frame_every))
-            step = stepper.step() if adapted is None else adapted.report
-        applied = stepper.load_step
-        if self.pauses is not None:
-            stepper.load_step = self.pauses.next_step(applied, stepper.state, applied - before)
-            shock = self.pauses.over(before, stepper.load_step)
-        self._account(step, adapted)
-        now = recorder.step(step, applied)
-        if stepper.motion.ticks % frame_every == 0 or stepper.load_step == steps or shock is not None:
-            recorder.frame(now)
-        if shock is not None:
-            recorder.shock(_aftermath(shock, applied, stepper, recorder.frames - 1))
+    @property
+    def pauses(self) -> Pauses | None:
+        return self.advance.pauses
 
-    def _room(self, steps: int, frame_every: int) -> int:
-        """Ticks to the next instant that a step has to end at: a frame, a beginning or end in the loads."""
-        now = self.stepper.load_step
-        stops = [steps] if self.pauses is None else [steps, *(stop for stop in self.pauses.stops if stop > now)]
-        return min(frame_every - self.stepper.motion.ticks % frame_every, min(stops) - now)
+    @property
+    def pace(self) -> AdaptiveSteps | None:
+        return self.advance.pace
+
+    def step(self) -> None:
+        """Make a step and record it; after the last step of the loads, and at the end of a pause, with a frame."""
+        stepper, recorder, made = self.stepper, self.recorder, self.advance.step()
+        self._account(made.report, made.adapted)
+        now = recorder.step(made.report, made.applied)
+        if stepper.motion.ticks % self.advance.frame_every == 0 or self.advance.done or made.shock is not None:
+            recorder.frame(now)
+        if made.shock is not None:
+            recorder.shock(_aftermath(made.shock, made.applied, stepper, recorder.frames - 1))
+        if self.follow is not None:
+            self.report.stopped = self.follow(self.advance, made)
 
     def _account(self, step: StepReport, adapted: AdaptedStep | None) -> None:
         """Take a step into the report."""

@@ -17,6 +17,7 @@ from masonry_cd.interface.temporary import TemporaryFolder
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
+    from masonry_cd.app.run_case import Own
     from masonry_cd.interface.results import Run
 
 
@@ -66,6 +67,14 @@ def run(
     return _computed(replace(case, scene=asked.placed(place, force)), place, keeper, progress)
 
 
+def recorded(case: Case, asked: Scene, folder: str | os.PathLike[str] | None, own: Own, progress: bool = True, force: bool = False) -> Run:
+    """Run a case that is prepared with code of its own, see :func:`run`."""
+    keeper = TemporaryFolder() if folder is None else None
+    place = keeper.path if keeper is not None else Path(str(folder))
+    free_folder(place, RUN, force)
+    return _computed(replace(case, scene=asked.placed(place, force)), place, keeper, progress, own=own)
+
+
 def resume(source: Run | str | os.PathLike[str], *, progress: bool = True) -> Run:
     """Resume a run that was stopped or killed, from its last checkpoint; it ends with the bits of an unbroken one.
 
@@ -89,18 +98,20 @@ def resume(source: Run | str | os.PathLike[str], *, progress: bool = True) -> Ru
     return _computed(prepare(asked), place, keeper, progress, resumed=True)
 
 
-def _computed(case: Case, folder: Path, keeper: TemporaryFolder | None, progress: bool, resumed: bool = False) -> Run:
+def _computed(
+    case: Case, folder: Path, keeper: TemporaryFolder | None, progress: bool, resumed: bool = False, own: Own | None = None
+) -> Run:
     """Compute a case into a folder; a signal other than Ctrl-C has its usual effect afterwards."""
     from masonry_cd.app.run_case import run_case
     from masonry_cd.interface.results import Run as Opened
 
     try:
-        number = int(run_case(case, folder, quiet=not progress, resume=resumed)["signal"])
+        number = int(run_case(case, folder, quiet=not progress, resume=resumed, own=own)["signal"])
     except Interrupted as asked:  # while the reports were drawn: the results are whole
         number = asked.number
     if number not in (0, signal.SIGINT):
         signal.raise_signal(number)
     made = Opened(folder, keeper)
     for line in made.warnings:
-        warnings.warn(line, RunWarning, stacklevel=3)
+        warnings.warn(line, RunWarning, stacklevel=3 if own is None else 4)  # of who called
     return made

@@ -10,7 +10,7 @@ from masonry_cd.mechanics.dynamics.energy import at_start
 from masonry_cd.mechanics.dynamics.free_motion import angular_momenta
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
 from masonry_cd.mechanics.dynamics.settings import FirstVelocities
-from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.dynamics.system import EnergyBalance, Motion, System
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 
@@ -36,6 +36,28 @@ def motion_at_start(system: System, state: State) -> Motion:
         ticks=0,
         span=1,
     )
+
+
+def with_state(system: System, motion: Motion, state: State) -> Motion:
+    """The motion with another state of the same time, strains included, where a hand from outside has moved or pushed blocks.
+
+    What the energy of motion gains by it counts as there from the beginning, so that the balance still closes; the impulses of the last
+    step stay, to start from, and what an impact left over is dropped.
+    """
+    momentum: np.ndarray = angular_momenta(system.blocks, rotation_matrices(state.orientation), state.velocity)
+    v = motion.v.copy()
+    rigid = len(system.blocks.columns)
+    v[:, :rigid] = system.unknowns_of(state.velocity)[:, :rigid]
+    energy = at_start(system, state, momentum)
+    if motion.steps:
+        totals = motion.energy.totals | {"kinetic": motion.energy.totals["kinetic"] + energy.begun - kinetic_energy(system, motion)}
+        energy = EnergyBalance(totals, motion.energy.begun + totals["kinetic"] - motion.energy.totals["kinetic"])
+    return motion._replace(state=state, angular_momentum=momentum, v=v, carried_impulse=None, energy=energy)
+
+
+def kinetic_energy(system: System, motion: Motion) -> float:
+    """The kinetic energy of the free blocks in a motion [J]."""
+    return at_start(system, motion.state, motion.angular_momentum).begun
 
 
 def drawn_velocities(system: System, asked: FirstVelocities) -> np.ndarray:

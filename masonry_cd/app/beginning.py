@@ -1,0 +1,38 @@
+"""Where the steps of a case begin."""
+
+from __future__ import annotations
+
+from masonry_cd.app.case import Case
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.pauses import Pauses
+from masonry_cd.mechanics.dynamics.start import drawn_velocities
+
+
+def stepper_of(case: Case) -> Stepper:
+    """The stepper of a case as built, before :func:`begin`."""
+    loading = case.loading
+    return Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run, forces=loading.forces)
+
+
+def begin(stepper: Stepper, case: Case) -> None:
+    """Bring a stepper as built to where its run begins: elastic joints take up the weight, and blocks get their first velocities.
+
+    Raises:
+        InputError: the structure does not come to rest.
+    """
+    settings = case.scene.run
+    try:
+        if settings.settle:
+            settle(stepper)
+    except InputError as error:
+        raise case.scene.at_fault(error) from None
+    if settings.first_velocities is not None:
+        stepper.kick(drawn_velocities(stepper.system, settings.first_velocities))
+
+
+def pauses_of(case: Case) -> Pauses | None:
+    """The rests of a case that may end early, and its shocks; None without any."""
+    loading = case.loading
+    return Pauses(case.assembly, loading.pauses, loading.shocks, case.steps) if loading.shocks or loading.pauses else None

@@ -1,0 +1,273 @@
+"""Forces that Python gives, beside those of the scene's loads, as the step asks for them: at the places of its middle, q_m.
+
+A field is a function ``f(now)`` of all blocks at once, a history the force on one block over time. Both enter the free velocity as point
+loads do, so they are explicit: one that grows with displacement, of stiffness k on a mass m, needs a time step below 2 sqrt(m / k).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
+from masonry_cd.mechanics.model.blocks import Assembly
+
+LOOKS = 65  # times over the run at which forces are looked at to tell whether the scene moves in a plane
+
+
+class Now(NamedTuple):
+    """The blocks in the middle of a step, as a field of forces sees them; its arrays are not to be changed."""
+
+    time: float  # of the loads, in the middle of the step [s]
+    position: np.ndarray  # (B, 3) centres of mass [m]
+    rotation: np.ndarray  # (B, 3, 3) body to world
+    velocity: np.ndarray  # (B, 6) at the beginning of the step, linear [m/s] and angular [rad/s]
+    step: float  # its length [s]
+
+
+class Pushes(NamedTuple):
+    """Forces on blocks at points."""
+
+    block: np.ndarray  # (N,)
+    force: np.ndarray  # (N, 3) [N]
+    arm: np.ndarray  # (N, 3) from the centre of mass [m]
+
+
+class Pushing(Protocol):
+    """What pushes blocks."""
+
+    def pushes(self, now: Now) -> Pushes:
+        """The forces in the middle of a step. It may be asked several times for one step, and does not count steps by it."""
+
+    def taken(self) -> None:
+        """The step last asked for was made."""
+
+
+class History:
+    """A quantity over time: a function of it, or times (N,) and values (N, k), straight between and constant beyond.
+
+    Args:
+        given: the function, or the pair of arrays.
+        sizes: k that are taken.
+        where: for messages.
+
+    Raises:
+        InputError: anything else.
+    """
+
+    def __init__(self, given: Any, sizes: tuple[int, ...], where: str) -> None:
+        self._where, self._sizes, self._function = where, sizes, given if callable(given) else None
+        if self._function is not None:
+            return
+        if not isinstance(given, Sequence) or isinstance(given, str | bytes) or len(given) != 2:
+            raise InputError(f"{where}: a function of time is needed, or a pair of arrays (times, values)")
+        self._time, values = (numbers(item, where) for item in given)
+        if self._time.ndim != 1 or values.ndim != 2 or values.shape[1] not in sizes or len(values) != len(self._time) or not len(values):
+            raise InputError(f"{where}: times (N,) and values (N, {self._wanted}) are needed, got {self._time.shape} and {values.shape}")
+        if (np.diff(self._time) <= 0.0).any():
+            raise InputError(f"{where}: its times do not increase")
+        self._values = values
+
+    @property
+    def _wanted(self) -> str:
+        return " or ".join(map(str, self._sizes))
+
+    def at(self, time: float) -> np.ndarray:
+        """(k,) at a time [s].
+
+        Raises:
+            InputError: the function gives something else than finite numbers of that shape.
+        """
+        if self._function is None:
+            return np.array([np.interp(time, self._time, column) for column in self._values.T])
+        found = numbers(self._function(time), f"{self._where}: at {time:g} s")
+        if found.ndim != 1 or len(found) not in self._sizes:
+            raise InputError(f"{self._where}: at {time:g} s an array of shape {found.shape}, ({self._wanted},) is needed")
+        return found
+
+
+class BlockHistories:
+    """Forces on single blocks over time, at their centres of mass.
+
+    Raises:
+        InputError: an unknown block, a support, or no history.
+    """
+
+    def __init__(self, given: Mapping[str, Any], assembly: Assembly) -> None:
+        self._block = np.array([free_block(name, assembly, "forces") for name in given], dtype=np.int64)
+        self._histories = [History(value, (3,), f'forces["{name}"]') for name, value in given.items()]
+
+    def pushes(self, now: Now) -> Pushes:
+        """The forces at a time."""
+        return Pushes(self._block, np.array([history.at(now.time) for history in self._histories]), np.zeros((len(self._block), 3)))
+
+    def taken(self) -> None:
+        """Nothing is remembered."""
+
+
+class Field:
+    """A field of forces on all blocks."""
+
+    def __init__(self, function: Callable[[Now], Any], assembly: Assembly) -> None:
+        self._function, self._fixed = function, assembly.fixed
+
+    def pushes(self, now: Now) -> Pushes:
+        """The forces at the places of now; those on supports do nothing, and are left out.
+
+        Raises:
+            InputError: no forces (B, 3), or such as are not finite.
+        """
+        found = numbers(self._function(now), f"forces: at {now.time:g} s")
+        if found.shape != (len(self._fixed), 3):
+            raise InputError(f"forces: at {now.time:g} s an array of shape {found.shape}, {(len(self._fixed), 3)} is needed")
+        block = np.flatnonzero(~self._fixed & found.any(axis=1))
+        return Pushes(block, found[block], np.zeros((len(block), 3)))
+
+    def taken(self) -> None:
+        """Nothing is remembered."""
+
+
+@dataclass(eq=False)
+class OwnForces:
+    """The forces of a scene's loads, and beside them own ones: in the shape in which the step asks for forces.
+
+    ``axis`` is that across the plane in which the scene is solved, -1 in space; known once there is a stepper.
+    """
+
+    base: BlockForces | None
+    own: tuple[Pushing, ...]
+    dt: float
+    end: float = 0.0  # of the run [s]
+    axis: int = -1
+    last: Now | None = None  # places last asked for
+
+    def acting(
+        self,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        velocity: np.ndarray,
+        step: int,
+        ticks: int = 1,
+        yielded: np.ndarray | None = None,
+    ) -> Acting:
+        """What acts over some steps from one on, see :class:`masonry_cd.mechanics.model.block_forces.BlockForces`.
+
+        Raises:
+            InputError: own forces that are not numbers, or lead out of the plane in which the scene is solved.
+        """
+        self.last = Now((step - 1 + 0.5 * ticks) * self.dt, position, rotation, velocity, ticks * self.dt)
+        every = self._pushes(self.last) if step > 0 else []  # at 0 it is asked what ties pull with at the start
+        none = np.zeros((0, 3))
+        found = Acting(np.zeros(0, dtype=np.int64), none, none, np.zeros(0))
+        if self.base is not None:
+            found = self.base.acting(position, rotation, velocity, step, ticks, yielded)
+        block = np.concatenate([found.block, *(item.block for item in every)])
+        force, arm = (np.concatenate([getattr(found, name), *(getattr(item, name) for item in every)]) for name in ("force", "arm"))
+        return Acting(block, force, arm, found.tension)
+
+    def _pushes(self, now: Now) -> list[Pushes]:
+        every = [item.pushes(now) for item in self.own]
+        if self.axis >= 0 and any(item.force[:, self.axis].any() for item in every):
+            raise InputError(
+                f"forces: at {now.time:g} s one acts along {'xyz'[self.axis]}, across the plane in which this scene moves; "
+                "run.planar = false has it move in space"
+            )
+        return every
+
+    def taken(self) -> None:
+        """A step was made."""
+        for item in self.own:
+            item.taken()
+
+    def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
+        """Largest acceleration [m/s2] by which forces differ in time from their mean over some steps, where blocks last were."""
+        base = 0.0 if self.base is None else self.base.spread(step, ticks, mass)
+        if self.last is None or not self.own:
+            return base
+        size = len(self.last.position)
+        total = np.zeros((ticks, size, 3))
+        for k in range(ticks):
+            for item in self._pushes(self.last._replace(time=(step - 0.5 + k) * self.dt)):
+                np.add.at(total[k], item.block, item.force)
+        away = np.sqrt(((total - total.mean(axis=0)) ** 2).sum(axis=2))
+        return max(base, float((away / np.where(mass > 0.0, mass, np.inf)).max(initial=0.0)))
+
+    @property
+    def jacked(self) -> np.ndarray:
+        """Of the ties of the loads."""
+        return np.zeros(0, dtype=bool) if self.base is None else self.base.jacked
+
+    def ties_alone(self) -> BlockForces:
+        """The ties of the loads."""
+        return OwnForces(None if self.base is None else self.base.ties_alone(), (), self.dt)
+
+    def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """Of the ties of the loads."""
+        return np.zeros(0) if self.base is None else self.base.stretches(position, rotation)
+
+    def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
+        """Of the ties of the loads."""
+        return yielded if self.base is None else self.base.yields(position, rotation, yielded)
+
+    def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:
+        """True when forces of the loads do, or own ones on blocks at rest at some time of the run; others are looked at as they come."""
+        if self.base is not None and self.base.leaves_plane(axis, at, centre):
+            return True
+        still = Now(0.0, centre, np.broadcast_to(np.eye(3), (len(centre), 3, 3)), np.zeros((len(centre), 6)), self.dt)
+        times = np.linspace(0.0, self.end, LOOKS).tolist() if self.own else []
+        return any(item.pushes(still._replace(time=t)).force[:, axis].any() for t in times for item in self.own)
+
+
+def own_forces(given: Any, assembly: Assembly) -> Pushing:
+    """A field of forces, or forces on single blocks by name.
+
+    Raises:
+        InputError: anything else.
+    """
+    if isinstance(given, Mapping):
+        return BlockHistories(given, assembly)
+    if callable(given):
+        return Field(given, assembly)
+    raise InputError(f"forces: a function or a dict by block is needed, got a {type(given).__name__}")
+
+
+def block_named(name: object, names: Sequence[str], where: str) -> int:
+    """The number of a block.
+
+    Raises:
+        InputError: there is none of the name.
+    """
+    if name not in names:
+        raise InputError(f'{where}: no block is named "{name}"{suggest(str(name), names)}')
+    return names.index(str(name))
+
+
+def free_block(name: object, assembly: Assembly, where: str) -> int:
+    """The number of a free block.
+
+    Raises:
+        InputError: there is none of the name, or it is a support.
+    """
+    block = block_named(name, assembly.names, where)
+    if assembly.fixed[block]:
+        raise InputError(f'{where}: "{name}" is a support, which moves as its loads and "motions" say')
+    return block
+
+
+def numbers(given: Any, where: str) -> np.ndarray:
+    """Finite numbers.
+
+    Raises:
+        InputError: anything else.
+    """
+    try:
+        found = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{where}: no numbers") from None
+    if not np.isfinite(found).all():
+        raise InputError(f"{where}: not finite")
+    return found
