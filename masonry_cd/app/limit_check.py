@@ -69,9 +69,9 @@ def check_mechanism(
     from masonry_cd.analysis.code_check.check import code_check
     from masonry_cd.analysis.code_check.verdicts import Basis
 
-    push = math.hypot(*gravity) * np.asarray(loads.direction)
+    push, live = math.hypot(*gravity) * np.asarray(loads.direction), loads.live
     found = candidates(analysis, untied, *structure)
-    each = [oscillator(one, *structure, push, None) for one in found]
+    each = [oscillator(one, *structure, push, None, live) for one in found]
     order = sorted(range(len(found)), key=lambda k: each[k].acceleration())
     least, made = found[order[0]], each[order[0]]
     elsewhere = abs(analysis.associated.factor - least.factor) > ANOTHER * abs(least.factor)
@@ -84,7 +84,7 @@ def check_mechanism(
         if curve is None or not curve.falls or not least.mechanism.moving[curve.control.block]:
             control = int(np.argmax(least.mechanism.velocity[:, :3] @ push))
             curve = capacity_curve(*structure, loads.at(), CurveOptions(how.curve, control=control))
-        made = oscillator(least, *structure, push, curve)
+        made = oscillator(least, *structure, push, curve, live)
     looked = tuple(_looked(found[k], each[k], table.confidence_factor) for k in order)
     words = "; ".join([search_words(analysis), *([untied.remark] if untied.remark else [])])
     made_check = code_check(table, made, folder, Basis(words, doubt(analysis), looked, search_numbers(analysis)))

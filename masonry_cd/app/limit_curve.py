@@ -48,7 +48,7 @@ def follow(
     bonded = bool(assembly.laws.apex.any())
     if loads.kind == "tilt" and (not loads.only_gravity or bonded):
         raise InputError("limit.curve: beside point loads, ties or bond a tilt is no push, and only a push is followed; give limit.push")
-    if table.dynamics and (bonded or len(loads.bars.strength) or loads.constant.any() or loads.direction is None):
+    if table.dynamics and (bonded or len(loads.bars.strength) or loads.constant.any() or len(loads.masses.mass) or loads.direction is None):
         raise InputError("limit.curve.dynamics: compares dry joints under gravity and a push; there are ties, bond or point loads")
     control = None if table.control is None else assembly.names.index(table.control)
     limit = np.inf if table.displacement is None else table.displacement

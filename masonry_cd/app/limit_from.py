@@ -59,6 +59,8 @@ def left_state(asked: LimitTable, folder: Path, assembly: Assembly, joints: Join
         raise InputError(f"{KEY}: joints that crush are known as built only: a hinge of the state that a run left has no area to crush")
     if asked.curve is not None:
         raise InputError(NO_CURVE)
+    if loads.kind == "tilt" and len(loads.masses.mass):
+        raise InputError(f"{KEY}: masses of point loads are not tilted where a run left them; give limit.push")
     if asked.check is not None and asked.check.by_displacements:
         raise InputError(
             "limit.check.displacements: no curve is followed from the state that a run left; false leaves the check by accelerations"

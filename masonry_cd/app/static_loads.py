@@ -7,6 +7,7 @@ Constant are gravity, and the point loads at their full size. The pattern is one
     live          point loads of the scene, each times lambda
     settlement    supports that move, by themselves or apart: the force that they still bear
 
+A push or a tilt acts on the masses of the blocks, and on those whose weights ``[limit] masses`` names among the point loads.
 It is named in ``[limit]``, or is the one load of kind push, tilt, settlement or spreading of the scene. What shakes is left out.
 """
 
@@ -14,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -27,7 +28,7 @@ from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.tilt import PushTable, TiltTable
 from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_direction
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
+from masonry_cd.analysis.limit.problem import Arms, Bars, Loads, PointMasses
 from masonry_cd.app.macro_table import MechanismTable
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import Count, Table
@@ -61,6 +62,9 @@ class LimitTable(Table):
     """Or: to this level direction the structure is tilted, lambda is the tangent of the angle."""
     live: Annotated[tuple[Annotated[Count, Field(ge=0)], ...], Field(json_schema_extra={"default": []})] = ()
     """Or: numbers of the [[loads]] of kind point that are multiplied, from 0; the others are constant."""
+    masses: Annotated[tuple[Annotated[Count, Field(ge=0)], ...], Field(json_schema_extra={"default": []})] = ()
+    """Numbers of the [[loads]] of kind point that are weights of masses, which a push or a tilt moves as it moves the blocks (Q_k of
+    [C8.7.1.1]); the others are forces without mass."""
     sides: Annotated[Count, Field(ge=0, le=64)] = 0
     """Of friction pyramids that replace the circular cones of a structure in space, from inside; 0 for circular ones."""
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
@@ -77,7 +81,7 @@ class LimitTable(Table):
     mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = ()
     """Macro-elements to look at, each with all else held, [[limit.mechanism]] each."""
 
-    @field_validator("live", mode="before")
+    @field_validator("live", "masses", mode="before")
     @classmethod
     def _list(cls, value: object) -> object:
         if not isinstance(value, (list, tuple)):
@@ -105,14 +109,15 @@ class StaticLoads:
     kind: str  # push, tilt, live or settlement
     words: str
     direction: tuple[float, float, float] | None  # of push and tilt
-    gravity: np.ndarray  # (B, 6) [N]
-    constant: np.ndarray  # (B, 6) of point loads [N, N m]
+    gravity: np.ndarray  # (B, 6) of blocks and point masses [N, N m]
+    constant: np.ndarray  # (B, 6) of the other point loads [N, N m]
     live: np.ndarray  # (B, 6)
     bars: Bars
     tie_names: tuple[str, ...]  # of the bars; those of one name are one tie
     support_velocity: np.ndarray | None
     arms: Arms  # where the point loads act
     notes: tuple[str, ...]
+    masses: PointMasses = field(default_factory=PointMasses.none)  # which a push moves beside the blocks
 
     @property
     def only_gravity(self) -> bool:
@@ -145,23 +150,57 @@ def static_loads(
     weight[free, :3] = assembly.mass[free, None] * down
     parts = {i: loads.KINDS[t.kind].part(t, grid, f"loads[{i}]") for i, t in enumerate(asked) if isinstance(t, (PointTable, TieTable))}
     points = {i: part.forces[0] for i, part in parts.items() if isinstance(part.forces[0], PointLoad)}
-    for i in limit.live:
-        if i not in points:
-            raise InputError(f"limit.live: loads[{i}] is no load of kind point of this scene")
+    for key in ("live", "masses"):
+        for i in getattr(limit, key):
+            if i not in points:
+                raise InputError(f"limit.{key}: loads[{i}] is no load of kind point of this scene")
     kind, direction, words, support, at = _pattern(asked, limit, down, grid)
-    constant = sum((_wrench(force, assembly) for i, force in points.items() if i not in limit.live), nothing)
+    masses = _masses({i: points[i] for i in limit.masses}, direction, down)
+    weight += masses.under(down, assembly.count)
+    forces = {i: force for i, force in points.items() if i not in limit.masses}
+    constant = sum((_wrench(force, assembly) for i, force in forces.items() if i not in limit.live), nothing)
     live = sum((_wrench(points[i], assembly) for i in limit.live), nothing)
     if direction is not None:
         live = nothing.copy()
         live[free, :3] = math.hypot(*down) * assembly.mass[free, None] * np.array(direction.vector)
+        live += masses.under(math.hypot(*down) * np.array(direction.vector), assembly.count)
     bars = [bar(parse_table(TieTable, table, where), grid, where) for where, table in made]
     ties = [part.forces[0] for part in (*parts.values(), *bars) if isinstance(part.forces[0], Tie)]
     used = (PointTable, TieTable, PushTable, TiltTable) if support is None else (PointTable, TieTable)
     left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]
     notes = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
+    if limit.check is not None:
+        notes += _without_mass({i: force for i, force in forces.items() if i not in limit.live}, down)
     vector = None if direction is None else direction.vector
-    arms, names = _arms(points, limit.live), tuple(tie.name for tie in ties)
-    return StaticLoads(kind, words, vector, weight, constant, live, _bars(ties, assembly), names, support, arms, notes)
+    arms, names = _arms(forces, limit.live, masses, down, vector), tuple(tie.name for tie in ties)
+    return StaticLoads(kind, words, vector, weight, constant, live, _bars(ties, assembly), names, support, arms, notes, masses)
+
+
+def _masses(points: Mapping[int, PointLoad], direction: Direction | None, down: np.ndarray) -> PointMasses:
+    """The masses whose weights point loads by number are.
+
+    Raises:
+        InputError: one that does not act along gravity, or a pattern that moves no masses.
+    """
+    if not points:
+        return PointMasses.none()
+    if direction is None:
+        raise InputError("limit.masses: a push or a tilt moves masses; live loads and supports that move do not")
+    for i, load in points.items():
+        if float(load.force @ down) < (1.0 - LEVEL) * math.hypot(*load.force) * math.hypot(*down) or not load.force.any():
+            raise InputError(f"limit.masses: loads[{i}] is no weight: its force {load.force.tolist()} does not act along gravity")
+    each = list(points.values())
+    mass = np.array([math.hypot(*load.force) for load in each]) / math.hypot(*down)
+    return PointMasses(np.array([load.block for load in each]), np.array([load.arm for load in each]), mass)
+
+
+def _without_mass(points: Mapping[int, PointLoad], down: np.ndarray) -> tuple[str, ...]:
+    """A line on constant point loads that press downwards and count as forces without mass."""
+    some = [i for i, load in points.items() if float(load.force @ down) > 0.5 * math.hypot(*load.force) * math.hypot(*down)]
+    if not some:
+        return ()
+    which, verb = ", ".join(f"loads[{i}] (point)" for i in some), "act as forces" if len(some) > 1 else "acts as a force"
+    return (f"{which} {verb} without mass, which a push does not move; limit.masses = {some} counts what weighs as P and Q of [C8.7.1.1]",)
 
 
 def _pattern(
@@ -214,13 +253,18 @@ def _wrench(force: PointLoad, assembly: Assembly) -> np.ndarray:
     return out
 
 
-def _arms(points: Mapping[int, PointLoad], live: Sequence[int]) -> Arms:
-    """Where point loads by number act, those that are ``live`` and the others."""
+def _arms(
+    points: Mapping[int, PointLoad], live: Sequence[int], masses: PointMasses, down: np.ndarray, way: tuple[float, float, float] | None
+) -> Arms:
+    """Where point loads by number act, those that are ``live`` and the others, and masses under gravity (3,) and a push along ``way``."""
     forces = np.array([load.force for load in points.values()]).reshape(-1, 3)
     lives = np.isin(np.array(list(points), dtype=np.int64), np.array(live, dtype=np.int64))[:, None]
     block = np.array([load.block for load in points.values()], dtype=np.int64)
     arm = np.array([load.arm for load in points.values()]).reshape(-1, 3)
-    return Arms(block, arm, np.where(lives, 0.0, forces), np.where(lives, forces, 0.0))
+    weights = masses.mass[:, None] * down
+    shaken = masses.mass[:, None] * math.hypot(*down) * np.array(way or (0.0, 0.0, 0.0))
+    dead, lively = np.concatenate([np.where(lives, 0.0, forces), weights]), np.concatenate([np.where(lives, forces, 0.0), shaken])
+    return Arms(np.concatenate([block, masses.block]), np.concatenate([arm, masses.arm]), dead, lively)
 
 
 def _bars(ties: Sequence[Tie], assembly: Assembly) -> Bars:

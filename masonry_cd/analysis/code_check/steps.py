@@ -93,7 +93,7 @@ def capacity(oscillator: Oscillator, confidence: float, at: Clauses) -> list[Ste
     all_of_it = f"taken as one: {oscillator.doubt}" if oscillator.doubt else ""
     made = [
         Step("alpha0", oscillator.alpha, "", at.factor, "load factor at which the mechanism starts, from the limit analysis"),
-        Step("sum P", oscillator.weight, "N", at.fraction, "weight of the blocks that move"),
+        Step("sum P", oscillator.weight, "N", at.fraction, "weight that moves: blocks, and masses that the push moves with them"),
         Step("M*", oscillator.mass, "kg", at.fraction, f"participating mass, {all_of_it or '(sum P d)^2 / (g sum P d^2)'}"),
         Step("e*", oscillator.fraction, "", at.fraction, f"its share, {all_of_it or 'g M* / sum P'}"),
         Step("CF", confidence, "", at.confidence, "confidence factor"),

@@ -137,7 +137,7 @@ def _made(part: Part, element: MacroElement, way: np.ndarray, called: tuple[str,
     found = Candidate(called[1], optimum.factor, moves, dilates)
     low = part.whole.box[0][moves.moving & part.free, 2]
     height = float(low.min()) if len(low) else 0.0
-    made = oscillator(found, part.assembly, part.whole.joints, part.push, None)
+    made = oscillator(found, part.assembly, part.whole.joints, part.push, None, part.loads.live)
     return PartMechanism(element, way, *called, made, int(moves.moving.sum()), height, optimum.velocity, found)
 
 

@@ -1,7 +1,8 @@
 r"""The mechanism of a limit analysis as an oscillator with one degree of freedom, as the kinematic approach of codes takes it.
 
-Its bodies are the parts of the structure that move as one: blocks with still joints between them. With their weights P_k, the virtual
-displacements d_k of their centres along the push, and the factor alpha,
+Its bodies are the parts of the structure that move as one: blocks with still joints between them. With their weights P_k, those of the
+masses on them that the push moves as well included ((P + Q)_k of [C8.7.1.5]), the virtual displacements d_k of their common centres along
+the push, and the factor alpha,
 
     M* = (sum P d)^2 / (g sum P d^2),      e* = g M* / sum P,      a = alpha g / e*,      d = D sum P d^2 / (d_C sum P d),
 
@@ -77,7 +78,9 @@ class Oscillator:
         return there * self.gravity / self.fraction
 
 
-def oscillator(found: Candidate, assembly: Assembly, joints: Joints, push: np.ndarray, curve: CapacityCurve | None) -> Oscillator:
+def oscillator(
+    found: Candidate, assembly: Assembly, joints: Joints, push: np.ndarray, curve: CapacityCurve | None, live: np.ndarray | None = None
+) -> Oscillator:
     """The oscillator of a mechanism.
 
     Args:
@@ -86,12 +89,16 @@ def oscillator(found: Candidate, assembly: Assembly, joints: Joints, push: np.nd
         joints: of them.
         push: (3,) as large as gravity, along the push [m/s2].
         curve: of the same push, for the displacements; None where none is asked for.
+        live: (B, 6) forces and moments of the push [N, N m], where it moves more than the blocks.
     """
     moves, gravity = found.mechanism, float(np.linalg.norm(push))
-    weight = np.where(moves.moving & ~assembly.fixed, gravity * assembly.mass, 0.0)
-    along = moves.velocity[:, :3] @ push / gravity
-    body = _bodies(moves, joints, weight > 0.0)
-    whole, work = np.bincount(body, weight), np.bincount(body, weight * along)
+    moving = moves.moving & ~assembly.fixed
+    if live is None:
+        live = np.concatenate([assembly.mass[:, None] * push, np.zeros((assembly.count, 3))], axis=1)
+    weight = np.where(moving, live[:, :3] @ push / gravity, 0.0)
+    power = np.where(moving, np.einsum("bi,bi->b", live, moves.velocity), 0.0)
+    body = _bodies(moves, joints, moving)
+    whole, work = np.bincount(body, weight), np.bincount(body, power)
     second = float(np.sum(work[whole > 0.0] ** 2 / whole[whole > 0.0]))
     doubt = _doubt(found.dilation, whole, float(work.sum()) ** 2 / (float(whole.sum()) * second))
     unit, reach, factor = 1.0, np.zeros(0), np.zeros(0)

@@ -19,13 +19,13 @@ Friction in a bed is a tie that yields: between the part and a point behind it, 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from masonry_cd.analysis.limit.interfaces import Interfaces, interfaces
-from masonry_cd.analysis.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
+from masonry_cd.analysis.limit.problem import Bars, LimitProblem, Loads, PointMasses, plane_of, problem_at
 from masonry_cd.analysis.limit.rigid_groups import some_points
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -45,6 +45,7 @@ class Whole:
     bars: Bars
     gravity: float  # [m/s2], downwards
     rests: Callable[[str], bool]  # whether a group of blocks rests on walls, as a floor does, and is not bonded with them
+    masses: PointMasses = field(default_factory=PointMasses.none)  # beside those of the blocks
 
     @cached_property
     def points(self) -> Interfaces:
@@ -97,6 +98,7 @@ class Part:
     free: np.ndarray  # (B,) bool
     problem: LimitProblem  # of the free blocks, block by block
     push: np.ndarray  # (3,) as large as gravity [m/s2]
+    loads: Loads  # with what floors and bonded walls add
     interlock: float  # friction in the beds of bonded walls [N]
 
 
@@ -128,8 +130,9 @@ def part_of(whole: Whole, free: np.ndarray, direction: np.ndarray) -> Part:
     above = (upper >= 0) & ~free[upper] & free[lower]  # held, and rests on the part
     touches = (free[joints.block_a] | free[joints.block_b]) & ~above
     push = whole.gravity * np.asarray(direction, dtype=float)
-    live = np.zeros_like(whole.dead)
-    live[free, :3] = assembly.mass[free, None] * push
+    live = whole.masses.under(push, assembly.count)
+    live[:, :3] += assembly.mass[:, None] * push
+    live[~free] = 0.0
     dead, bars, interlock = _held_above(whole, np.flatnonzero(above), live, np.asarray(direction, dtype=float))
     keep = free[whole.bars.blocks].any(axis=1)
     ties = Bars(whole.bars.blocks[keep], whole.bars.points[keep], whole.bars.strength[keep])
@@ -140,7 +143,7 @@ def part_of(whole: Whole, free: np.ndarray, direction: np.ndarray) -> Part:
     else:
         planar = interfaces(assembly, joints, axis)
         points = some_points(planar, touches[planar.joint])
-    return Part(whole, assembly, free, problem_at(assembly, points, loads, axis), push, interlock)
+    return Part(whole, assembly, free, problem_at(assembly, points, loads, axis), push, loads, interlock)
 
 
 def _held_above(whole: Whole, above: np.ndarray, live: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, Bars, float]:

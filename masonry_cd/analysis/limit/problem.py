@@ -58,6 +58,27 @@ class Arms:
 
 
 @dataclass(frozen=True, eq=False)
+class PointMasses:
+    """N masses at points of blocks, which a push moves as it moves the blocks."""
+
+    block: np.ndarray  # (N,)
+    arm: np.ndarray  # (N, 3) from the centre of mass as built [m]
+    mass: np.ndarray  # (N,) [kg]
+
+    @classmethod
+    def none(cls) -> PointMasses:
+        """No mass."""
+        return cls(np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0))
+
+    def under(self, acceleration: np.ndarray, count: int) -> np.ndarray:
+        """Forces and moments (B, 6) on so many blocks under an acceleration (3,) [m/s2]."""
+        out = np.zeros((count, 6))
+        force = self.mass[:, None] * acceleration
+        np.add.at(out, self.block, np.concatenate([force, np.cross(self.arm, force)], axis=1))
+        return out
+
+
+@dataclass(frozen=True, eq=False)
 class Loads:
     """What acts on the B blocks: forces [N] and moments about the centres of mass [N m], or supports that move."""
 
