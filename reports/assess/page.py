@@ -7,7 +7,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from masonry_cd.analysis.assessment.assessment import FELT, GRADE, Assessment
-from masonry_cd.analysis.assessment.verdict import between, lines_of, place_of, shown, warnings_of
+from masonry_cd.analysis.assessment.verdict import between, lines_of, on_the_whole, place_of, shown, warnings_of
 from reports.assess.tables import heads, rows_of
 from reports.page.document import filled, header, pictures, plain_style, write_document
 from reports.page.words import escaped
@@ -34,7 +34,7 @@ def write_page(found: Assessment, drawn: Sequence[Path], path: Path) -> None:
     """
     here = files("reports.study")
     values = {
-        "header": header(found.title, _lead(lines_of(found)), warnings_of(found), _tiles(found)),
+        "header": header(found.title, _lead(lines_of(found)), warnings_of(found), _tiles(found), verdict=on_the_whole(found)),
         "pictures": pictures(dict.fromkeys(drawn, CAPTION)),
         "runs": _runs(found),
         "assumed": _assumed(found),

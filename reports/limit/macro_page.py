@@ -10,7 +10,7 @@ from typing import Any
 
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
-from reports.limit.page import VERDICTS
+from reports.limit.page import VERDICTS, on_the_check
 from reports.page.document import header, pictures, plain_style, write_document
 from reports.page.findings import section, table
 from reports.page.title_block import rows_of
@@ -73,7 +73,7 @@ def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> 
         "block."
     )
     body = [
-        header(summary["title"], lines, summary["notes"], _tiles(summary, page), block),
+        header(summary["title"], lines, summary["notes"], _tiles(summary, page), block, on_the_check(summary["verdict"])),
         "<main>",
         section("parts", "Macro-elements", f"<p>{said}</p>{_table(page)}{_more(summary, page)}"),
         pictures(drawn),

@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.foundation.quantities import force
 from reports.page.document import filled, header, pictures, plain_style, write_document
 from reports.page.findings import section, table
@@ -34,6 +35,11 @@ CERTIFICATE = {
     "flow": ("Flow rule", "by how much a joint closes that must not, over the largest velocity"),
 }
 VERDICTS = {"satisfied": "good", "not decided": "look", "NOT satisfied": "doubtful"}  # and how they are coloured
+CHECKED = {
+    "satisfied": "the check by a code is met",
+    "not decided": "the check by a code decides nothing here",
+    "NOT satisfied": "the check by a code is not met",
+}
 STATES = {"hinge": "hinges", "slide": "slide", "hinge_and_slide": "hinge and slide", "open": "open"}
 
 
@@ -62,7 +68,7 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
     summary = page.summary
     block = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene)
     values = {
-        "header": header(summary["title"], page.lines, summary["notes"], _numbers(summary), block),
+        "header": header(summary["title"], page.lines, summary["notes"], _numbers(summary), block, on_the_check(summary["verdict"])),
         "check": _check(summary["check"], summary["verdict"]),
         "pictures": pictures({picture: CAPTIONS[picture.name] for picture in drawn if picture.exists()}),
         "mechanism": _mechanism(summary),
@@ -73,6 +79,11 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
     }
     body = filled((files("reports.limit") / "limit.html").read_text(encoding="utf-8"), values)
     write_document(path, summary["title"], body, plain_style())
+
+
+def on_the_check(found: Mapping[str, Any] | None) -> Verdict | None:
+    """The verdict of a check by a code as the head of a page has it; None where none was asked for."""
+    return None if found is None else Verdict(found["state"], "", found["reason"], VERDICTS[found["state"]], CHECKED[found["state"]], "")
 
 
 def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object]]:

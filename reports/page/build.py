@@ -18,7 +18,7 @@ from masonry_cd.analysis.damage.definitions import STATES, Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.damage.verdict import verdict_of
+from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.deformed import Solids, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import nice
@@ -88,7 +88,7 @@ def write_page(
         parts=parts,
         provisional=end.provisional,
         thresholds=thresholds,
-        verdict=verdict_of({**summary, "collapsed_blocks": len(fallen), "displacement_max": moved}, thresholds, end),
+        checks=checks_of({**summary, "collapsed_blocks": len(fallen), "displacement_max": moved}, thresholds, end),
     )
     tables = downloads.tables(results, table, parts)
     facts, text = _data(context, largest, tables | {"missed": missed_times}, limit)
@@ -261,7 +261,7 @@ def _body(context: words.PageContext, facts: Mapping[str, Any], text: str, table
         "title": words.escaped(_title(context)),
         "block": title_block.title_block(context),
         "lead": words.lead(context),
-        "verdict": words.verdict(context),
+        "verdict": words.verdict_first(context.verdict, words.SEE),
         "outcome": words.outcome(context),
         "notices": words.notices(context),
         "tiles": words.tiles(context),

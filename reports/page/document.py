@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
+from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
-from reports.page.words import escaped
+from reports.page.words import escaped, verdict_first
 
 WIDE = 2.0  # width over height from which on a picture has a row to itself
 
@@ -49,7 +50,14 @@ def plain_style() -> str:
     return (files("reports.page") / "plain.css").read_text(encoding="utf-8")
 
 
-def header(title: str, lines: Sequence[str], warnings: Sequence[str], numbers: Sequence[tuple[str, object]], block: str = "") -> str:
+def header(
+    title: str,
+    lines: Sequence[str],
+    warnings: Sequence[str],
+    numbers: Sequence[tuple[str, object]],
+    block: str = "",
+    verdict: Verdict | None = None,
+) -> str:
     """The head of a page that is read from top to bottom.
 
     Args:
@@ -58,9 +66,11 @@ def header(title: str, lines: Sequence[str], warnings: Sequence[str], numbers: S
         warnings: that must not be overlooked.
         numbers: terms and their numbers, which are HTML.
         block: rows of a title block, HTML.
+        verdict: on what the page shows; None where it judges nothing.
     """
     rows = f'<dl class="block">{block}</dl>' if block else ""
-    lead = f'<h1>{escaped(title)}</h1>{rows}<p class="lead">{escaped(lines[0])}</p>'
+    first = "" if verdict is None else verdict_first(verdict)
+    lead = f'<h1>{escaped(title)}</h1>{first}{rows}<p class="lead">{escaped(lines[0])}</p>'
     return f'<header>{lead}{_said(lines[1:])}{_notices(warnings)}<dl class="tiles">{_tiles(numbers)}</dl></header>'
 
 

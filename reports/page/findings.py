@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from masonry_cd.analysis.damage.verdict import NOT_GRADED, Verdict
+from masonry_cd.analysis.damage.verdict import NOT_GRADED
 from masonry_cd.foundation.quantities import force
 from reports.drawing.figure import in_metres
 from reports.page.words import PageContext, escaped, number, sensible
@@ -40,7 +40,7 @@ def parts(context: PageContext) -> str:
         return ""
     whole = context.parts.parts[-1]
     rows = [whole, *sorted(context.parts.parts[:-1], key=lambda row: str(row["grade"]), reverse=True)]
-    body = "".join(_part(row, row is whole, context.verdict) for row in rows)
+    body = "".join(_part(row, row is whole, context) for row in rows)
     head = "".join(f'<th scope="col">{name}</th>' for name in COLUMNS)
     thresholds = escaped(context.parts.settings.thresholds.in_words())
     state = f" <b>Grades and what is left are {escaped(context.provisional)}.</b>" if context.provisional else ""
@@ -73,11 +73,11 @@ def _frames(context: PageContext) -> str:
     return f"the {len(times)} frames of the history{apart}"
 
 
-def _part(row: Mapping[str, Any], whole: bool, verdict: Verdict) -> str:
+def _part(row: Mapping[str, Any], whole: bool, context: PageContext) -> str:
     """A row of the table of parts; the verdict stands for the grades of a run that cannot be relied on, once, in the row of the whole."""
     grade, reason = row["grade"], row["grade_reason"]
-    if not verdict.reliable:
-        grade, reason = NOT_GRADED, verdict.in_words if whole else ""
+    if not context.checks.reliable:
+        grade, reason = NOT_GRADED, context.verdict.words if whole else ""
     cells = [f'<td><span class="grade {grade.replace(" ", "-")}">{grade}</span></td>', f"<td>{escaped(reason)}</td>"]
     cells.append(f"<td>{escaped(row['mechanism'])}</td>")
     counts = [row[key] for key in ("only_opened", "only_slid", "opened_and_slid", "separated", "lost_blocks")]

@@ -9,12 +9,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from masonry_cd.analysis.damage.verdict import DOUBTFUL, ENERGY, FALSE_MOTION, FORCES, GOOD, LIFT, LOOK, OVERLAP, TIME_STEP
 from masonry_cd.analysis.damage.verdict import END as END_OF_RUN
+from masonry_cd.analysis.damage.verdict import ENERGY, FALSE_MOTION, FORCES, LIFT, OVERLAP, TIME_STEP
+from masonry_cd.analysis.verdict import GOOD
 from masonry_cd.foundation.quantities import length
 from reports.drawing.figure import in_metres
 from reports.page.findings import section, table
-from reports.page.words import PageContext, escaped, number
+from reports.page.words import PageContext, escaped, number, sentence
 
 
 @dataclass(frozen=True)
@@ -39,16 +40,11 @@ def trust(context: PageContext) -> str:
         said = check.meaning if check.verdict == GOOD else f"{check.meaning} <b>{check.remedy}</b>"
         rows.append([check.name, check.measured, f'<span class="verdict {check.verdict}">{check.verdict}</span>', said])
     columns = ("check", "found", "verdict", "what it means")
-    return section("trust", "How far the numbers can be trusted", _overall(found) + table(columns, rows) + _BEYOND)
-
-
-def _overall(found: list[Check]) -> str:
-    """All checks in a sentence."""
-    for verdict, words in ((DOUBTFUL, "Do not rely on this run before it is mended"), (LOOK, "Read this before you rely on the run")):
-        names = [check.name.lower() for check in found if check.verdict == verdict]
-        if names:
-            return f'<p class="lead-in"><b>{words}: {", ".join(names)}.</b></p>'
-    return '<p class="lead-in">All checks of the computation are good.</p>'
+    return section(
+        "trust",
+        "How far the numbers can be trusted",
+        f'<p class="lead-in"><b>{sentence(context.verdict.words)}</b></p>' + table(columns, rows) + _BEYOND,
+    )
 
 
 _BEYOND = (
@@ -84,7 +80,7 @@ def _end(context: PageContext) -> Check:
     return Check(
         END_OF_RUN,
         found,
-        context.verdict.of(END_OF_RUN),
+        context.checks.of(END_OF_RUN),
         "What is left of cracks, slips and drifts, and the grades, hold once all standing blocks are still.",
         "They are provisional here: let the run go on (run.until_still, run.longest, or --resume).",
     )
@@ -109,7 +105,7 @@ def _solver(context: PageContext) -> Check:
         remedy = (
             f"{closing['steps']} steps left contacts closing{jam}. Their forces mean nothing: look at what pushes blocks together there."
         )
-    return Check(FORCES, measured, context.verdict.of(FORCES), meaning, remedy)
+    return Check(FORCES, measured, context.checks.of(FORCES), meaning, remedy)
 
 
 def _false_motion(context: PageContext) -> Check:
@@ -120,7 +116,7 @@ def _false_motion(context: PageContext) -> Check:
     return Check(
         FALSE_MOTION,
         f"{length(solver['violation_max'])}/s at most; {in_metres(slip)} of slip{where} and {in_metres(opening)} of opening in all",
-        context.verdict.of(FALSE_MOTION),
+        context.checks.of(FALSE_MOTION),
         "The error of the contact forces lets joints slip that friction should hold, and part that are pressed. A slip stays and adds up, "
         "here at the single worst contact. It should be small beside the largest displacement.",
         "Tighten run.tolerance until it is.",
@@ -139,7 +135,7 @@ def _energy(context: PageContext, energy: Mapping[str, Any]) -> Check:
     open_share, lift = energy["balance_error"] or 0.0, energy.get("lift_share") or 0.0
     lifted = f"; taking overlaps away put in {_two(lift)}" if lift > LIFT[0] else ""
     measured = f"open by {_two(open_share)} of the largest work{lifted}"
-    return Check(name, measured, context.verdict.of(ENERGY), meaning, "Halve run.dt and compare; if it stays, tighten run.tolerance.")
+    return Check(name, measured, context.checks.of(ENERGY), meaning, "Halve run.dt and compare; if it stays, tighten run.tolerance.")
 
 
 def _overlap(context: PageContext) -> Check:
@@ -149,7 +145,7 @@ def _overlap(context: PageContext) -> Check:
     return Check(
         OVERLAP,
         f"{in_metres(deepest)} at most{where}",
-        context.verdict.of(OVERLAP),
+        context.checks.of(OVERLAP),
         f"Blocks should not enter one another. Openings and slidings below this mean nothing; they count from {in_metres(threshold)}.",
         "Halve run.dt, and tighten run.tolerance; a jam between moving supports shows here as well.",
     )
@@ -164,7 +160,7 @@ def _time_step(context: PageContext, summary: Mapping[str, Any]) -> Check:
     return Check(
         TIME_STEP,
         measured,
-        context.verdict.of(TIME_STEP),
+        context.checks.of(TIME_STEP),
         "It has to resolve the shaking, the rocking of the smallest block, and the fastest motion.",
         " ".join(f"{escaped(remark)}." for remark in remarks),
     )

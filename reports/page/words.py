@@ -17,8 +17,9 @@ import numpy as np
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.damage.verdict import GOOD, NOT_GRADED, UNKNOWN, Verdict
+from masonry_cd.analysis.damage.verdict import Checks
 from masonry_cd.analysis.deformed import Solids
+from masonry_cd.analysis.verdict import GOOD, UNKNOWN, Verdict
 from masonry_cd.io.results import Results
 from reports.drawing.figure import in_metres
 from reports.page.support_motion import SupportMotion, support_motions
@@ -42,7 +43,7 @@ class PageContext:
     parts: PartDamage | None = None
     provisional: str = ""  # why residual values are not the last, in words
     thresholds: Thresholds = field(default_factory=Thresholds)
-    verdict: Verdict = field(default_factory=Verdict)  # on the run
+    checks: Checks = field(default_factory=Checks)  # that the run made of itself
 
     @cached_property
     def tables(self) -> dict[str, Any]:
@@ -53,6 +54,11 @@ class PageContext:
     def motions(self) -> tuple[SupportMotion, ...]:
         """How the supports move, each motion by its own."""
         return support_motions(self.results, self.solids)
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """On the run, with the grade of its structure where the page has the damage by part."""
+        return self.checks.verdict(None if self.parts is None else self.parts.parts[-1])
 
     @property
     def report(self) -> Mapping[str, Any]:
@@ -126,14 +132,24 @@ def _supports(count: int) -> str:
     return "1 block is a support" if count == 1 else f"{count or 'no'} blocks are supports"
 
 
-def verdict(context: PageContext) -> str:
-    """The verdict on the run, before anything that it found."""
-    found = context.verdict
-    said = f"{found.in_words[0].upper()}{found.in_words[1:]}."
-    if found.worst in (GOOD, UNKNOWN):
-        return f'<p class="verdict-first"><span class="verdict {found.worst}">{found.worst}</span> {escaped(said)}</p>'
-    more = f'{escaped(found.reasons)}. See <a href="#trust-title">How far the numbers can be trusted</a>.'
-    return f'<p class="verdict-first"><span class="verdict {found.worst}">{found.worst}</span> <b>{escaped(said)}</b> {more}</p>'
+def sentence(text: str) -> str:
+    """A text as a sentence, escaped."""
+    return f"{escaped(text[0].upper() + text[1:])}."
+
+
+def verdict_first(verdict: Verdict, see: str = "") -> str:
+    """The verdict on what a page shows, before all else: the grade, how sure it is, and why; and where to ``see`` more of that, HTML."""
+    grade = f'<span class="grade {escaped(verdict.grade.replace(" ", "-"))}">{escaped(verdict.grade)}</span> ' if verdict.grade else ""
+    means = f"<b>{escaped(verdict.means)}</b>: " if verdict.means and verdict.because else escaped(verdict.means)
+    said = f"{means}{escaped(verdict.because)}. " if means or verdict.because else ""
+    badge = f'<span class="verdict {verdict.sure}">{verdict.sure}</span> '
+    bold = verdict.sure not in (GOOD, UNKNOWN)
+    trust = f"<b>{sentence(verdict.words)}</b>" if bold else sentence(verdict.words)
+    why = f" {sentence(verdict.why)}" if verdict.why else ""
+    return f'<p class="verdict-first">{grade}{said}{badge}{trust}{why}{f" {see}" if see and bold else ""}</p>'
+
+
+SEE = 'See <a href="#trust-title">How far the numbers can be trusted</a>.'
 
 
 def outcome(context: PageContext) -> str:
@@ -152,25 +168,7 @@ def outcome(context: PageContext) -> str:
     else:
         down = " and ".join(f"no {kind.removesuffix('s')}" for kind, *_ in kinds) or "no block"
     farthest = f"The largest displacement relative to the base is {in_metres(context.displacement_max)}."
-    return f"{_graded(context)}{', '.join(counts)}; {widest}; {down} fell. {farthest}"
-
-
-def _graded(context: PageContext) -> str:
-    """The grade of the structure, with what gives it, as a sentence."""
-    if context.parts is None:
-        return ""
-    whole = context.parts.parts[-1]
-    if _grade(context) == NOT_GRADED:
-        return "<b>The structure is not graded, since the run cannot be relied on.</b> "
-    why = f": {escaped(whole['grade_reason'])}" if whole["grade_reason"] else ""
-    state = ", provisionally" if context.provisional else ""
-    return f"<b>The structure as a whole is graded {whole['grade']}, {escaped(whole['grade_label'])}</b>{state}{why}. "
-
-
-def _grade(context: PageContext) -> str:
-    """The grade of the structure; none where the run cannot be relied on."""
-    assert context.parts is not None
-    return str(context.parts.parts[-1]["grade"]) if context.verdict.reliable else NOT_GRADED
+    return f"{', '.join(counts)}; {widest}; {down} fell. {farthest}"
 
 
 def notices(context: PageContext) -> str:
@@ -198,7 +196,7 @@ def notices(context: PageContext) -> str:
 def tiles(context: PageContext) -> str:
     """The headline numbers, as a list."""
     joints, seconds = context.results.joints.count, context.summary.get("stepping_seconds")
-    grade = [("grade of the structure", _grade(context))] if context.parts is not None else []
+    grade = [("grade of the structure", context.verdict.grade)] if context.parts is not None else []
     rows = [
         *grade,
         ("joints opened", f"{context.only('opened')}<small> of {joints}</small>"),
