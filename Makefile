@@ -16,7 +16,7 @@ VENV   := .venv
 STAMP  := $(VENV)/.installed
 WARM   := $(VENV)/.compiled
 DEMO   := out/demo/crack_map.png
-CODE   := $(shell find masonry_cd structures loads reports -name "*.py") $(wildcard reports/page/*)
+CODE   := $(shell find masonry_cd structures loads reports -name "*.py") $(wildcard reports/page/* reports/templates/* reports/templates/run/*)
 
 # Tests whose outcome could depend on rounding, and so on whether kernels multiply and add in one instruction
 NUMERICAL := tests/mechanics/friction tests/mechanics/linalg tests/mechanics/solvers tests/mechanics/contact tests/mechanics/dynamics/test_stepping.py

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.damage.grades import read_grades
-from masonry_cd.analysis.damage.part_damage import PartDamage, Settings, part_damage
+from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
-from reports.damage.joint_files import thresholds_of
+from reports.damage.joint_files import damage_settings, thresholds_of
 from reports.damage.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
 from reports.extra import EXTRA
 from reports.maps.crack_map import sheet_of
@@ -76,7 +76,7 @@ def check_again(settings: Report, results: Results) -> None:
 
 def damage_of(results: Results, settings: Report, frames: np.ndarray | None = None) -> PartDamage:
     """The damage by part, its history at some frames, the last among them, or at all."""
-    return part_damage(results, Settings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades)), frames)
+    return part_damage(results, damage_settings(settings), frames)
 
 
 def parse_times(results: Results, text: str) -> list[float]:

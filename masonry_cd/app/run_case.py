@@ -39,6 +39,7 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from reports.extra import EXTRA
 
 RESULTS = "result.h5"
+FIRST = ("format", "title", "verdict")  # keys of summary.json
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
     "damage_shocks.csv", "ties.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
@@ -170,6 +171,7 @@ def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: floa
 
     with Results.open(folder / RESULTS) as results:
         summary |= joint_files.write_joint_damage(results, folder, case.scene.report)
+    summary = {key: summary[key] for key in FIRST} | summary
     summary["wall_seconds"] = since + time.perf_counter()
     write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
     return summary

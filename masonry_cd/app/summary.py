@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from masonry_cd import __version__
 from masonry_cd.analysis.modal.left_out import left_out_lines
+from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.app.left_out import elasticity_left_out
 from masonry_cd.app.load_factor import joints_in_words, outcome_lines
 from masonry_cd.app.run_report import RunReport
@@ -152,12 +154,10 @@ def _violation_lines(solver: dict[str, Any]) -> list[str]:
 
 
 def verdict_lines(s: dict[str, Any]) -> list[str]:
-    """That a run cannot be relied on, and why, before anything that it found."""
+    """The verdict on the run, before anything that it found; nothing of a summary of an older version."""
     found = s.get("verdict", {})
-    if found.get("verdict") != "doubtful":
-        return []
-    whys = "; ".join(check["why"] for check in found["checks"] if check["verdict"] == "doubtful")
-    return [f"{found['words']} ({whys})"]
+    keys = [item.name for item in fields(Verdict)]
+    return [Verdict(**{key: found[key] for key in keys}).line] if all(key in found for key in keys) else []
 
 
 def _shortening_lines(s: dict[str, Any]) -> list[str]:

@@ -53,7 +53,7 @@ def report(
         from reports.settings import report_of
 
         with Results.open(folder / "result.h5") as results:
-            from masonry_cd.app.summary import damage_line, write_json
+            from masonry_cd.app.summary import damage_line, verdict_lines, write_json
             from masonry_cd.io.summary_file import NAME
             from reports import outputs
             from reports.damage import joint_files, part_files
@@ -64,7 +64,7 @@ def report(
             chosen = outputs.parse_times(results, times) if times is not None else []
             summary, words = summary_of(results, folder)
             summary |= joint_files.write_joint_damage(results, folder, settings)
-            typer.echo(damage_line(summary))
+            typer.echo("\n".join([*verdict_lines(summary), damage_line(summary)]))
             damage = outputs.damage_of(results, settings)
             typer.echo("\n".join(part_files.part_lines(damage.parts)))
             written = [folder / "joints.csv", *part_files.write_part_damage(damage, folder)]

@@ -28,7 +28,7 @@ from masonry_cd.interface.tables import columns_of, frame_of, frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from reports.damage.joint_files import thresholds_of
+from reports.damage.joint_files import damage_settings, thresholds_of
 from reports.outputs import damage_of, frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of
@@ -103,7 +103,9 @@ class Run:
                 return written
             thresholds = thresholds_of(self._report)
             end, table = end_state(found, thresholds), joint_damage(found, thresholds)
-            return {"title": self.title, "stopped": end.stopped} | written | damage_numbers(found, table, end, thresholds)
+            return (
+                {"title": self.title, "stopped": end.stopped} | written | damage_numbers(found, table, end, damage_settings(self._report))
+            )
 
     @property
     def stopped(self) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Known, as_facts, read_assessment
-from masonry_cd.analysis.assessment.verdict import lines_of, to_pin_down, verdict, warnings_of
+from masonry_cd.analysis.assessment.verdict import lines_of, on_the_whole, to_pin_down, verdict, warnings_of
 from reports.assess.page import PAGE, write_page
 from reports.assess.picture import PICTURE, tornado
 from reports.assess.tables import CSV, write_table
@@ -35,10 +35,12 @@ def write_assessment(folder: Path) -> Assessment:
 
 def facts_of(found: Assessment) -> dict[str, Any]:
     """What follows from the runs, for assess.json."""
+    whole = on_the_whole(found).as_dict()
     if not found.base.done:
-        return {"verdict": None, "lines": lines_of(found), "warnings": warnings_of(found)}
+        return {"verdict": None, "on_the_whole": whole, "lines": lines_of(found), "warnings": warnings_of(found)}
     return {
         "verdict": verdict(found),
+        "on_the_whole": whole,
         "pin_down": [one.name for one in to_pin_down(found)],
         "deciding": [one.name for one in found.deciding],
         "chance": {answer.key: list(found.chance(answer)) for answer in found.answers},

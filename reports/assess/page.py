@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
 
 from masonry_cd.analysis.assessment.assessment import FELT, GRADE, Assessment
-from masonry_cd.analysis.assessment.verdict import between, lines_of, place_of, shown, warnings_of
+from masonry_cd.analysis.assessment.verdict import between, lines_of, on_the_whole, place_of, shown, warnings_of
 from reports.assess.tables import heads, rows_of
-from reports.page.document import filled, header, pictures, plain_style, write_document
-from reports.page.words import escaped
+from reports.page.document import Head, pictures, write_document
 
 PAGE = "assess.html"
 CAPTION = (
@@ -32,53 +30,37 @@ def write_page(found: Assessment, drawn: Sequence[Path], path: Path) -> None:
     Raises:
         InputError: it cannot be written.
     """
-    here = files("reports.study")
-    values = {
-        "header": header(found.title, _lead(lines_of(found)), warnings_of(found), _tiles(found)),
-        "pictures": pictures(dict.fromkeys(drawn, CAPTION)),
-        "runs": _runs(found),
-        "assumed": _assumed(found),
-    }
-    template = (files("reports.assess") / "assess.html").read_text(encoding="utf-8")
-    style = plain_style() + (here / "study.css").read_text(encoding="utf-8")
-    script = (here / "study.js").read_text(encoding="utf-8")
-    write_document(path, f"{found.title}: what the answer rests on", filled(template, values), style, script)
-
-
-def _lead(lines: list[str]) -> list[str]:
-    """The lines for the page, whose title says of what scene they are."""
-    first = lines[0].partition(": ")
-    return [f"The verdict lies {first[2]}" if first[2].startswith("between") else first[2], *lines[1:]]
-
-
-def _tiles(found: Assessment) -> list[tuple[str, object]]:
-    """The numbers at the head."""
-    out: list[tuple[str, object]] = [("runs", len({one.row["run"] for one in found.members if one.done}))]
-    for answer in found.answers:
-        low, high = found.range(answer)
-        name = f"{answer.name}, base case"
-        out.append((escaped(name), escaped(f"{shown(answer, found.base.of(answer)) or 'none'} {answer.unit}".strip())))
-        if answer == GRADE or answer.key == "displacement_max":
-            out.append((escaped(f"{answer.name}, all runs"), escaped(between(answer, low, high))))
-    return out
-
-
-def _runs(found: Assessment) -> str:
-    """The table of runs."""
-    names = ("assumption", "level", *heads(found), "remark")
-    head = "".join(f'<th scope="col">{escaped(name)}</th>' for name in names)
-    rows = []
-    for row in rows_of(found):
-        numbers = "".join(f'<td class="number">{escaped(cell)}</td>' for cell in row[2:-1])
-        rows.append(f'<tr><th scope="row">{escaped(row[0])}</th><td>{escaped(row[1])}</td>{numbers}<td>{escaped(row[-1])}</td></tr>')
-    body = f"<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
-    return (
-        f'<section aria-labelledby="runs-title"><h2 id="runs-title">Runs</h2><div class="scroll"><table id="fits">{body}</table></div>'
-        f'<p class="hint">* some steps missed the tolerance. All digits and SI units are in assess.csv.</p></section>'
+    title = f"{found.title}: what the answer rests on"
+    write_document(
+        path,
+        "assess.html",
+        title=title,
+        page=Head(
+            found.title,
+            [f"Of {found.scene}, and what is assumed in it", *lines_of(found)[1:]],
+            warnings_of(found),
+            _tiles(found),
+            verdict=on_the_whole(found),
+        ),
+        drawn=pictures(dict.fromkeys(drawn, CAPTION)),
+        columns=("assumption", "level", *heads(found), "remark"),
+        rows=[*rows_of(found)],
+        assumed=_assumed(found),
     )
 
 
-def _assumed(found: Assessment) -> str:
+def _tiles(found: Assessment) -> list[tuple[str, object, str]]:
+    """The numbers at the head."""
+    out: list[tuple[str, object, str]] = [("runs", len({one.row["run"] for one in found.members if one.done}), "")]
+    for answer in found.answers:
+        low, high = found.range(answer)
+        out.append((f"{answer.name}, base case", f"{shown(answer, found.base.of(answer)) or 'none'} {answer.unit}".strip(), ""))
+        if answer == GRADE or answer.key == "displacement_max":
+            out.append((f"{answer.name}, all runs", between(answer, low, high), ""))
+    return out
+
+
+def _assumed(found: Assessment) -> list[tuple[str, str]]:
     """What was varied, and what was not."""
     rows = [("scene", found.scene)]
     rows += [(one.name, f"{one.base}; varied: {', '.join(one.levels)}") for one in found.ranked]
@@ -86,4 +68,4 @@ def _assumed(found: Assessment) -> str:
     rows += [("how it is judged", READ)]
     failed = [place_of(one) for one in found.members if one.row and not one.done]
     rows += [("no data", ", ".join(failed))] if failed else []
-    return "".join(f"<dt>{escaped(name)}</dt><dd>{escaped(value)}</dd>" for name, value in rows)
+    return rows

@@ -10,8 +10,10 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
+from masonry_cd.analysis.damage.grades import read_grades
 from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
 from masonry_cd.analysis.damage.numbers import damage_numbers
+from masonry_cd.analysis.damage.part_damage import Settings
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.layout import BONDED
 from masonry_cd.io.results import Results
@@ -24,6 +26,11 @@ def thresholds_of(settings: Report) -> Thresholds:
     return Thresholds(opened=settings.opened, slid=settings.slid)
 
 
+def damage_settings(settings: Report) -> Settings:
+    """What counts as damage, and from where on it is which grade."""
+    return Settings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades))
+
+
 def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
     """Write joints.csv, and ties.csv where there are ties; return the numbers of damage for the summary, see :func:`damage_numbers`."""
     thresholds = thresholds_of(settings)
@@ -31,7 +38,7 @@ def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict
     end = end_state(results, thresholds)
     write_joints_csv(table, folder / "joints.csv", end.provisional)
     write_ties(results, folder)
-    return damage_numbers(results, table, end, thresholds)
+    return damage_numbers(results, table, end, damage_settings(settings))
 
 
 def write_joints_csv(table: JointDamage, path: Path, provisional: str = "") -> None:

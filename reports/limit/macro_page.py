@@ -10,11 +10,11 @@ from typing import Any
 
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
-from reports.limit.page import VERDICTS
-from reports.page.document import header, pictures, plain_style, write_document
-from reports.page.findings import section, table
+from reports.limit.page import VERDICTS, on_the_check
+from reports.page.document import Head, pictures, write_document
+from reports.page.templates import Badge
 from reports.page.title_block import rows_of
-from reports.page.words import escaped, number
+from reports.page.words import number
 
 CSV, PAGE, JSON, PICTURES = "macro_elements.csv", "macro_elements.html", "macro_elements.json", "macro_elements"
 COLUMNS = (
@@ -63,71 +63,61 @@ def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> 
     Raises:
         InputError: it cannot be written.
     """
-    summary = page.summary
+    summary, least = page.summary, page.least
     block = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene)
     lines = [summary["lines"][0], *([summary["verdict"]["words"]] if summary["verdict"] else [])]
-    said = (
-        "Each part is free with what rests on it, all else is held; a bonded wall holds it by the friction of its interlock ([C8.7.1.2]), "
-        "ties by the force at which they yield. The least mechanism of each part and push, the gravest first; all others are in "
-        f"<code>{CSV}</code>. Mechanisms of rigid bodies are those that practice checks by hand; the free least one is found block by "
-        "block."
+    columns, numbers = _columns(page)
+    write_document(
+        path,
+        "macro_elements.html",
+        title=summary["title"],
+        page=Head(summary["title"], lines, summary["notes"], _tiles(summary, page), block, on_the_check(summary["verdict"])),
+        csv=CSV,
+        columns=columns,
+        rows=[_row(page, row) for row in least],
+        numbers=numbers,
+        any_doubt=any(row["doubt"] for row in least),
+        held=page.held,
+        undecided=[*dict.fromkeys(row["undecided"] for row in least if row["undecided"])],
+        left_open=summary["left_open"],
+        drawn=pictures(drawn),
+        command=page.command,
+        scene=page.scene,
     )
-    body = [
-        header(summary["title"], lines, summary["notes"], _tiles(summary, page), block),
-        "<main>",
-        section("parts", "Macro-elements", f"<p>{said}</p>{_table(page)}{_more(summary, page)}"),
-        pictures(drawn),
-        "</main><footer>",
-        section("again", "To compute it again", f'<pre>{escaped(page.command)}</pre><pre tabindex="0">{escaped(page.scene)}</pre>'),
-        "</footer>",
-    ]
-    write_document(path, summary["title"], "".join(body), plain_style())
 
 
-def _tiles(summary: Mapping[str, Any], page: MacroPage) -> list[tuple[str, object]]:
+def _checked(page: MacroPage) -> bool:
+    """Whether a check by a code was asked for."""
+    return bool(page.least) and page.least[0]["ratio"] is not None
+
+
+def _tiles(summary: Mapping[str, Any], page: MacroPage) -> list[tuple[str, object, str]]:
     """The headline numbers."""
-    out: list[tuple[str, object]] = [
-        ("macro-elements", str(summary["elements"])),
-        ("mechanisms looked at", str(len(summary["mechanisms"]))),
-    ]
-    if summary["verdict"]:
-        out.insert(0, ("verdict", escaped(summary["verdict"]["state"])))
-    if page.least and page.least[0]["ratio"] is not None:
-        out.append(("least ratio, borne over asked for", number(float(f"{page.least[0]['ratio']:.3g}"))))
+    out: list[tuple[str, object, str]] = [("verdict", summary["verdict"]["state"], "")] if summary["verdict"] else []
+    out += [("macro-elements", summary["elements"], ""), ("mechanisms looked at", len(summary["mechanisms"]), "")]
+    if _checked(page):
+        out.append(("least ratio, borne over asked for", number(page.least[0]["ratio"], digits=3), ""))
     return out
 
 
-def _table(page: MacroPage) -> str:
-    """The least mechanism of each part and push."""
-    checked = bool(page.least) and page.least[0]["ratio"] is not None
+def _columns(page: MacroPage) -> tuple[list[str], tuple[int, ...]]:
+    """Headings of the table, and which of its columns are numbers."""
+    checked = _checked(page)
     heads = ["part", "push", "mechanism", "held at [m]", "α0", "e*", "a0* [m/s²]"]
     heads += ["asked for [m/s²]", "ratio", "verdict"] if checked else []
-    heads += ["damage in the run"] if page.damage else []
-    rows = []
-    for row in page.least:
-        e_star = number(float(f"{row['fraction']:.3g}")) + ("<sup>1</sup>" if row["doubt"] else "")
-        cells = [
-            escaped(row["element"]), escaped(row["push"]), escaped(row["mechanism"]), number(float(f"{row['height']:.3g}")),
-            number(float(f"{row['alpha0']:.4g}")), e_star, number(float(f"{row['acceleration']:.4g}")),
-        ]  # fmt: skip
-        if checked:
-            state = f'<span class="verdict {VERDICTS[row["state"]]}">{row["state"]}</span>'
-            cells += [number(float(f"{row['demand']:.4g}")), number(float(f"{row['ratio']:.3g}")), state]
-        rows.append(cells + ([escaped(page.damage.get(row["element"], ""))] if page.damage else []))
-    return table(heads, rows, (3, 4, 5, 6, 7, 8) if checked else (3, 4, 5, 6))
+    return heads + (["damage in the run"] if page.damage else []), (3, 4, 5, 6, 7, 8) if checked else (3, 4, 5, 6)
 
 
-def _more(summary: Mapping[str, Any], page: MacroPage) -> str:
-    """What stands below the table."""
-    out = []
-    if any(row["doubt"] for row in page.least):
-        out.append("<sup>1</sup> e* = 1 is taken, the safe side: the mechanism dilates, spreads, or moves much that takes no part.")
-    if page.held:
-        out.append(f"Held, no mechanism below a factor of 5: {escaped(', '.join(page.held))}.")
-    why = dict.fromkeys(row["undecided"] for row in page.least if row["undecided"])
-    out += [f"Why some are not decided: {escaped('; '.join(why))}."] if why else []
-    out += [f"Left open by the clauses: {escaped(one)}." for one in summary["left_open"]]
-    return "".join(f'<p class="note">{one}</p>' for one in out)
+def _row(page: MacroPage, row: Mapping[str, Any]) -> list[str | Badge]:
+    """The least mechanism of a part and push."""
+    cells: list[str | Badge] = [
+        row["element"], row["push"], row["mechanism"], number(row["height"], digits=3), number(row["alpha0"]),
+        number(row["fraction"], digits=3) + ("¹" if row["doubt"] else ""), number(row["acceleration"]),
+    ]  # fmt: skip
+    if _checked(page):
+        state = Badge(f"verdict {VERDICTS[row['state']]}", row["state"])
+        cells += [number(row["demand"]), number(row["ratio"], digits=3), state]
+    return cells + ([page.damage.get(row["element"], "")] if page.damage else [])
 
 
 def damage_by_group(folder: Path) -> dict[str, str]:

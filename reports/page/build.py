@@ -6,8 +6,7 @@ The file stays below ``LIMIT``: where all frames would not fit, fewer of them ar
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from importlib.resources import files
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from masonry_cd.analysis.damage.definitions import STATES, Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.damage.verdict import verdict_of
+from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.deformed import Solids, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import nice
@@ -27,8 +26,9 @@ from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
 from reports.maps.framing import COLLAPSE, MOST, SEEN
 from reports.page import downloads, findings, limits, loads, motion, series, stress, title_block, trust, words
-from reports.page.document import filled, write_document
+from reports.page.document import script_of, write_document
 from reports.page.pack import packed, packed_length
+from reports.page.section import Section
 from reports.ties import tie_lines, tie_tensions
 
 LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the page stays below 15 MB
@@ -36,6 +36,8 @@ FRAMES = 600  # sent at most
 PLOTTED = 6  # motions of supports that are plotted, those that go farthest; the page has a table of all
 LARGEST = 0.05  # where the last class of the colour scales begins, as in the crack map [m]
 SCRIPTS = ("unpack.js", "motion.js", "camera.js", "shaders.js", "viewer.js", "plots.js", "charts.js", "table.js", "main.js")
+HEAD = (findings.PARTS, loads.LOADS, findings.CAPACITY, findings.TIES, stress.STRESS)  # sections above the model
+FOOT = (limits.LIMITS, trust.TRUST, limits.GRADES, downloads.TABLES)  # and below it
 COLUMNS = (
     "max_opening", "residual_opening", "max_sliding", "residual_sliding", "max_rotation", "contact_area_loss", "first_opening_time", "area",
 )  # fmt: skip
@@ -88,16 +90,15 @@ def write_page(
         parts=parts,
         provisional=end.provisional,
         thresholds=thresholds,
-        verdict=verdict_of({**summary, "collapsed_blocks": len(fallen), "displacement_max": moved}, thresholds, end),
+        carried=downloads.tables(results, table, parts),
+        checks=checks_of({**summary, "collapsed_blocks": len(fallen), "displacement_max": moved}, thresholds, end),
     )
-    tables = downloads.tables(results, table, parts)
-    facts, text = _data(context, largest, tables | {"missed": missed_times}, limit)
+    facts, text = _data(context, largest, {**context.carried, "missed": missed_times}, limit)
     asked = context.report.get("view", "auto")
     facts |= {"view": asked} if asked != "auto" else {}
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
     facts["factor"] = scale if scale is not None else _amplification(solids, context.displacement_max, bool(context.fallen))
-    script = "\n".join((files("reports.page") / name).read_text(encoding="utf-8") for name in SCRIPTS)
-    write_document(path, _title(context), _body(context, facts, text, [*tables]), title_block.running(context), script)
+    write_document(path, "run.html", **_values(context, facts, text))
 
 
 def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
@@ -251,32 +252,27 @@ def _histories(
     return histories, units, scales
 
 
-def _title(context: words.PageContext) -> str:
-    return context.results.title or "Report of a run"
-
-
-def _body(context: words.PageContext, facts: Mapping[str, Any], text: str, tables: list[str]) -> str:
-    """The template with everything in its place."""
-    values = {
-        "title": words.escaped(_title(context)),
+def _values(context: words.PageContext, facts: Mapping[str, Any], text: str) -> dict[str, Any]:
+    """What the template of the page is filled with."""
+    return {
+        "title": context.results.title or "Report of a run",
         "block": title_block.title_block(context),
+        "running": title_block.running(context),
+        "verdict": context.verdict,
         "lead": words.lead(context),
-        "verdict": words.verdict(context),
         "outcome": words.outcome(context),
-        "notices": words.notices(context),
+        "context": context,
         "tiles": words.tiles(context),
-        "parts": findings.parts(context),
-        "loads": loads.loads(context),
-        "capacity": findings.capacity(context),
-        "ties": findings.ties(context),
-        "stress": stress.stress(context),
-        "limits": limits.limits(context),
-        "trust": trust.trust(context),
-        "grades": limits.grades(context),
-        "tables": downloads.downloads(tables),
+        "head": _filled(HEAD, context),
+        "foot": _filled(FOOT, context),
         "settings": words.settings(context),
-        "scene": words.escaped(context.results.scene or "The result keeps no scene."),
+        "scene": context.results.scene or "The result keeps no scene.",
         "facts": json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),
         "data": text,
+        "script": script_of("reports.page", *SCRIPTS),
     }
-    return filled((files("reports.page") / "page.html").read_text(encoding="utf-8"), values)
+
+
+def _filled(sections: Sequence[Section], context: words.PageContext) -> list[tuple[Section, Mapping[str, Any]]]:
+    """Those sections that the page has, with their values."""
+    return [(section, data) for section in sections if (data := section.data(context))]

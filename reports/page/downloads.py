@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,8 @@ from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.io.results import Results
 from reports.damage.joint_files import write_joints_csv
 from reports.damage.part_files import write_part_damage
-from reports.page.findings import section
+from reports.page.section import Section
+from reports.page.words import PageContext
 
 JOINTS = "joints.csv"
 MEANING = {
@@ -37,11 +40,9 @@ def tables(results: Results, table: JointDamage, parts: PartDamage | None) -> di
         return {PREFIX + name: np.frombuffer((here / name).read_bytes(), np.uint8) for name in MEANING if (here / name).exists()}
 
 
-def downloads(names: list[str]) -> str:
-    """A button for each table, and what it holds."""
-    rows = [
-        f'<li><button type="button" data-file="{name}">{name}</button> {MEANING[name]}</li>'
-        for name in (name.removeprefix(PREFIX) for name in names)
-    ]
-    hint = "Numbers in SI units, as in the files beside this page in the folder of the run. They are part of this page; nothing is fetched."
-    return section("tables", "Tables", f'<p class="note">{hint}</p><ul class="files">{"".join(rows)}</ul>')
+def downloads(context: PageContext) -> Mapping[str, Any]:
+    """The tables that the page carries, and what each holds."""
+    return {"files": [(name, MEANING[name]) for name in (name.removeprefix(PREFIX) for name in context.carried)]}
+
+
+TABLES = Section("tables", "Tables", downloads)

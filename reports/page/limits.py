@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -15,24 +16,28 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import JointLaw, Material
 from reports.drawing.figure import in_metres
-from reports.page.findings import section, table
 from reports.page.loads import point_loads
-from reports.page.words import PageContext, escaped, number
+from reports.page.section import Section
+from reports.page.templates import Badge
+from reports.page.words import PageContext, capital, number
 
 CHUNK_BYTES = 1 << 24  # joint forces are read in chunks of this size
 PAIRS = 6  # of groups whose values are listed
 
 
-def limits(context: PageContext) -> str:
-    """Assumptions and limits, as lists."""
-    assumed, left_out = assumptions(context), not_modelled(context)
-    return section(
-        "limits", "Assumptions and limits", f"<h3>What is assumed</h3>{_list(assumed)}<h3>What is not modelled</h3>{_list(left_out)}"
-    )
+def limits(context: PageContext) -> Mapping[str, Any]:
+    """What is assumed and what is not modelled, a sentence or two each."""
+    return {
+        "assumed": assumptions(context),
+        "left_out": not_modelled(context),
+        "stress": context.results.has_stress,
+        "pressure": None if context.results.has_stress else _pressure(context.results),
+        "points": counted(count, "point load") if (count := point_loads(context)) else "",
+    }
 
 
 def assumptions(context: PageContext) -> list[str]:
-    """What holds in the model, a sentence or two each, as HTML."""
+    """What holds in the model."""
     material = context.tables.get("material")
     found = parse_table(Material, material, "material") if material else None
     return [
@@ -52,15 +57,14 @@ _PLANE = (
 
 
 def not_modelled(context: PageContext) -> list[str]:
-    """What the run says nothing of, as HTML."""
+    """What the run says nothing of, beside what its blocks are and what is not among them."""
     kinds = [load.get("kind") for load in context.tables.get("loads", [])]
     lines = [
-        "Deformation, cracking and crushing of the blocks. " + _pressure(context.results),
         "Wear of the joints: friction is the same at every speed and after any sliding, and edges do not spall.",
         "The ground: supports move as prescribed, without soil beneath them that yields, sinks or radiates energy."
         + ("" if {"settlement", "spreading"} & set(kinds) else " They do not settle."),
     ]
-    lines += [f"{said[0].upper()}{said[1:]}." for said in map(escaped, left_out_lines(context.summary))]
+    lines += [f"{capital(said)}." for said in left_out_lines(context.summary)]
     moving = moving_axes(context.results)
     if moving and "z" not in moving:
         lines.append("The vertical component of the motion: the base moves along " + " and ".join(moving) + " only.")
@@ -74,13 +78,6 @@ def not_modelled(context: PageContext) -> list[str]:
             "Bending, shear and stretching of the floors in the model: each is one rigid slab, a diaphragm that holds its walls together "
             "more than joists and boards would."
         )
-    live = "live loads"
-    if count := point_loads(context):
-        live += f' beyond the {counted(count, "point load")} of <a href="#loads-title">Loads in the model</a>'
-    lines.append(
-        "Floors, roofs, backfill, plaster, neighbours and whatever else is not among the blocks, with its mass and its stiffness; "
-        f"{live}, water, temperature and decay."
-    )
     return lines
 
 
@@ -113,24 +110,15 @@ def largest_pressure(results: Results) -> tuple[float, int, float] | None:
     return best
 
 
-def _pressure(results: Results) -> str:
-    """What to compare with the strength of the masonry."""
-    if results.has_stress:
-        return 'What the forces mean for the stone says the section <a href="#stress-title">Stress</a>.'
+def _pressure(results: Results) -> dict[str, str] | None:
+    """What to compare with the strength of the masonry; None where the file does not say."""
     found = largest_pressure(results)
     if found is None:
-        return "Compressive stresses are to be checked by other means."
+        return None
     pressure, joint, time = found
-    names = [results.blocks[int(side[joint])].name for side in (results.joints.block_a, results.joints.block_b)]
-    return (
-        f"The largest mean pressure on a joint, in the frames of the run, is <b>{number(float(f'{pressure / 1e6:.2g}'), 'MPa')}</b> "
-        f"(normal force over the whole area of joint {joint}, “{escaped(names[0])}” and “{escaped(names[1])}”, at {number(time, 's')}); "
-        "where a joint opens, the edge that still touches bears many times more. Compare it with the strength of the masonry."
-    )
-
-
-def _list(lines: Sequence[str]) -> str:
-    return f"<ul>{''.join(f'<li>{line}</li>' for line in lines)}</ul>"
+    first, second = (results.blocks[int(side[joint])].name for side in (results.joints.block_a, results.joints.block_b))
+    most = number(pressure / 1e6, "MPa", digits=2)
+    return {"most": most, "joint": str(joint), "first": first, "second": second, "time": number(time, "s")}
 
 
 def _blocks(context: PageContext, material: Material | None) -> str:
@@ -140,7 +128,7 @@ def _blocks(context: PageContext, material: Material | None) -> str:
     low, high = min(densities), max(densities)
     density = number(low) if low == high else f"{number(low)} to {number(high)}"
     return (
-        f"The {len(free)} blocks that are free to move are {_kind(context, material)}, of uniform density ({density} kg&#47;m³); "
+        f"The {len(free)} blocks that are free to move are {_kind(context, material)}, of uniform density ({density} kg/m³); "
         "they touch, slide, rock and part only at their faces. Cracks run through joints alone, along the division into blocks that the "
         "scene makes."
     )
@@ -159,7 +147,7 @@ def _kind(context: PageContext, material: Material | None) -> str:
     parts = []
     for kind in dict.fromkeys(kinds.values()):
         own = ", ".join(group for group in groups if kinds.get(group) == kind)
-        parts.append(f"elastic, {kind}, where they belong to {escaped(own)}")
+        parts.append(f"elastic, {kind}, where they belong to {own}")
     return "; ".join(parts) + ("" if len(laws) == len(groups) else "; else rigid")
 
 
@@ -167,7 +155,7 @@ def _friction(friction: float | dict[str, float]) -> str:
     """Coulomb's law with its numbers."""
     law = "Friction in the joints is Coulomb's, with the coefficient "
     if isinstance(friction, dict):
-        listed = [f"{_number_and_angle(mu)} ({escaped(_pair(pair))})" for pair, mu in friction.items()][:PAIRS]
+        listed = [f"{_number_and_angle(mu)} ({_pair(pair)})" for pair, mu in friction.items()][:PAIRS]
         return law + ", ".join(listed) + (" and others." if len(friction) > PAIRS else ".")
     return f"{law}{_number_and_angle(friction)} in all joints."
 
@@ -186,7 +174,7 @@ def _joints(material: Material) -> list[str]:
     dry = f"are {otherwise} and dry: they bear no tension, pass on any pressure, and have no cohesion."
     if not laws:
         return [f"Joints {dry}"]
-    lines = [f"Joints of {escaped(_pair(pair))}: {_law(law, otherwise)}." for pair, law in list(laws.items())[:PAIRS] if pair != "default"]
+    lines = [f"Joints of {_pair(pair)}: {_law(law, otherwise)}." for pair, law in list(laws.items())[:PAIRS] if pair != "default"]
     if "default" in laws:
         others = "Joints" if len(laws) == 1 else "All other joints"
         return [*lines, f"{others}: {_law(laws['default'], otherwise)}."]
@@ -198,8 +186,8 @@ def _otherwise(material: Material) -> str:
     moduli = material.joint_moduli
     if moduli is None or material.masonry is None:
         return "rigid"
-    young, shear = (number(float(f"{modulus / 1e9:.3g}"), "GPa") for modulus in moduli)
-    return f"elastic, as stiff as masonry of E {young} and G {shear} ({escaped(material.masonry.kind)})"
+    young, shear = (number(modulus / 1e9, "GPa", digits=3) for modulus in moduli)
+    return f"elastic, as stiff as masonry of E {young} and G {shear} ({material.masonry.kind})"
 
 
 def _law(law: JointLaw, otherwise: str) -> str:
@@ -214,7 +202,7 @@ def _law(law: JointLaw, otherwise: str) -> str:
 
 
 def _giga(value: float) -> str:
-    return f"{value / 1e9:.3g} GN&#47;m³"
+    return f"{value / 1e9:.3g} GN/m³"
 
 
 def _kilo(value: float) -> str:
@@ -240,33 +228,26 @@ def _gravity(context: PageContext) -> list[str]:
     down = gravity[:2] == [0.0, 0.0] or gravity[:2] == [0, 0]
     if down and abs(gravity[2] + 9.81) < 0.02:
         return []
-    return [f"Gravity is ({', '.join(f'{value:.4g}' for value in gravity)}) m&#47;s²."]
+    return [f"Gravity is ({', '.join(f'{value:.4g}' for value in gravity)}) m/s²."]
 
 
-def grades(context: PageContext) -> str:
+def grades(context: PageContext) -> Mapping[str, Any]:
     """What D0 to D5 mean: the words of EMS-98, and the numbers of this report."""
     settings = context.parts.settings.grades if context.parts is not None else Grades()
-    rows = []
-    for k, (name, label) in enumerate(zip(NAMES, settings.labels, strict=True)):
-        said = escaped(DESCRIPTIONS[k]) if label == LABELS[k] else ""
-        bounds = [
-            _bound(values, k, text) for values, text in ((settings.width, in_metres), (settings.drift, percent), (settings.lost, percent))
-        ]
-        rows.append([f'<span class="grade {name}">{name}</span>', escaped(label), said, *bounds])
-    columns = ("grade", "damage", "EMS-98, masonry buildings", "width left, from", "drift left, from", "lost volume, from")
-    return section("grades", "Grades of damage", table(columns, rows) + _GRADES)
+    measures = ((settings.width, in_metres), (settings.drift, percent), (settings.lost, percent))
+    rows = [
+        [Badge(f"grade {name}", name), label, DESCRIPTIONS[k] if label == LABELS[k] else "", *(_bound(*pair, k) for pair in measures)]
+        for k, (name, label) in enumerate(zip(NAMES, settings.labels, strict=True))
+    ]
+    return {"rows": rows, "reference": REFERENCE}
 
 
-def _bound(values: Sequence[float], grade: int, text: Callable[[float], str]) -> str:
+def _bound(values: Sequence[float], text: Callable[[float], str], grade: int) -> str:
     """From where on a measure gives a grade."""
     if grade == 0 or math.isinf(values[grade - 1]):
         return "–"
-    return "any" if values[grade - 1] <= 1e-6 else escaped(text(values[grade - 1]))
+    return "any" if values[grade - 1] <= 1e-6 else text(values[grade - 1])
 
 
-_GRADES = (
-    f'<p class="note">Grades and words: {escaped(REFERENCE)}. The scale describes damage in words and gives no numbers. The numbers '
-    "here are this program's, set in [report.grades]: widths after Burland, Broms &amp; de Mello (Behaviour of foundations and structures, "
-    "Tokyo, 1977; BRE Digest 251), drifts after FEMA 356 (2000), table C1-3. A part has the highest grade whose number it reaches; the "
-    "scale itself grades buildings as a whole, by what an inspector sees. They help to compare runs; they do not replace an inspection.</p>"
-)
+LIMITS = Section("limits", "Assumptions and limits", limits)
+GRADES = Section("grades", "Grades of damage", grades)

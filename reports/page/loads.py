@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from masonry_cd.foundation.quantities import force
 from masonry_cd.foundation.units import begins_as_number
 from reports.drawing.figure import in_metres
-from reports.page.findings import section, table
-from reports.page.words import PageContext, escaped, number
+from reports.page.section import Section
+from reports.page.words import PageContext, number
 
 MOST = 40  # rows of a table
 NAMED = 6  # supports of a load that are named
 
 
-def loads(context: PageContext) -> str:
+def loads(context: PageContext) -> Mapping[str, Any]:
     """What acts on the structure beside its weight and shaking, and the motions of the supports."""
     tables, amounts = context.tables.get("loads", []), context.summary.get("loads", {}).get("tables", [])
     rows = []
@@ -25,7 +25,8 @@ def loads(context: PageContext) -> str:
         if load.get("kind") in ROWS:
             said = ROWS[load["kind"]]({**load, **known}, known) if known or not any(map(_has_unit, load.values())) else _as_written(load)
             rows.append([f"load {k + 1}, {load['kind']}", *said])
-    return section("loads", "Loads in the model", _table(("load", "on", "how much", "when"), rows) + _motions(context))
+    motions = _motions(context)
+    return {"rows": rows, "motions": motions, "most": MOST} if rows or motions else {}
 
 
 def point_loads(context: PageContext) -> int:
@@ -40,28 +41,16 @@ def _has_unit(value: object) -> bool:
 
 def _as_written(load: Mapping[str, Any]) -> list[str]:
     """The keys of a load of a run without a summary."""
-    return ["", ", ".join(f"{escaped(key)} {escaped(str(value))}" for key, value in load.items() if key != "kind"), ""]
+    return ["", ", ".join(f"{key} {value}" for key, value in load.items() if key != "kind"), ""]
 
 
-def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table with as many rows as one reads."""
-    if not rows:
-        return ""
-    more = f'<p class="note">And {len(rows) - MOST} more.</p>' if len(rows) > MOST else ""
-    return table(columns, rows[:MOST]) + more
-
-
-def _motions(context: PageContext) -> str:
+def _motions(context: PageContext) -> list[list[str]]:
     """Each motion of the supports, where they do not all move alike."""
-    if len(context.motions) < 2:
-        return ""
     rows = []
-    for motion in context.motions:
-        last = ", ".join(number(float(f"{1e3 * value:.3g}")) for value in motion.displacement[-1]).replace("-", "−")
-        moved = [in_metres(motion.largest), last] if motion.moves else ["at rest", "–"]
-        rows.append([escaped(motion.called), *moved])
-    columns = ("supports", "farthest from its place", "at the end along x, y, z [mm]")
-    return "<h3>Motions of the supports</h3>" + _table(columns, rows)
+    for motion in context.motions if len(context.motions) > 1 else ():
+        last = ", ".join(number(1e3 * value, digits=3) for value in motion.displacement[-1]).replace("-", "−")
+        rows.append([motion.called, *([in_metres(motion.largest), last] if motion.moves else ["at rest", "–"])])
+    return rows
 
 
 def _point(load: Mapping[str, Any], _: Mapping[str, Any]) -> list[str]:
@@ -70,7 +59,7 @@ def _point(load: Mapping[str, Any], _: Mapping[str, Any]) -> list[str]:
     at = f" at ({', '.join(f'{value:.4g}' for value in load['point'])}) m" if load.get("point") else " at its centre of mass"
     start, ramp = float(load.get("start", 0.0)), float(load.get("ramp", 0.0))
     when = f"grows from {start:g} to {start + ramp:g} s" if ramp else f"in full from {start:g} s on"
-    return [f"{escaped(load['block'])}{at}", f"{force(math.hypot(*vector))} {_along(vector)}", when]
+    return [f"{load['block']}{at}", f"{force(math.hypot(*vector))} {_along(vector)}", when]
 
 
 def _ground(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
@@ -81,7 +70,7 @@ def _ground(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
     start = float(load.get("start", 0.0))
     sign = "−" if load["displacement"] < 0 else ""
     much = f"{sign}{in_metres(abs(load['displacement']))} {_along(load['direction'])}"
-    return [escaped(on), much, f"{start:g} to {start + float(load['duration']):g} s"]
+    return [on, much, f"{start:g} to {start + float(load['duration']):g} s"]
 
 
 def _body(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
@@ -100,13 +89,13 @@ def _tie(load: Mapping[str, Any], _: Mapping[str, Any]) -> list[str]:
     area = load.get("section") or load.get("area") or 0.25 * math.pi * float(load["diameter"]) ** 2
     section_of = f"diameter {in_metres(math.sqrt(4.0 * area / math.pi))}" if "diameter" in load else f"section {1e6 * area:.4g} mm²"
     yields = f", yields at {force(load['yield_force'])}" if load.get("yield_force") else ""
-    return [f"{escaped(first)} to {escaped(second)}", f"{section_of}, {force(load.get('tension', 0.0))} at the start{yields}", "throughout"]
+    return [f"{first} to {second}", f"{section_of}, {force(load.get('tension', 0.0))} at the start{yields}", "throughout"]
 
 
 def _along(direction: object) -> str:
     """``along −z``, whether it was given as an axis or as a vector."""
     if isinstance(direction, str):
-        return f"along {escaped(direction.replace('-', '−'))}"
+        return f"along {direction.replace('-', '−')}"
     vector = [float(value) for value in direction] if isinstance(direction, (list, tuple)) else []
     size = math.hypot(*vector)
     axes = [(axis, value) for axis, value in zip("xyz", vector, strict=False) if abs(value) > 1e-9 * size]
@@ -116,3 +105,5 @@ def _along(direction: object) -> str:
 
 
 ROWS = {"point": _point, "settlement": _ground, "spreading": _ground, "push": _body, "tilt": _body, "tie": _tie}
+
+LOADS = Section("loads", "Loads in the model", loads)

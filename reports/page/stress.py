@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,12 @@ from masonry_cd.analysis.stress.summary import stress_summary
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.results import Results
 from reports.maps.stress_map import StressScale
-from reports.page.findings import section, table
-from reports.page.words import PageContext, escaped, number
+from reports.page.section import Section
+from reports.page.words import PageContext, number
 from reports.settings import report_of
 from reports.stress.files import share_in_words, stress_lines
 
+Rows = tuple[list[str], list[list[str]]]  # columns, and rows of cells
 ROWS = 8  # of a table at most
 
 
@@ -43,33 +45,26 @@ def colours(results: Results, frames: np.ndarray) -> tuple[dict[str, Any], dict[
     return {"compression": facts}, {"pressed": np.ascontiguousarray(of_frames), "pressed_most": classes(peaks.compression)}
 
 
-def stress(context: PageContext) -> str:
-    """The section on stress; nothing where the run kept none."""
+def stress(context: PageContext) -> Mapping[str, Any]:
+    """The largest stresses; nothing where the run kept none."""
     results = context.results
     if not results.has_stress:
-        return ""
+        return {}
     peaks = stress_peaks(results, report_of(results.scene).opened)
     found = stress_summary(results, peaks)
     if not found:
-        return ""
-    lines = "".join(f"<p>{escaped(line[0].upper() + line[1:])}.</p>" for line in stress_lines(found))
-    return section(
-        "stress", "Stress", lines + _blocks(results, peaks) + _joints(results, peaks) + _note(peaks) + _note_on_elements(results)
-    )
+        return {}
+    return {
+        "lines": stress_lines(found),
+        "blocks": _blocks(results, peaks),
+        "joints": _joints(results, peaks),
+        "interval": length(peaks.interval, "s"),
+        "compared": peaks.compared,
+        "meshed": results.meshes is not None,
+    }
 
 
-def _note_on_elements(results: Results) -> str:
-    """What the stress of an element says; nothing where no block is meshed."""
-    if results.meshes is None:
-        return ""
-    return (
-        '<p class="note">Meshed blocks also have a stress in each element, the largest of which the table gives. It shows how a '
-        "block bends. At its edge the true stress is higher, by about two thirds of the size of the elements over its depth; where a "
-        "force stands on a corner it grows as the mesh gets finer.</p>"
-    )
-
-
-def _blocks(results: Results, peaks: StressPeaks) -> str:
+def _blocks(results: Results, peaks: StressPeaks) -> Rows:
     """The blocks with the largest compression, those nearest to their strength first where it is given."""
     measure, elements = np.nan_to_num(peaks.block_ratio if peaks.compared else peaks.compression), element_peaks(results)
     within = None if elements is None else elements.of_blocks(len(results.blocks))
@@ -77,16 +72,16 @@ def _blocks(results: Results, peaks: StressPeaks) -> str:
     rows = []
     for b in chosen:
         pulled = pressure(float(peaks.tension[b])) if peaks.pulled[b] else "–"
-        cells = [pressure(float(peaks.compression[b])), number(float(f"{peaks.compression_time[b]:.3g}")), pulled]
-        cells += [number(float(f"{peaks.block_ratio[b]:.3g}"))] if peaks.compared else []
+        cells = [pressure(float(peaks.compression[b])), number(peaks.compression_time[b], digits=3), pulled]
+        cells += [number(peaks.block_ratio[b], digits=3)] if peaks.compared else []
         cells += [] if within is None else ["–" if np.isnan(within[b]) else pressure(float(within[b]))]
-        rows.append([escaped(results.blocks[b].name), *cells])
+        rows.append([results.blocks[b].name, *cells])
     columns = ["block", "largest mean compression", "at [s]", "largest mean tension", *(["share of strength"] if peaks.compared else [])]
     columns += [] if within is None else ["largest compression of an element"]
-    return table(columns, rows, range(1, len(columns))) if rows else ""
+    return columns, rows
 
 
-def _joints(results: Results, peaks: StressPeaks) -> str:
+def _joints(results: Results, peaks: StressPeaks) -> Rows:
     """The joints with the largest compression at their edge; where a strength is given, those of which a force takes most first."""
     order = np.nan_to_num(peaks.crushed_share if peaks.compared else peaks.force / peaks.area)
     measure = np.where(peaks.open_above, 1e9 + order, np.nan_to_num(np.where(np.isinf(peaks.edge), 0.0, peaks.edge)) / 1e12)
@@ -96,9 +91,9 @@ def _joints(results: Results, peaks: StressPeaks) -> str:
         names = " – ".join(results.blocks[int(block[j])].name for block in (joints.block_a, joints.block_b))
         edge = "force at the edge" if np.isinf(peaks.edge[j]) else pressure(float(peaks.edge[j]))
         state = "open" if peaks.open_above[j] else "closed" if peaks.closed_above[j] else "–"
-        cells = [edge, state, number(float(f"{peaks.edge_time[j]:.3g}")), pressure(float(peaks.force[j] / peaks.area[j]))]
+        cells = [edge, state, number(peaks.edge_time[j], digits=3), pressure(float(peaks.force[j] / peaks.area[j]))]
         cells += [share_in_words(float(peaks.crushed_share[j]))] if peaks.compared else []
-        rows.append([escaped(names), *cells])
+        rows.append([names, *cells])
     columns = [
         "joint",
         "largest edge compression",
@@ -107,20 +102,7 @@ def _joints(results: Results, peaks: StressPeaks) -> str:
         "largest mean pressure",
         *(["taken at strength"] if peaks.compared else []),
     ]
-    return table(columns, rows, range(1, len(columns))) if rows else ""
+    return columns, rows
 
 
-def _note(peaks: StressPeaks) -> str:
-    """What the numbers mean, and what they do not say."""
-    taken = (
-        " Taken at strength: the share of a joint that its largest force needs at the least, spread evenly; a hinge moves in by half of "
-        "that share of the depth."
-    )
-    return (
-        f'<p class="note">All values are means over the {length(peaks.interval, "s")} between two frames; no step of the run is left out. '
-        "The stress of a block is its mean over the block, which follows from the forces on it; it hides bending, and what a contact does "
-        "near it. At the edge of a joint it is that of a linear distribution without tension; where the force stands within 1 % of the "
-        f"depth from an edge, rigid joints leave no finite value.{taken if peaks.compared else ''} Where several distributions of force "
-        "are possible, as in walls and in an arch at rest, the run found one; where joints are rigid, the place of the force in a closed "
-        "joint is one of many, that in an open hinge is not; elastic joints fix it. Nothing crushes in the computation.</p>"
-    )
+STRESS = Section("stress", "Stress", stress)

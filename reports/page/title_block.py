@@ -7,18 +7,18 @@ from collections.abc import Mapping
 from datetime import date
 from typing import Any
 
-from reports.page.words import PageContext, escaped
+from reports.page.words import PageContext
 
 KEYS = {"project": "Project", "client": "Client", "author": "Author"}
 PRINT = 12  # letters of a checksum that are printed
 
 
-def title_block(context: PageContext) -> str:
+def title_block(context: PageContext) -> list[tuple[str, str]]:
     """Rows of a table of terms: what ``[report]`` gives, the date, the program, and what tells this run from others."""
     return rows_of(context.report, program(context), context.results.scene)
 
 
-def rows_of(given: Mapping[str, Any], made_by: str, scene: str) -> str:
+def rows_of(given: Mapping[str, Any], made_by: str, scene: str) -> list[tuple[str, str]]:
     """Those rows.
 
     Args:
@@ -26,11 +26,11 @@ def rows_of(given: Mapping[str, Any], made_by: str, scene: str) -> str:
         made_by: the program.
         scene: its text; empty where there is none.
     """
-    rows = [(name, escaped(given[key])) for key, name in KEYS.items() if given.get(key)]
-    rows += [("Date", escaped(_date(given))), ("Program", escaped(made_by))]
+    rows = [(name, str(given[key])) for key, name in KEYS.items() if given.get(key)]
+    rows += [("Date", _date(given)), ("Program", made_by)]
     if scene:
         rows.append(("Scene", f"SHA-256 {checksum(scene)} …"))
-    return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
+    return rows
 
 
 def report_date(context: PageContext) -> str:

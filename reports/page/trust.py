@@ -9,17 +9,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from masonry_cd.analysis.damage.verdict import DOUBTFUL, ENERGY, FALSE_MOTION, FORCES, GOOD, LIFT, LOOK, OVERLAP, TIME_STEP
 from masonry_cd.analysis.damage.verdict import END as END_OF_RUN
+from masonry_cd.analysis.damage.verdict import ENERGY, FALSE_MOTION, FORCES, LIFT, OVERLAP, TIME_STEP
+from masonry_cd.analysis.verdict import GOOD
 from masonry_cd.foundation.quantities import length
 from reports.drawing.figure import in_metres
-from reports.page.findings import section, table
-from reports.page.words import PageContext, escaped, number
+from reports.page.section import Section
+from reports.page.words import PageContext, number
 
 
 @dataclass(frozen=True)
 class Check:
-    """What a run says of itself in one respect; all texts are HTML."""
+    """What a run says of itself in one respect; what to do is said where it is not good."""
 
     name: str
     measured: str
@@ -28,35 +29,9 @@ class Check:
     remedy: str  # what to do where it is not good
 
 
-def trust(context: PageContext) -> str:
-    """The checks as a table, with what none of them shows."""
-    found = checks(context)
-    if not found:
-        body = "<p>The run left no summary, so its checks are not known. Run it again, or let it finish by <code>--resume</code>.</p>"
-        return section("trust", "How far the numbers can be trusted", body + _BEYOND)
-    rows = []
-    for check in found:
-        said = check.meaning if check.verdict == GOOD else f"{check.meaning} <b>{check.remedy}</b>"
-        rows.append([check.name, check.measured, f'<span class="verdict {check.verdict}">{check.verdict}</span>', said])
-    columns = ("check", "found", "verdict", "what it means")
-    return section("trust", "How far the numbers can be trusted", _overall(found) + table(columns, rows) + _BEYOND)
-
-
-def _overall(found: list[Check]) -> str:
-    """All checks in a sentence."""
-    for verdict, words in ((DOUBTFUL, "Do not rely on this run before it is mended"), (LOOK, "Read this before you rely on the run")):
-        names = [check.name.lower() for check in found if check.verdict == verdict]
-        if names:
-            return f'<p class="lead-in"><b>{words}: {", ".join(names)}.</b></p>'
-    return '<p class="lead-in">All checks of the computation are good.</p>'
-
-
-_BEYOND = (
-    '<p class="note">These checks say how exactly the model was computed, not how well the model describes the structure. One run of '
-    "strong shaking is one sample: once blocks rock and slide, the smallest change can alter which of them move. Before you draw a "
-    "conclusion, repeat the run with other motions, with the friction a little lower and higher, and with half the time step, and compare "
-    "(<code>masonry-cd compare</code>).</p>"
-)
+def trust(context: PageContext) -> Mapping[str, Any]:
+    """The checks, with what they come to."""
+    return {"checks": checks(context), "words": context.verdict.words}
 
 
 def checks(context: PageContext) -> list[Check]:
@@ -84,7 +59,7 @@ def _end(context: PageContext) -> Check:
     return Check(
         END_OF_RUN,
         found,
-        context.verdict.of(END_OF_RUN),
+        context.checks.of(END_OF_RUN),
         "What is left of cracks, slips and drifts, and the grades, hold once all standing blocks are still.",
         "They are provisional here: let the run go on (run.until_still, run.longest, or --resume).",
     )
@@ -97,7 +72,7 @@ def _solver(context: PageContext) -> Check:
     measured = f"{missed or 'no'} of {steps} steps missed {number(context.tolerance)}; error {_two(solver['error_max'])} at most"
     meaning = (
         "In each time step all contact forces are found at once, so that no joint pulls, none is pushed together further, and friction "
-        "obeys Coulomb's law. The error is by how much they miss this, as a share of what the step has to balance: 10<sup>−3</sup> is a "
+        "obeys Coulomb's law. The error is by how much they miss this, as a share of what the step has to balance: 10⁻³ is a "
         f"thousandth. It was {_two(solver['error_mean'])} on average."
     )
     remedy = (
@@ -105,22 +80,22 @@ def _solver(context: PageContext) -> Check:
         "run.max_iterations, or halve run.dt."
     )
     if closing.get("steps"):
-        jam = f": {escaped(closing['jam'])}" if closing.get("jam") else ""
+        jam = f": {closing['jam']}" if closing.get("jam") else ""
         remedy = (
             f"{closing['steps']} steps left contacts closing{jam}. Their forces mean nothing: look at what pushes blocks together there."
         )
-    return Check(FORCES, measured, context.verdict.of(FORCES), meaning, remedy)
+    return Check(FORCES, measured, context.checks.of(FORCES), meaning, remedy)
 
 
 def _false_motion(context: PageContext) -> Check:
     """What the error of the contact forces comes to in m/s and in mm."""
     solver = context.summary["solver"]
     slip, opening = solver["false_slip_max"], solver["false_opening_max"]
-    where = f", {escaped(solver['false_slip_where'])}" if solver.get("false_slip_where") else ""
+    where = f", {solver['false_slip_where']}" if solver.get("false_slip_where") else ""
     return Check(
         FALSE_MOTION,
         f"{length(solver['violation_max'])}/s at most; {in_metres(slip)} of slip{where} and {in_metres(opening)} of opening in all",
-        context.verdict.of(FALSE_MOTION),
+        context.checks.of(FALSE_MOTION),
         "The error of the contact forces lets joints slip that friction should hold, and part that are pressed. A slip stays and adds up, "
         "here at the single worst contact. It should be small beside the largest displacement.",
         "Tighten run.tolerance until it is.",
@@ -139,17 +114,17 @@ def _energy(context: PageContext, energy: Mapping[str, Any]) -> Check:
     open_share, lift = energy["balance_error"] or 0.0, energy.get("lift_share") or 0.0
     lifted = f"; taking overlaps away put in {_two(lift)}" if lift > LIFT[0] else ""
     measured = f"open by {_two(open_share)} of the largest work{lifted}"
-    return Check(name, measured, context.verdict.of(ENERGY), meaning, "Halve run.dt and compare; if it stays, tighten run.tolerance.")
+    return Check(name, measured, context.checks.of(ENERGY), meaning, "Halve run.dt and compare; if it stays, tighten run.tolerance.")
 
 
 def _overlap(context: PageContext) -> Check:
     """How far blocks got into one another."""
     deepest, threshold = context.summary["penetration_max"] or 0.0, context.thresholds.opened
-    where = f", {escaped(context.summary['penetration_where'])}" if context.summary.get("penetration_where") else ""
+    where = f", {context.summary['penetration_where']}" if context.summary.get("penetration_where") else ""
     return Check(
         OVERLAP,
         f"{in_metres(deepest)} at most{where}",
-        context.verdict.of(OVERLAP),
+        context.checks.of(OVERLAP),
         f"Blocks should not enter one another. Openings and slidings below this mean nothing; they count from {in_metres(threshold)}.",
         "Halve run.dt, and tighten run.tolerance; a jam between moving supports shows here as well.",
     )
@@ -164,12 +139,15 @@ def _time_step(context: PageContext, summary: Mapping[str, Any]) -> Check:
     return Check(
         TIME_STEP,
         measured,
-        context.verdict.of(TIME_STEP),
+        context.checks.of(TIME_STEP),
         "It has to resolve the shaking, the rocking of the smallest block, and the fastest motion.",
-        " ".join(f"{escaped(remark)}." for remark in remarks),
+        " ".join(f"{remark}." for remark in remarks),
     )
 
 
 def _two(value: float | None) -> str:
     """Two digits."""
-    return number(float(f"{value:.2g}")) if value is not None else "unknown"
+    return number(value, digits=2) if value is not None else "unknown"
+
+
+TRUST = Section("trust", "How far the numbers can be trusted", trust)

@@ -1,11 +1,7 @@
-"""The case in words and numbers, as HTML: what stands, what shook it, what came of it, and how well it was computed.
-
-Everything that comes from a scene or a result is escaped before it enters the page.
-"""
+"""The case in words and numbers: what stands, what shook it, what came of it, and how well it was computed."""
 
 from __future__ import annotations
 
-import html
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,8 +13,9 @@ import numpy as np
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.damage.verdict import GOOD, NOT_GRADED, UNKNOWN, Verdict
+from masonry_cd.analysis.damage.verdict import Checks
 from masonry_cd.analysis.deformed import Solids
+from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.io.results import Results
 from reports.drawing.figure import in_metres
 from reports.page.support_motion import SupportMotion, support_motions
@@ -42,7 +39,8 @@ class PageContext:
     parts: PartDamage | None = None
     provisional: str = ""  # why residual values are not the last, in words
     thresholds: Thresholds = field(default_factory=Thresholds)
-    verdict: Verdict = field(default_factory=Verdict)  # on the run
+    carried: Mapping[str, np.ndarray] = field(default_factory=dict)  # files that the page carries, bytes by their names
+    checks: Checks = field(default_factory=Checks)  # that the run made of itself
 
     @cached_property
     def tables(self) -> dict[str, Any]:
@@ -53,6 +51,11 @@ class PageContext:
     def motions(self) -> tuple[SupportMotion, ...]:
         """How the supports move, each motion by its own."""
         return support_motions(self.results, self.solids)
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """On the run, with the grade of its structure where the page has the damage by part."""
+        return self.checks.verdict(None if self.parts is None else self.parts.parts[-1])
 
     @property
     def report(self) -> Mapping[str, Any]:
@@ -75,34 +78,35 @@ class PageContext:
         return int(((self.table.state == state) & ~self.table.both).sum())
 
 
-def escaped(text: object) -> str:
-    """Text as HTML; slashes as well, so that no address can stand in the page."""
-    return html.escape(str(text)).replace("/", "&#47;")
+def capital(text: str) -> str:
+    """A text that begins with a capital."""
+    return text[:1].upper() + text[1:]
 
 
-def number(value: float, unit: str = "") -> str:
-    """Four digits at most, powers of ten as such."""
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float, unit: str = "", digits: int = 4) -> str:
+    """So many digits at most, powers of ten as such."""
     if not np.isfinite(value):
         return "unknown"
-    text = f"{value:.4g}"
+    text = f"{float(f'{value:.{digits}g}'):.4g}"
     if "e" in text:
         mantissa, power = text.split("e")
-        text = (f"{mantissa} × " if mantissa != "1" else "") + f"10<sup>{str(int(power)).replace('-', '−')}</sup>"
+        text = (f"{mantissa} × " if mantissa != "1" else "") + f"10{str(int(power)).translate(RAISED)}"
     return f"{text} {unit}".strip()
 
 
 def sensible(value: float) -> str:
     """A residual value in mm or per cent as it is worth reading: three digits, and no more than a thousandth."""
-    if np.isfinite(value) and 0.0 < abs(value) < 1e-3:
-        return "&lt; 0.001"
-    return number(float(f"{value:.3g}")) if np.isfinite(value) else "unknown"
+    return "< 0.001" if np.isfinite(value) and 0.0 < abs(value) < 1e-3 else number(value, digits=3)
 
 
 def lead(context: PageContext) -> str:
     """What stands and what was computed, in a paragraph."""
     blocks, solids = context.results.blocks, context.solids
     groups = list(dict.fromkeys(b.group for b, fixed in zip(blocks, solids.fixed, strict=True) if not fixed))
-    named = f" ({escaped(', '.join(groups[:6]))}{' …' if len(groups) > 6 else ''})" if groups else ""
+    named = f" ({', '.join(groups[:6])}{' …' if len(groups) > 6 else ''})" if groups else ""
     free = solids.vertices[~solids.fixed[solids.vertex_block]]
     extent = " × ".join(in_metres(v) for v in np.ptp(free, axis=0)) if len(free) else "nothing free"
     time = context.results.time
@@ -126,16 +130,6 @@ def _supports(count: int) -> str:
     return "1 block is a support" if count == 1 else f"{count or 'no'} blocks are supports"
 
 
-def verdict(context: PageContext) -> str:
-    """The verdict on the run, before anything that it found."""
-    found = context.verdict
-    said = f"{found.in_words[0].upper()}{found.in_words[1:]}."
-    if found.worst in (GOOD, UNKNOWN):
-        return f'<p class="verdict-first"><span class="verdict {found.worst}">{found.worst}</span> {escaped(said)}</p>'
-    more = f'{escaped(found.reasons)}. See <a href="#trust-title">How far the numbers can be trusted</a>.'
-    return f'<p class="verdict-first"><span class="verdict {found.worst}">{found.worst}</span> <b>{escaped(said)}</b> {more}</p>'
-
-
 def outcome(context: PageContext) -> str:
     """The damage, in a sentence."""
     table, joints = context.table, context.results.joints.count
@@ -152,83 +146,44 @@ def outcome(context: PageContext) -> str:
     else:
         down = " and ".join(f"no {kind.removesuffix('s')}" for kind, *_ in kinds) or "no block"
     farthest = f"The largest displacement relative to the base is {in_metres(context.displacement_max)}."
-    return f"{_graded(context)}{', '.join(counts)}; {widest}; {down} fell. {farthest}"
+    return f"{', '.join(counts)}; {widest}; {down} fell. {farthest}"
 
 
-def _graded(context: PageContext) -> str:
-    """The grade of the structure, with what gives it, as a sentence."""
-    if context.parts is None:
-        return ""
-    whole = context.parts.parts[-1]
-    if _grade(context) == NOT_GRADED:
-        return "<b>The structure is not graded, since the run cannot be relied on.</b> "
-    why = f": {escaped(whole['grade_reason'])}" if whole["grade_reason"] else ""
-    state = ", provisionally" if context.provisional else ""
-    return f"<b>The structure as a whole is graded {whole['grade']}, {escaped(whole['grade_label'])}</b>{state}{why}. "
-
-
-def _grade(context: PageContext) -> str:
-    """The grade of the structure; none where the run cannot be relied on."""
-    assert context.parts is not None
-    return str(context.parts.parts[-1]["grade"]) if context.verdict.reliable else NOT_GRADED
-
-
-def notices(context: PageContext) -> str:
-    """What must not be overlooked, as paragraphs of class notice; empty when all is well."""
-    lines = []
-    if context.summary.get("stopped"):
-        lines.append(f"<b>The run ended early</b>: {escaped(context.summary['stopped'])}. The page shows it up to there.")
-    elif not context.summary.get("steps"):
-        lines.append("<b>The run has no summary</b>: it was stopped or is still going on. The page shows what it had written.")
-    if context.provisional:
-        lines.append(
-            f"<b>What is left is provisional</b>: {escaped(context.provisional.partition(': ')[2])}. Residual openings and slidings, "
-            "drifts, mechanisms and grades would change if the run went on."
-        )
-    if context.missed:
-        largest = context.summary.get("solver", {}).get("error_max")
-        most = f"; the largest error is {number(largest)}" if largest is not None else ""
-        lines.append(
-            f"<b>{context.missed} of {context.steps} steps missed the tolerance</b> {number(context.tolerance)} of the solver{most}. "
-            "They are marked in the plot of the solver's error."
-        )
-    return "".join(f'<p class="notice" role="note">{line}</p>' for line in lines)
-
-
-def tiles(context: PageContext) -> str:
-    """The headline numbers, as a list."""
-    joints, seconds = context.results.joints.count, context.summary.get("stepping_seconds")
-    grade = [("grade of the structure", _grade(context))] if context.parts is not None else []
-    rows = [
-        *grade,
-        ("joints opened", f"{context.only('opened')}<small> of {joints}</small>"),
-        ("joints slid", f"{context.only('slid')}<small> of {joints}</small>"),
-        ("joints opened and slid", f"{int(context.table.both.sum())}<small> of {joints}</small>"),
-        ("joints separated", f"{context.count('separated')}<small> of {joints}</small>"),
-        *((f"{kind} fallen", f"{fell}<small> of {free}</small>") for kind, fell, free in context.fallen_of_kinds()),
-        ("largest opening", in_metres(_most(context.table.max_opening))),
-        ("largest sliding", in_metres(_most(context.table.max_sliding))),
-        ("largest displacement", in_metres(context.displacement_max)),
-        ("steps that missed the tolerance", f"{context.missed}<small> of {context.steps}</small>" if context.steps else "unknown"),
+def tiles(context: PageContext) -> list[tuple[str, str, str]]:
+    """The headline numbers: what each is, the number, and small print behind it."""
+    of_joints, seconds, table = f" of {context.results.joints.count}", context.summary.get("stepping_seconds"), context.table
+    rows = [("grade of the structure", context.verdict.grade, "")] if context.parts is not None else []
+    rows += [
+        ("joints opened", str(context.only("opened")), of_joints),
+        ("joints slid", str(context.only("slid")), of_joints),
+        ("joints opened and slid", str(int(table.both.sum())), of_joints),
+        ("joints separated", str(context.count("separated")), of_joints),
+        *((f"{kind} fallen", str(fell), f" of {free}") for kind, fell, free in context.fallen_of_kinds()),
+        ("largest opening", in_metres(_most(table.max_opening)), ""),
+        ("largest sliding", in_metres(_most(table.max_sliding)), ""),
+        ("largest displacement", in_metres(context.displacement_max), ""),
+        (
+            "steps that missed the tolerance",
+            str(context.missed) if context.steps else "unknown",
+            f" of {context.steps}" * bool(context.steps),
+        ),
     ]
     if seconds and context.summary.get("steps"):
-        rows.append(("per step", number(float(f"{1e3 * seconds / context.summary['steps']:.3g}"), "ms")))
-    across = -(-len(rows) // 2)  # two rows at most where the page is wide, as even as can be
-    boxes = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
-    return f'<dl class="tiles" style="--across: {across}">{boxes}</dl>'
+        rows.append(("per step", number(1e3 * seconds / context.summary["steps"], "ms", 3), ""))
+    return rows
 
 
-def settings(context: PageContext) -> str:
-    """The scene's tables, the loads with what they amount to, and the versions, as lists of terms."""
+def settings(context: PageContext) -> list[tuple[str, list[tuple[str, str]]]]:
+    """The scene's tables, the loads with what they amount to, and the versions, as titled lists of terms."""
     tables = context.tables
-    stands = [_box(f"Structure {table.get('name', k + 1)}", table) for k, table in enumerate(tables.get("structures", []))]
-    boxes = stands + [_box(title, tables[key]) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
+    stands = [(f"Structure {table.get('name', k + 1)}", _terms(table)) for k, table in enumerate(tables.get("structures", []))]
+    boxes = stands + [(title, _terms(tables[key])) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
     amounts = context.summary.get("loads", {}).get("tables", [])
     for k, load in enumerate(tables.get("loads", [])):
         after = amounts[k].get("after", {}) if k < len(amounts) else {}
-        boxes.insert(1 + (len(stands) or 1) + k, _box(f"Load {k + 1}", load, _peaks(after)))
-    boxes.append(_box("Versions", context.results.versions))
-    return "".join(boxes)
+        boxes.insert(1 + (len(stands) or 1) + k, (f"Load {k + 1}", _terms(load) + _peaks(after)))
+    boxes.append(("Versions", _terms(context.results.versions)))
+    return [(title, rows) for title, rows in boxes if rows]
 
 
 def _peaks(after: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -237,11 +192,9 @@ def _peaks(after: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [(name, number(after[key], unit)) for key, (name, unit) in known.items() if isinstance(after.get(key), (int, float))]
 
 
-def _box(title: str, table: Mapping[str, Any], more: Sequence[tuple[str, str]] = ()) -> str:
-    """A titled list of keys and values."""
-    rows = [(escaped(key.replace("_", " ")), escaped(_plain(value))) for key, value in table.items()]
-    items = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in [*rows, *more])
-    return f"<section><h3>{escaped(title)}</h3><dl>{items}</dl></section>" if items else ""
+def _terms(table: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Keys of a table and their values, as one reads them."""
+    return [(key.replace("_", " "), _plain(value)) for key, value in table.items()]
 
 
 def _plain(value: Any) -> str:

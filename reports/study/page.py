@@ -8,15 +8,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from importlib.resources import files
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.folder import FIRST, Study
 from masonry_cd.analysis.fragility.measures import unit
-from reports.page.document import filled, header, plain_style, write_document
-from reports.page.document import pictures as in_page
-from reports.page.words import escaped
+from reports.page.document import Head, pictures, script_of, write_document
 from reports.study import words
 from reports.study.fragility_picture import METHODS
 
@@ -53,96 +52,73 @@ CAPTIONS = {
 }
 
 
-def write_page(study: Study, fits: Sequence[Fit], pictures: Sequence[Path], lines: Sequence[str], warnings: Sequence[str]) -> None:
+def write_page(study: Study, fits: Sequence[Fit], drawn: Sequence[Path], lines: Sequence[str], warnings: Sequence[str]) -> None:
     """Write study.html.
 
     Raises:
         InputError: it cannot be written.
     """
-    here = files("reports.study")
-    shown = {path: CAPTIONS.get(path.name, "How often each joint opened at this level.") for path in pictures}
-    values = {
-        "header": header(study.asked["title"], lines, warnings, _counts(study)),
-        "pictures": in_page(shown),
-        "fits": _fits(fits),
-        "runs": _runs(study),
-        "settings": _settings(study),
-    }
-    style = plain_style() + (here / "study.css").read_text(encoding="utf-8")
-    script = (here / "study.js").read_text(encoding="utf-8")
-    body = filled((here / "study.html").read_text(encoding="utf-8"), values)
-    write_document(study.folder / PAGE, study.asked["title"], body, style, script)
+    title = str(study.asked["title"])
+    notes = dict.fromkeys(fit.betas.note for fit in fits if fit.fitted and fit.betas.note)
+    write_document(
+        study.folder / PAGE,
+        "study.html",
+        title=title,
+        page=Head(title, lines, warnings, _counts(study)),
+        drawn=pictures({path: CAPTIONS.get(path.name, "How often each joint opened at this level.") for path in drawn}),
+        measure=fits[0].measure if fits else "",
+        fits=[_fit(fit) for fit in fits],
+        on_beta="; ".join(notes),
+        runs=_runs(study),
+        printed=PRINTED,
+        settings=[*words.settings(study).items()],
+        script=script_of("reports.study", "study.js"),
+    )
 
 
-def _counts(study: Study) -> list[tuple[str, object]]:
+def _counts(study: Study) -> list[tuple[str, object, str]]:
     """The counts."""
     found = words.counts(study)
     return [
-        ("runs done", found["done"]),
-        ("records", len(study.motions)),
-        ("failed or timed out", (found["failed"] or 0) + (found["timeout"] or 0)),
-        ("runs in which blocks fell", int((study.collapsed & study.done).sum())),
+        ("runs done", found["done"], ""),
+        ("records", len(study.motions), ""),
+        ("failed or timed out", (found["failed"] or 0) + (found["timeout"] or 0), ""),
+        ("runs in which blocks fell", int((study.collapsed & study.done).sum()), ""),
     ]
 
 
-def _fits(fits: Sequence[Fit]) -> str:
-    """The table of fits."""
-    if not fits:
-        return ""
-    heads = (
-        "limit state",
-        "exceeded where",
-        "method",
-        "median",
-        "95 %",
-        "beta",
-        "95 %",
-        "beta of records",
-        "beta of the model",
-        "exceeded",
-    )
-    rows = []
-    for fit in fits:
-        of = "records" if fit.method == "ida" else "runs"
-        cells = [
-            fit.limit.in_words(),
-            METHODS[fit.method],
-            f"{_number(fit.theta)} {unit(fit.measure)}" if fit.fitted else "no fit",
-            _range(fit.theta_band),
-            _number(fit.beta, 2),
-            _range(fit.beta_band, 2),
-            _number(fit.betas.record, 2),
-            _number(fit.betas.model, 2),
-            f"{fit.exceeded} of {fit.runs} {of}",
-        ]
-        rows.append(f'<tr><th scope="row">{escaped(fit.limit.name)}</th>{"".join(f"<td>{escaped(cell)}</td>" for cell in cells)}</tr>')
-    head = "".join(f'<th scope="col">{escaped(text)}</th>' for text in heads)
-    notes = dict.fromkeys(fit.betas.note for fit in fits if fit.fitted and fit.betas.note)
-    return (
-        f'<section aria-labelledby="fits-title"><h2 id="fits-title">Fragilities over {escaped(fits[0].measure)}</h2><div class="scroll">'
-        f'<table id="fits"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
-        f'<p class="hint">Lognormal: P = &Phi;(ln(IM / median) / beta). On beta: {escaped("; ".join(notes))}.</p></section>'
-    )
+def _fit(fit: Fit) -> list[str]:
+    """A row of the table of fits."""
+    return [
+        fit.limit.name,
+        fit.limit.in_words(),
+        METHODS[fit.method],
+        f"{_number(fit.theta)} {unit(fit.measure)}" if fit.fitted else "no fit",
+        _range(fit.theta_band),
+        _number(fit.beta, 2),
+        _range(fit.beta_band, 2),
+        _number(fit.betas.record, 2),
+        _number(fit.betas.model, 2),
+        f"{fit.exceeded} of {fit.runs} {'records' if fit.method == 'ida' else 'runs'}",
+    ]
 
 
-def _runs(study: Study) -> str:
-    """The table of runs."""
-    if not study.count:
-        return ""
+@dataclass(frozen=True)
+class Cell:
+    """A cell of the table of runs."""
+
+    text: str
+    value: str | None = None  # by which a number is sorted
+    page: str = ""  # of the run, where it is kept
+
+
+def _runs(study: Study) -> dict[str, Any]:
+    """The table of runs: its columns, its first rows, and how many there are."""
     shown = [*FIRST[:4], *study.varied, *([study.asked["measure"]] if study.asked["measure"] else [])]
     shown += [name for name in RESULTS if name in study.columns] + ["status", "reason"]
     shown = [name for name in dict.fromkeys(shown) if any(_raw(study, name, k) for k in range(study.count))]
-    head = "".join(
-        f'<th scope="col" aria-sort="none"><button type="button">{escaped(name.replace("_", " "))}</button></th>' for name in shown
-    )
-    rows = [f"<tr>{''.join(_cell(study, name, k) for name in shown)}</tr>" for k in range(min(study.count, ROWS))]
-    more = f" The first {ROWS} of {study.count}; all are in runs.csv." if study.count > ROWS else ""
-    return (
-        f'<section aria-labelledby="runs-title"><h2 id="runs-title">Runs</h2><p class="hint">Lengths in m; a heading sorts.{more}</p>'
-        f'<div class="scroll tall"><table id="runs"><caption class="hidden">Runs; headings sort</caption><thead><tr>{head}</tr></thead>'
-        f"<tbody>{''.join(rows)}</tbody></table></div>"
-        + (f'<p class="more">Printed: the first {PRINTED} of {study.count} rows.</p></section>' if study.count > PRINTED else "</section>")
-    )
+    rows = [[_cell(study, name, k) for name in shown] for k in range(min(study.count, ROWS))]
+    return {"columns": shown, "rows": rows, "count": study.count}
 
 
 def _raw(study: Study, name: str, row: int) -> str:
@@ -153,21 +129,16 @@ def _raw(study: Study, name: str, row: int) -> str:
     return "" if math.isnan(column[row]) else repr(float(column[row]))
 
 
-def _cell(study: Study, name: str, row: int) -> str:
+def _cell(study: Study, name: str, row: int) -> Cell:
     """A cell of the table of runs."""
     raw = _raw(study, name, row)
     if name == "run":
         address = f"runs/{raw}/report.html"
         known = re.fullmatch(r"[\w.-]+", raw) and (study.folder / address).exists()
-        return f'<td><a href="{address}">{escaped(raw)}</a></td>' if known else f"<td>{escaped(raw)}</td>"
+        return Cell(raw, page=address if known else "")
     if isinstance(study.columns[name], list):
-        return f"<td>{escaped(raw)}</td>"
-    return f'<td class="number" data-value="{raw}">{escaped(f"{float(raw):.4g}" if raw else "")}</td>'
-
-
-def _settings(study: Study) -> str:
-    rows = "".join(f"<dt>{escaped(name)}</dt><dd>{escaped(value)}</dd>" for name, value in words.settings(study).items())
-    return f"<section><dl>{rows}</dl></section>"
+        return Cell(raw)
+    return Cell(f"{float(raw):.4g}" if raw else "", raw)
 
 
 def _number(value: float | None, digits: int | None = None) -> str:

@@ -10,7 +10,7 @@ import pytest
 from made_assessment import KNOWN, LEVELS, made, row_of, written
 
 from masonry_cd.analysis.assessment.assessment import ANSWERS, as_facts, read_assessment
-from masonry_cd.analysis.assessment.verdict import lines_of, to_pin_down, verdict, warnings_of
+from masonry_cd.analysis.assessment.verdict import lines_of, on_the_whole, to_pin_down, verdict, warnings_of
 from masonry_cd.foundation.errors import InputError
 
 DISPLACEMENT = ANSWERS[0]
@@ -74,6 +74,15 @@ def test_a_run_that_is_not_graded_has_no_part_in_the_range_of_grades() -> None:
     found = made({("joint stiffness", "E 700 MPa"): unreliable, ("damping", "0 %"): 120.0, ("damping", "5 %"): 120.0})
     assert verdict(found).startswith("D2 in all runs; ")
     assert any("have no grade: joint stiffness E 700 MPa" in line for line in warnings_of(found))
+
+
+def test_where_an_assumption_decides_no_single_grade_stands_first() -> None:
+    found = on_the_whole(made())
+    assert (found.grade, found.sure) == ("between D2 and D4", "look") and found.why.startswith("joint stiffness decides")
+    finer = on_the_whole(made({("time step", "2 ms"): 300.0}))
+    assert finer.sure == "doubtful" and finer.why.startswith("time step changes the answers")
+    idle = dict.fromkeys(LEVELS, 100.0)
+    assert on_the_whole(made(idle)).sure == "good" and on_the_whole(made(idle)).grade == "D2 in all runs"
 
 
 def test_without_a_base_case_there_is_no_verdict() -> None:

@@ -46,13 +46,13 @@ def test_a_block_gives_way_at_its_coefficient_of_friction_or_not_at_all(tmp_path
     assert factor["limit"] == pytest.approx(0.002)  # a hundredth of its height
     assert factor["given_way"] == pytest.approx(0.3, rel=2e-3)  # however fast the push grows
     assert factor["given_way_time"] > 0.5
-    assert closing_lines(summary)[1].startswith(f"load factor: {factor['given_way']:.4g} is the largest that was carried, at ")
+    assert closing_lines(summary)[2].startswith(f"load factor: {factor['given_way']:.4g} is the largest that was carried, at ")
     held = push_over(tmp_path, blocks, push, 0.4, 5e-3, 1.0)
     assert held["load_factor"]["given_way"] is None
-    assert closing_lines(held)[1] == "load factor: 0.35 at the end, and the structure had not given way"
-    assert closing_lines(held)[2] == NOT_THE_LEAST
+    assert closing_lines(held)[2] == "load factor: 0.35 at the end, and the structure had not given way"
+    assert closing_lines(held)[3] == NOT_THE_LEAST
     assert held["load_factor"]["limit_analysis"] == pytest.approx({"least_found": 0.4, "associated": 0.4}, abs=1e-6)
-    assert closing_lines(held)[3] == "limit analysis: 0.4; how joints slide makes no difference here"
+    assert closing_lines(held)[4] == "limit analysis: 0.4; how joints slide makes no difference here"
 
 
 def test_the_bracket_of_limit_analysis_stands_beside_a_factor_that_sliding_decides() -> None:

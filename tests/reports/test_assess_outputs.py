@@ -28,7 +28,7 @@ def test_all_files_are_written_and_say_the_same(tmp_path: Path) -> None:
     assert {row["reason"] for row in rows if row["status"] == "failed"} == {"blocks <overlap>"}
     assert rows[-1]["displacement_max"] == repr(1e-3 * 97.0)
     page = (tmp_path / "assess.html").read_text(encoding="utf-8")
-    assert "joint stiffness decides" in page
+    assert "Joint stiffness decides" in page
     assert "blocks &lt;overlap&gt;" in page
     assert "http://" not in page.replace("http://www.w3.org", "")
     with Image.open(tmp_path / "assess.png") as picture:
@@ -50,4 +50,4 @@ def test_without_a_base_case_the_page_says_so_and_has_no_picture(tmp_path: Path)
     broken = type(found)(found.title, found.scene, found.assumptions, (), (type(first)(first.kind, {}, FAILED), *others))
     write_assessment(written(tmp_path, broken))
     assert not (tmp_path / "assess.png").exists()
-    assert "no verdict" in (tmp_path / "assess.html").read_text(encoding="utf-8")
+    assert "No verdict" in (tmp_path / "assess.html").read_text(encoding="utf-8")

@@ -110,7 +110,7 @@ def test_parts_come_before_joints_and_limits_after_them(tmp_path):
     text = page_of(tmp_path, slip=0.006)
     places = [text.index(f'id="{name}-title"') for name in ("parts", "model", "damage", "limits", "trust", "grades", "tables", "settings")]
     assert places == sorted(places)
-    assert "graded D2, moderate damage" in words(text)
+    assert "D2 moderate damage : sliding 6 mm" in words(text)
     older = "largest drifts, of which this result file has no others, are over the 3 frames of the history, 100 ms apart."
     assert older in words(text)
 

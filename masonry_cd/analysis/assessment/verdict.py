@@ -8,6 +8,8 @@ import numpy as np
 
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FACTOR, GRADE, LEVEL, UNSETTLED, Answer, Assessment, Known, Member
 from masonry_cd.analysis.damage.grades import NAMES
+from masonry_cd.analysis.damage.verdict import NOT_GRADED
+from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, UNKNOWN, Verdict
 
 MOST = 0.5  # share of the largest weight from which an assumption decides beside it
 NOTHING = 5e-4  # in the unit of an answer: half of the last digit that anybody reads [mm]
@@ -44,6 +46,22 @@ def verdict(found: Assessment) -> str:
     if unknown:
         parts.append(f"nothing is known of {_named(unknown)}")
     return "; ".join(parts)
+
+
+def on_the_whole(found: Assessment) -> Verdict:
+    """What all runs come to: no grade of one run where an assumption decides, nor where a setting of the computation does."""
+    if not found.base.done:
+        return Verdict("", "", "", UNKNOWN, "no verdict, the base case is no data", str(found.base.row.get("reason", "it was not run")))
+    _, *others = verdict(found).split("; ")
+    numerical = [one for one in found.deciding if one.numerical]
+    if found.base.row.get("grade") == NOT_GRADED or numerical:
+        words = "do not rely on these runs before they are mended"
+        reason = [f"{_named(numerical)} {'changes' if len(numerical) == 1 else 'change'} the answers"] if numerical else []
+        reason += ["the base case cannot be relied on"] if found.base.row.get("grade") == NOT_GRADED else []
+        return Verdict(_range(found), "", "", DOUBTFUL, words, "; ".join([*reason, *others]))
+    if found.deciding:
+        return Verdict(_range(found), "", "", LOOK, "what is assumed decides, no single run is the answer", "; ".join(others))
+    return Verdict(_range(found), "", "", GOOD, "; ".join(others) or "nothing that was varied changes it", "")
 
 
 def to_pin_down(found: Assessment) -> list[Known]:

@@ -72,13 +72,18 @@ def _structures(blocks: Sequence[Block]) -> list[str]:
     return [name for name in dict.fromkeys(block.structure for block in blocks if not block.fixed) if name]
 
 
+def can_be_graded(blocks: Sequence[Block]) -> bool:
+    """Whether no group is called as the whole is."""
+    return WHOLE not in _groups(blocks)
+
+
 def require_names(blocks: Sequence[Block]) -> None:
     """Refuse a group that is called as the whole is.
 
     Raises:
         InputError: names it.
     """
-    if WHOLE in _groups(blocks):
+    if not can_be_graded(blocks):
         raise InputError(f'group "{WHOLE}": this name stands for the whole in the damage tables; give the group another')
 
 

@@ -38,7 +38,7 @@ from masonry_cd.analysis.damage.macro_elements import (
 )
 from masonry_cd.analysis.damage.mechanism import Mechanism, Rules, mechanisms, pieces_of
 from masonry_cd.analysis.damage.step_peaks import falls_as_in_runs
-from masonry_cd.analysis.damage.verdict import verdict_on
+from masonry_cd.analysis.damage.verdict import checks_on
 from masonry_cd.analysis.deformed import Solids, solids_of
 from masonry_cd.foundation.quantities import classes
 from masonry_cd.io.results import Results
@@ -97,7 +97,7 @@ def part_damage(results: Results, settings: Settings | None = None, frames: np.n
     history: list[Row] = []
     shocks: list[Row] = []
 
-    ungraded = verdict_on(results, settings.thresholds, end_state(results, settings.thresholds)).instead_of_a_grade()
+    ungraded = checks_on(results, settings.thresholds, end_state(results, settings.thresholds)).instead_of_a_grade()
 
     def parts(table: JointDamage, snapshot: DamageSnapshot, frame: int) -> list[Row]:
         last, end = history[-view.parts.count :], {"provisional": end_state(results, settings.thresholds, frame).provisional} | ungraded

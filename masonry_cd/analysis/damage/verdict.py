@@ -1,4 +1,4 @@
-"""Whether a run can be relied on: the one verdict on it, by what the run checked of itself.
+"""Whether a run can be relied on, by what it checked of itself, and the verdict on it.
 
 Each check is ``good``: it does not limit what the results say; ``look``: read what stands beside it; or ``doubtful``: do not rely on the
 run before it is mended. The verdict on the run is that of its worst check. A run that is doubtful has no grade of damage: the verdict
@@ -14,12 +14,10 @@ from typing import Any
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import EndState
 from masonry_cd.analysis.damage.joint_damage import collapsed_blocks, displacement_max
+from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, RANKS, UNKNOWN, Verdict
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
 
-GOOD, LOOK, DOUBTFUL = "good", "look", "doubtful"
-UNKNOWN = "unknown"  # of a run that has left no numbers of its own
-RANKS = (GOOD, LOOK, DOUBTFUL)
 END, FORCES, FALSE_MOTION = "End of the run", "Contact forces", "Motion against the contact laws"
 ENERGY, OVERLAP, TIME_STEP = "Energy balance", "Overlap of blocks", "Time step"
 NOT_GRADED = "not graded"  # stands for the grade of a run that is doubtful
@@ -48,8 +46,8 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """The verdict on a run, from those of its checks; none are known of a run that left no summary."""
+class Checks:
+    """What a run checked of itself; nothing is known of a run that left no summary."""
 
     findings: tuple[Finding, ...] = ()
 
@@ -67,36 +65,29 @@ class Verdict:
         """The verdict of a check; unknown where it was not made."""
         return next((found.verdict for found in self.findings if found.name == name), UNKNOWN)
 
-    @property
-    def decisive(self) -> tuple[Finding, ...]:
-        """The checks that decide the verdict; none where all are good."""
-        return tuple(found for found in self.findings if found.verdict == self.worst != GOOD)
+    def verdict(self, whole: Mapping[str, Any] | None = None) -> Verdict:
+        """The verdict on the run, with the grade that a row of the damage by part gives its structure; None without one."""
+        decisive = [found for found in self.findings if found.verdict == self.worst != GOOD]
+        names = ", ".join(found.name.lower() for found in decisive)
+        words = WORDS[self.worst] + (f": {names}" if names else "")
+        grade, means, because = (whole["grade"], whole["grade_label"], whole["grade_reason"]) if whole else ("", "", "")
+        if not self.reliable:
+            grade, means, because = NOT_GRADED, "", ""
+        return Verdict(grade, means, because, self.worst, words, "; ".join(found.why for found in decisive))
 
-    @property
-    def in_words(self) -> str:
-        """``do not rely on this run before it is mended: contact forces, energy balance``."""
-        names = ", ".join(found.name.lower() for found in self.decisive)
-        return WORDS[self.worst] + (f": {names}" if names else "")
-
-    @property
-    def reasons(self) -> str:
-        """What decides it, with its numbers."""
-        return "; ".join(found.why for found in self.decisive)
-
-    def as_summary(self) -> dict[str, Any]:
+    def as_summary(self, whole: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """For summary.json."""
         checks = [{"check": found.name, "verdict": found.verdict, "why": found.why} for found in self.findings]
-        return {"verdict": {"verdict": self.worst, "words": self.in_words, "checks": checks}}
+        return {"verdict": {"verdict": self.worst, **self.verdict(whole).as_dict(), "checks": checks}}
 
     def instead_of_a_grade(self) -> dict[str, str]:
         """What stands in the row of a part for its grade; nothing where the run can be relied on."""
-        if self.reliable:
-            return {}
-        return {"grade": NOT_GRADED, "grade_label": self.in_words, "grade_reason": f"{self.in_words} ({self.reasons})"}
+        found = self.verdict()
+        return {} if self.reliable else {"grade": found.grade, "grade_label": found.words, "grade_reason": found.trust}
 
 
-def verdict_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState | None = None) -> Verdict:
-    """The verdict on a run by its numbers.
+def checks_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState | None = None) -> Checks:
+    """What a run checked of itself, by its numbers.
 
     Args:
         summary: as in summary.json, or what the results hold of it; empty where there is none.
@@ -115,13 +106,13 @@ def verdict_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState
     if "time_step_remarks" in summary:
         remarks = summary["time_step_remarks"]
         found.append(Finding(TIME_STEP, LOOK if remarks else GOOD, "; ".join(map(str, remarks))))
-    return Verdict(tuple(found))
+    return Checks(tuple(found))
 
 
-def verdict_on(results: Results, thresholds: Thresholds, end: EndState) -> Verdict:
-    """The verdict on the run of a result file."""
+def checks_on(results: Results, thresholds: Thresholds, end: EndState) -> Checks:
+    """What the run of a result file checked of itself."""
     of_results = {"collapsed_blocks": len(collapsed_blocks(results, thresholds)), "displacement_max": displacement_max(results)}
-    return verdict_of(results.closing | of_results, thresholds, end)
+    return checks_of(results.closing | of_results, thresholds, end)
 
 
 def graded(value: float, bounds: tuple[float, float]) -> str:

@@ -11,7 +11,7 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.damage.definitions import Thresholds
-from masonry_cd.analysis.damage.verdict import verdict_of
+from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.summary import verdict_lines
 from masonry_cd.io.results import Results
@@ -71,13 +71,13 @@ def solver(**changes: Any) -> dict[str, Any]:
     ],
 )
 def test_the_worst_check_decides_and_gives_its_numbers(changes, worst, why):
-    found = verdict_of(SOUND | changes, Thresholds())
+    found = checks_of(SOUND | changes, Thresholds())
     assert (found.worst, found.reliable) == (worst, worst != "doubtful")
-    assert why in found.reasons and bool(found.reasons) == (worst != "good")
+    assert why in found.verdict().why and bool(found.verdict().why) == (worst != "good")
 
 
 def test_a_run_without_numbers_is_unknown_not_good():
-    assert verdict_of({}, Thresholds()).worst == "unknown"
+    assert checks_of({}, Thresholds()).worst == "unknown"
 
 
 def blocks() -> list[Any]:
@@ -108,8 +108,8 @@ def test_a_run_that_cannot_be_relied_on_says_so_instead_of_a_grade(tmp_path):
     first, *rest = part_lines(damage.parts)
     assert first.startswith(f"not graded: {CUT}")
     page = (out / "report.html").read_text(encoding="utf-8").partition("<body>")[2].partition('<script type="application/json"')[0]
-    assert page.index("Do not rely on this run before it is mended") < page.index("The structure is not graded") < page.index("<main>")
-    assert page.count('<span class="grade not-graded">not graded</span>') == len(damage.parts)
+    assert page.index("Do not rely on this run before it is mended") < page.index('<dl class="block">') < page.index("<main>")
+    assert page.count('<span class="grade not-graded">not graded</span>') == len(damage.parts) + 1
     for said in ("".join(rest), page.partition('id="grades-title"')[0]):
         assert not any(grade in said for grade in ("D1", "D2", "D3"))
 
@@ -129,7 +129,30 @@ def test_a_comparison_and_a_study_give_it_no_grade(tmp_path):
     assert exceeded == [None, True]
 
 
-def test_the_closing_lines_say_so_where_it_is_doubtful():
-    assert verdict_lines(verdict_of(SOUND, Thresholds()).as_summary()) == []
-    (line,) = verdict_lines(verdict_of(SOUND | solver(steps_missed=9), Thresholds()).as_summary())
-    assert line.startswith("do not rely on this run before it is mended: contact forces (9 of 200 steps missed")
+def test_the_closing_lines_begin_with_grade_how_sure_and_why():
+    row = {"grade": "D2", "grade_label": "moderate damage", "grade_reason": "sliding 8 mm in joint 0"}
+    sound, broken = checks_of(SOUND, Thresholds()), checks_of(SOUND | solver(steps_missed=9), Thresholds())
+    (line,) = verdict_lines(sound.as_summary(row))
+    assert line == "verdict: D2, moderate damage (sliding 8 mm in joint 0); all checks of the computation are good"
+    (line,) = verdict_lines(broken.as_summary(row))
+    assert line.startswith("verdict: not graded; do not rely on this run before it is mended: contact forces (9 of 200 steps missed")
+
+
+def test_page_summary_and_terminal_begin_with_one_verdict(tmp_path):
+    out = run_in(tmp_path / "ended", ended=True)
+    with Results.open(out / "result.h5") as results:
+        summary = write_joint_damage(results, out, Report())
+        write_page(results, out / "report.html", summary, parts=damage_of(results, Report()))
+    found = summary["verdict"]
+    assert (found["grade"], found["means"], found["sure"]) == ("D2", "moderate damage", found["verdict"])
+    page = (out / "report.html").read_text(encoding="utf-8")
+    first = page[page.index("</h1>") : page.index('<dl class="block">')]
+    assert '<span class="grade D2">D2</span>' in first and f'<span class="verdict {found["sure"]}">' in first
+    assert found["because"].partition(" in joint")[0] in first and "D2, moderate damage" in verdict_lines(summary)[0]
+
+
+def test_groups_that_no_table_of_parts_can_have_are_not_graded(tmp_path):
+    named = [box("base", (0, 0, -0.2), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 0.5), "structure")]
+    write_run(tmp_path / "result.h5", named, [at_rest(named)], scene=SCENE, ended=True)
+    with Results.open(tmp_path / "result.h5") as results:
+        assert write_joint_damage(results, tmp_path, Report())["verdict"]["grade"] == ""

@@ -1,0 +1,46 @@
+"""Pages from templates: Jinja2 fills those of ``reports/templates``, and whatever is filled in is text.
+
+Every value is escaped, slashes as well, so that neither a tag nor an address can stand in a page by what a scene holds; a value that a
+template names and nobody gives is an error.
+"""
+
+from __future__ import annotations
+
+import html
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+
+@dataclass(frozen=True)
+class Badge:
+    """A cell of a table, or a word in a text, in a colour of its own."""
+
+    css: str  # classes of the style sheet
+    text: str
+
+
+def filled(template: str, **values: Any) -> str:
+    """A template of ``reports/templates`` with its values."""
+    return str(_environment().get_template(template).render(values))
+
+
+@cache
+def _environment() -> Environment:
+    """Imported only where a page is written."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    from reports.page.words import capital, number, sensible
+
+    def as_text(value: Any) -> Any:
+        return value if hasattr(value, "__html__") else Markup(html.escape(str(value)).replace("/", "&#47;"))
+
+    found = Environment(
+        loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, finalize=as_text, trim_blocks=True, lstrip_blocks=True
+    )
+    found.filters |= {"number": number, "capital": capital, "sensible": sensible}
+    return found
