@@ -22,6 +22,7 @@ from types import TracebackType
 import h5py
 import numpy as np
 
+from masonry_cd import __version__
 from masonry_cd.foundation import system
 from masonry_cd.foundation.atomic import part_of
 from masonry_cd.foundation.errors import InputError
@@ -306,8 +307,8 @@ def _mark(file: h5py.File, rows: Mapping[str, int]) -> str:
 
 def versions() -> dict[str, str]:
     """Versions of this program and of what decides its numbers."""
-    out = {"python": platform.python_version()}
-    for name in ("masonry-cd", "numpy", "scipy", "numba", "h5py", "cvxopt"):
+    out = {"masonry-cd": __version__, "python": platform.python_version()}
+    for name in ("numpy", "scipy", "numba", "h5py", "cvxopt"):
         with contextlib.suppress(Exception):
             out[name] = version(name)
     return out | {"kernels for": compiled_for()}
