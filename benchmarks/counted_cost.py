@@ -14,7 +14,6 @@ from unittest.mock import patch
 
 import numpy as np
 
-from masonry_cd.mechanics.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.solvers import Options, accelerated, admm, interior, newton, nlgs, pivoting
@@ -50,8 +49,6 @@ def cost_of(method: str, problem: Problem, found: Solution) -> float:
 
 def _pattern(problem: Problem, found: Solution) -> Pattern:
     """The pattern of the factorisation, made for the count where the solution has none."""
-    if not isinstance(problem, FrictionProblem):
-        return in_elimination_order(local_arrays(problem)[0])[1]
     factors = found.memory.factors
     return admm.recall(problem.arrays(), None)[1].pattern if factors is None else factors.pattern
 

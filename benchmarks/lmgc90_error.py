@@ -21,11 +21,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 from scipy.spatial.transform import Rotation
 
 from benchmarks.scenes import GRAVITY, BenchScene
-from masonry_cd.mechanics.friction.natural_map import natural_map_norms
-from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
+from masonry_cd.mechanics.friction.law_terms import error_bodies
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,9 @@ def _own_error(problem: FrictionProblem, impulse: np.ndarray, found: dict[str, n
     u = np.ascontiguousarray(found["vloc"][:, [1, 0, 2]])
     u[:, 0] += np.maximum(found["gap"].ravel(), 0.0) / dt
     scale = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / 3.0
-    residual, size = natural_map_norms(impulse, u, problem.free_relative_velocity(), problem.mu, scale)
+    seen = LocalProblem(sparse.diags(np.repeat(scale, 3)).tocsr(), u - scale[:, None] * impulse, problem.mu)  # it has these velocities
+    residual, _ = error_bodies(seen.arrays(), impulse, True)
+    _, size = error_bodies(problem.arrays(), impulse, True)
     return float(residual / size)
 
 

@@ -41,7 +41,7 @@ from benchmarks.sitting import HERE, head, sitting
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics import moreau_jean
-from masonry_cd.mechanics.friction.operators import ProblemArrays
+from masonry_cd.mechanics.friction.operators import OrderedProblem, ProblemArrays
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs, pivoting
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, path_by_team, pivoting_by_team
@@ -170,7 +170,8 @@ def _watched(out: Profile) -> Iterator[None]:
 
 def _contacts_of(arguments: Sequence[Any]) -> int:
     """Contacts of the problem among the arguments of a method."""
-    return next(len(each.bodies) for each in arguments if isinstance(each, ProblemArrays | ScaledProblem))
+    problems = (each.problem if isinstance(each, ScaledProblem) else each for each in arguments)
+    return next(len(each.mu) for each in problems if isinstance(each, ProblemArrays | OrderedProblem))
 
 
 def _data(arguments: Sequence[Any]) -> float:

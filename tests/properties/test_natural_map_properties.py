@@ -19,7 +19,7 @@ ROUNDING = 1e-13
 
 @numba.njit
 def _project(x: np.ndarray, mu: float) -> tuple[float, float, float]:
-    return project_to_cone(x[0], x[1], x[2], mu)
+    return project_to_cone((x[0], x[1], x[2]), mu, mu, 1.0 / (1.0 + mu * mu))
 
 
 def project(x: np.ndarray, mu: float) -> np.ndarray:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.mechanics.friction.coupling import add_coupled, is_coupled
 from masonry_cd.mechanics.friction.joint_twists import out_of_frame
 from masonry_cd.mechanics.friction.operators import has_frames, unknowns_at
 
@@ -76,8 +77,11 @@ def share_by_cost(team, cost):
 
 @borrower(fastmath={"contract"})
 def add_impulse_of_sides(problem, sides, p, begin, stop, out):
-    """out (B + 1, n) += H^T p of the bodies from begin to stop, for impulses p (C, m)."""
+    """out (B + 1, n) += G p of the bodies from begin to stop, for impulses p (C, m); each thread has its own when all have theirs."""
     jacobian, m = problem.jacobian, len(problem.m)
+    if is_coupled(problem):
+        add_coupled(problem, p, begin, stop, out)
+        return
     for b in range(begin, stop):
         if has_frames(problem):
             add_wrench_of_sides(problem, sides, p, b, out)

@@ -25,8 +25,8 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.friction.joint_twists import fill_arm, fill_frame
+from masonry_cd.mechanics.friction.natural_map import squared_residual
 from masonry_cd.mechanics.friction.operators import trace_of_contact, unknowns_at
-from masonry_cd.mechanics.linalg.small_blocks import EPSILON
 from masonry_cd.mechanics.linalg.triples import cross, in_axes, inner, minus, out_of_axes, plus, scaled, times
 from masonry_cd.mechanics.linalg.vectors import (
     LANES,
@@ -35,7 +35,6 @@ from masonry_cd.mechanics.linalg.vectors import (
     gather_six,
     load_four,
     pack,
-    root_of,
     scatter,
     scatter_six,
     store_lanes,
@@ -82,12 +81,6 @@ def put_three(matrix, row, k, values):
     """Store what :func:`three` gives."""
     for i in range(3):
         store_lanes(matrix, row, LANES * (k + i), values[i])
-
-
-@borrower(forceinline=True, fastmath={"contract"})
-def length_of(x, y):
-    """Lengths of tangential vectors."""
-    return root_of(x * x + y * y)
 
 
 @borrower(forceinline=True)
@@ -182,28 +175,10 @@ def no_wrench():
 
 
 @borrower(forceinline=True, fastmath={"contract"})
-def project_lanes(x, mu, stretch, share):
-    """Project x onto Coulomb's cones |x_t| <= mu x_n in the norm sqrt(mu x_n^2 + stretch |x_t|^2); ``share`` is 1 / (1 + mu stretch).
-
-    All three answers are computed, with one division and one root.
-    """
-    tangent, zero = length_of(x[1], x[2]), fill_four(0.0)
-    reach = stretch * tangent + x[0]
-    height = reach * share
-    scale = mu * height / tangent
-    height, scale = where_at_most(tangent, mu * x[0], x[0], height), where_at_most(tangent, mu * x[0], fill_four(1.0), scale)
-    height, scale = where_at_most(reach, zero, zero, height), where_at_most(reach, zero, zero, scale)  # last: see project_to_cone
-    return height, scale * x[1], scale * x[2]
-
-
-@borrower(forceinline=True, fastmath={"contract"})
 def squared_residuals(groups, row, w, p):
-    """Squared natural map residuals of the contacts of a row, none of empty places; see natural_map.squared_residual."""
-    mu, d = field(groups.table, row, MU), field(groups.table, row, SCALE)
-    x = minus(scaled(d, p), (w[0] + mu * length_of(w[1], w[2]), w[1], w[2]))
-    e = minus(scaled(d, p), project_lanes(x, mu, mu, 1.0 / (1.0 + mu * mu)))
-    hidden = EPSILON * d
-    return where_at_most(d, fill_four(0.0), fill_four(0.0), (inner(e, e) + hidden * hidden * inner(p, p)) / d)
+    """Squared natural map residuals of the contacts of a row, none of empty places."""
+    d = field(groups.table, row, SCALE)
+    return where_at_most(d, 0.0, 0.0, squared_residual(p, w, field(groups.table, row, MU), d))
 
 
 @borrower(forceinline=True, fastmath={"contract"})
@@ -233,7 +208,7 @@ def fill_group(given, problem, groups, g, scratch):
         if shared:
             scratch[:] = 0.0
             if one >= 0:
-                fill_frame(jacobian, given.bodies, -1, one, scratch)
+                fill_frame(jacobian, given.bodies, one, scratch)
             for k in range(len(scratch)):
                 frame[g, LANES * k + lane] = scratch[k]
         else:
@@ -244,7 +219,7 @@ def fill_group(given, problem, groups, g, scratch):
             if c < 0:
                 break
             if shared:
-                fill_arm(jacobian, given.bodies, -1, one, c, scratch)
+                fill_arm(jacobian, given.bodies, one, c, scratch)
                 for i in range(3):
                     table[row, LANES * (ARM + i) + lane] = scratch[9 + i]
             else:

@@ -15,7 +15,7 @@ NUMBERS = 15  # of a frame: d_0, d_1, d_2, r_a, r_b
 def _frames_of(jacobian, bodies):
     """Frames (C, 15) of contacts of bodies (C, 2) whose rows (C, 2, 3, 6) are those of frames; (0, 15) if some are not."""
     frames, fitting = np.empty((len(jacobian), NUMBERS)), 0
-    while fitting < len(jacobian) and fill_frame(jacobian, bodies, -1, fitting, frames[fitting]):
+    while fitting < len(jacobian) and fill_frame(jacobian, bodies, fitting, frames[fitting]):
         fitting += 1
     return frames if fitting == len(jacobian) else np.empty((0, NUMBERS))
 
@@ -29,19 +29,19 @@ def frames_of(jacobian: np.ndarray, bodies: np.ndarray) -> np.ndarray:
     return frames
 
 
-def size_of_twist(jacobian: np.ndarray, bodies: np.ndarray) -> tuple[int, ...]:
-    """As many zeros as the twists of contacts with rows (C, 2, m, n) have components, see small_blocks.py."""
-    return size_tuple(6 if len(frames_of(jacobian, bodies)) else jacobian.shape[2])
+def size_of_twist(frames: np.ndarray, m: int) -> tuple[int, ...]:
+    """As many zeros as the twists of contacts with these frames and m rows each have components, see small_blocks.py."""
+    return size_tuple(6 if len(frames) else m)
 
 
 @borrower()
-def fill_frame(jacobian, bodies, support, c, frame):
-    """Fill the frame (15,) of a joint from its contact c; False if its rows are not those of a frame. ``support`` stands for supports."""
+def fill_frame(jacobian, bodies, c, frame):
+    """Fill the frame (15,) of a joint from its contact c; False if its rows are not those of a frame."""
     known = False
     for side in range(2):
         sign, at = 1.0 - 2.0 * side, 9 + 3 * side
         frame[at], frame[at + 1], frame[at + 2] = 0.0, 0.0, 0.0
-        if bodies[c, side] == support:
+        if bodies[c, side] < 0:
             continue
         row, reach = jacobian[c, side], 0.0
         for i in range(3):
@@ -66,10 +66,10 @@ def fill_frame(jacobian, bodies, support, c, frame):
 
 
 @borrower()
-def shares_frame(jacobian, bodies, support, first, c):
+def shares_frame(jacobian, bodies, first, c):
     """Whether contact c lies on the same faces as contact ``first``: equal bodies, not supports alone, and axes."""
-    side = 0 if bodies[c, 0] != support else 1
-    if bodies[c, 0] != bodies[first, 0] or bodies[c, 1] != bodies[first, 1] or bodies[c, side] == support:
+    side = 0 if bodies[c, 0] >= 0 else 1
+    if bodies[c, 0] != bodies[first, 0] or bodies[c, 1] != bodies[first, 1] or bodies[c, side] < 0:
         return False
     for i in range(3):
         for k in range(3):
@@ -79,9 +79,9 @@ def shares_frame(jacobian, bodies, support, first, c):
 
 
 @borrower()
-def fill_arm(jacobian, bodies, support, first, c, frame):
+def fill_arm(jacobian, bodies, first, c, frame):
     """Put where contact c lies from contact ``first`` of its joint, in the axes of the frame (15,), in the place of r_a in it."""
-    side = 0 if bodies[c, 0] != support else 1
+    side = 0 if bodies[c, 0] >= 0 else 1
     sign = 1.0 - 2.0 * side
     for i in range(3):  # a_i = (a x d_j) . d_l
         j, l = (i + 1) % 3, (i + 2) % 3  # noqa: E741

@@ -1,4 +1,10 @@
-"""The operators of a friction problem over bodies: u = H v + b, M^-1, the scales d, the natural map; H^T p is in body_sides.py."""
+r"""The operators of a friction problem: u = H v + b, M^-1, the scales d, and the residual of the natural map; G p is in body_sides.py.
+
+    M (v - v_free) = G p,     w = H v + b + C p,     W = H M^-1 G.
+
+Over bodies G = H^T, and M has a block for each of them. A problem given by W alone has a body for each contact, whose velocity is that of
+the contact: H = I, M = D^-1 with the d of the contacts for its diagonal, and G = D^-1 W by sparse blocks, see coupling.py.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.mechanics.friction.coupling import Coupling
 from masonry_cd.mechanics.friction.joint_twists import velocity_in
 from masonry_cd.mechanics.friction.natural_map import squared_residual
 from masonry_cd.mechanics.linalg.small_blocks import invert, is_wide
+from masonry_cd.mechanics.linalg.triples import inner, plus, times
 
 
 class ProblemArrays(NamedTuple):
@@ -23,6 +31,7 @@ class ProblemArrays(NamedTuple):
     mu: np.ndarray  # (C,)
     compliance: np.ndarray  # (C, m); (0, m) where all contacts are rigid
     width: np.ndarray  # (B,) unknowns that a body of unit mass has, see condensation.py; (0,): each has n
+    coupling: Coupling
     m: tuple[int, ...]  # m zeros, see small_blocks.py
     n: tuple[int, ...]  # n zeros, which may be an array
 
@@ -42,6 +51,7 @@ class OrderedProblem(NamedTuple):
     compliance: np.ndarray  # (C, m) or (0, m)
     width: np.ndarray  # (B + 1,) unknowns of a body of unit mass at each place, none of the supports; (0,): each has n
     d: np.ndarray  # (C,) trace(W_cc + C_cc) / m
+    coupling: Coupling
     m: tuple[int, ...]  # m zeros
     n: tuple[int, ...]  # n zeros
 
@@ -178,17 +188,6 @@ def relative_velocity_of(problem, v, first, end, u):
             u[c, 2] = u2 + offset[c, 2]
 
 
-@borrower()
-def law_velocity_of(problem, v, p, first, end, w):
-    """w = H v + b + C p for the contacts first to end."""
-    relative_velocity_of(problem, v, first, end, w)
-    compliance = problem.compliance
-    if len(compliance):
-        for c in range(first, end):
-            for i in range(len(problem.m)):
-                w[c, i] += compliance[c, i] * p[c, i]
-
-
 @borrower(fastmath={"contract"})
 def body_velocity_of(problem, momentum, first, end, v):
     """v = v_free + M^-1 momentum of the bodies first to end."""
@@ -221,41 +220,30 @@ def missing_momentum_of(problem, v, first, end, out):
 
 @borrower(fastmath={"contract"})
 def squared_map_norm_of(problem, p, v, first, end):
-    """Square of the norm of the natural map residual, of the contacts first to end."""
-    offset, compliance, m, mu, d = problem.offset, problem.compliance, len(problem.m), problem.mu, problem.d
-    total = 0.0
+    """Square of the norm of the natural map residual of impulses p (C, m) and velocities v (B + 1, n), of the contacts first to end.
+
+    w = H v + b + C p, in problems over bodies, scaled by mass, and given by W alone: this is the one loop over contacts that measures it.
+    """
+    compliance, m, mu, d, total = problem.compliance, len(problem.m), problem.mu, problem.d, 0.0
     for c in range(first, end):
-        un, u1, u2 = velocity_of_contact(problem, v, c)
-        un, u1 = un + offset[c, 0], u1 + offset[c, 1]
-        if m == 3:
-            u2 += offset[c, 2]
-        p2 = p[c, 2] if m == 3 else 0.0
+        own, w = triple_of(p, c, m), plus(velocity_of_contact(problem, v, c), triple_of(problem.offset, c, m))
         if len(compliance):
-            un += compliance[c, 0] * p[c, 0]
-            u1 += compliance[c, 1] * p[c, 1]
-            u2 += compliance[c, m - 1] * p2
-        total += squared_residual(p[c, 0], p[c, 1], p2, un, u1, u2, mu[c], d[c])
+            w = plus(w, times(triple_of(compliance, c, m), own))
+        total += squared_residual(own, w, mu[c], d[c])
     return total
 
 
-@entry()
-def new_velocity(problem: ProblemArrays, p: np.ndarray, v: np.ndarray) -> None:
-    """v = v_free + M^-1 H^T p (B, n) of impulses p (C, m) over ProblemArrays.
+@borrower(fastmath={"contract"})
+def squared_size_of(problem, v, first, end):
+    """Squared norm of (H v + b) / sqrt(d), of the contacts first to end: with v = v_free that by which errors are divided."""
+    total = 0.0
+    for c in range(first, end):
+        u = plus(velocity_of_contact(problem, v, c), triple_of(problem.offset, c, len(problem.m)))
+        total += inner(u, u) / problem.d[c]
+    return total
 
-    Additions are not fused, unlike those of :func:`body_velocity_of`, so a processor that cannot do so hands on the same bits.
-    """
-    bodies, jacobian, m, n = problem.bodies, problem.jacobian, len(problem.m), len(problem.n)
-    impulse = np.zeros(v.shape)
-    for c in range(len(p)):
-        for side in range(2):
-            b = bodies[c, side]
-            if b >= 0:
-                for i in range(m):
-                    for j in range(n):
-                        impulse[b, j] += jacobian[c, side, i, j] * p[c, i]
-    for b in range(len(v)):
-        for j in range(n):
-            value = problem.v_free[b, j]
-            for k in range(n):
-                value += problem.inverse_mass[b, j, k] * impulse[b, k]
-            v[b, j] = value
+
+@kernel(inline="always")
+def triple_of(x, c, m):
+    """Row c of x (C, m), its third number zero in a plane."""
+    return x[c, 0], x[c, 1], x[c, 2] if m == 3 else 0.0

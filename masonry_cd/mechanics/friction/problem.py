@@ -29,9 +29,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from masonry_cd.mechanics.friction.law_terms import allocate_terms, error_bodies, error_by_team
-from masonry_cd.mechanics.friction.natural_map import natural_map_norms
-from masonry_cd.mechanics.friction.operators import ProblemArrays, new_velocity
+from masonry_cd.mechanics.friction.coupling import UNCOUPLED, Coupling
+from masonry_cd.mechanics.friction.joint_twists import NUMBERS, frames_of
+from masonry_cd.mechanics.friction.law_terms import allocate_terms, error_bodies, error_by_team, new_velocity
+from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.linalg.small_blocks import EPSILON, FULL, size_of_blocks, size_tuple
 from masonry_cd.mechanics.linalg.threads import run_by_team
@@ -91,9 +92,15 @@ class FrictionProblem:
             np.ascontiguousarray(self.mu, dtype=np.float64),
             np.ascontiguousarray(compliance, dtype=np.float64),
             FULL if self.width is None else self.width,
+            UNCOUPLED[self.dimension],
             size_tuple(self.dimension),
             size_of_blocks(self.v_free.shape[1]),
         )
+
+    @cached_property
+    def frames(self) -> np.ndarray:
+        """The frames of the contacts, (C, 15), or (0, 15) if they are not all between rigid blocks in space, see joint_twists.py."""
+        return frames_of(self.arrays().jacobian, self.arrays().bodies)
 
     def relative_velocity(self, v: np.ndarray) -> np.ndarray:
         """u = H v + b, (C, m), for body velocities (B, n)."""
@@ -177,7 +184,10 @@ class FrictionProblem:
 
 @dataclass(frozen=True, eq=False)
 class LocalProblem:
-    """A friction problem in the impulses alone: u = W p + q. W may be slightly unsymmetric, as published ones are."""
+    """A friction problem in the impulses alone: u = W p + q. W may be slightly unsymmetric, as published ones are.
+
+    To the solvers it is one over bodies, see operators.py: each contact has its own, which moves as the contact does.
+    """
 
     w: sparse.csr_matrix  # (C m, C m)
     q: np.ndarray  # (C, m)
@@ -192,6 +202,38 @@ class LocalProblem:
     def dimension(self) -> int:
         """Rows per contact m."""
         return int(self.q.shape[1])
+
+    @property
+    def v_free(self) -> np.ndarray:
+        """The velocities of the bodies without contact, (C, m): q."""
+        return self.q
+
+    def arrays(self) -> ProblemArrays:
+        """The problem as the compiled kernels take it."""
+        return self._arrays
+
+    @cached_property
+    def _arrays(self) -> ProblemArrays:
+        contacts, m = self.q.shape
+        unit, nothing, scales, blocks = np.eye(m), np.zeros((contacts, m)), self.scales(), self.w.tobsr((m, m))
+        jacobian = np.zeros((contacts, 2, m, m))
+        jacobian[:, 0] = unit
+        indptr, bodies = blocks.indptr.astype(np.int64), np.column_stack([np.arange(contacts), np.full(contacts, -1)])
+        data = blocks.data / np.repeat(scales, np.diff(indptr))[:, None, None]
+        return ProblemArrays(
+            scales[:, None, None] * unit, np.ascontiguousarray(self.q, dtype=np.float64), bodies, jacobian, nothing,
+            np.ascontiguousarray(self.mu, dtype=np.float64), nothing[:0], FULL,
+            Coupling(np.ascontiguousarray(data), blocks.indices.astype(np.int64), indptr), size_tuple(m), size_tuple(m),
+        )  # fmt: skip
+
+    @property
+    def frames(self) -> np.ndarray:
+        """None, (0, 15): the contacts are not those of rigid blocks in space."""
+        return np.empty((0, NUMBERS))
+
+    def body_velocity(self, impulse: np.ndarray) -> np.ndarray:
+        """The velocities of the bodies, (C, m), for impulses (C, m): those of the contacts."""
+        return self.apply(impulse)
 
     def free_relative_velocity(self) -> np.ndarray:
         """q, (C, m)."""
@@ -228,7 +270,7 @@ class Solution:
     """What a solver returns. What its reason says of convergence is for readers: its impulses are judged by :func:`natural_map_error`."""
 
     impulse: np.ndarray  # (C, m) p [N s]
-    velocity: np.ndarray | None  # (B, n) v; None for a local problem
+    velocity: np.ndarray | None  # (B, n) v; None: that of the impulse
     iterations: int
     reason: str = ""  # why it stopped or which solver was picked, for the results
     memory: SolverState = field(default_factory=SolverState)  # what the same solver may start from next time
@@ -247,18 +289,14 @@ def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True
     """The natural map error of impulses (C, m), see the head of this file.
 
     w is computed from the impulses, w = (W + C) p + q, so the equation of motion holds by construction. Compiled, since it is asked once
-    or twice per time step; ``threads`` that share the work of a problem over bodies change no bit.
+    or twice per time step; ``threads`` that share the work change no bit.
     """
     if problem.contacts == 0:
         return 0.0
     impulse = np.ascontiguousarray(impulse, dtype=np.float64)
-    if isinstance(problem, FrictionProblem):
-        given = problem.arrays()
-        if threads > 1:
-            residual, size = run_by_team(error_by_team, threads, given, impulse, scaled, allocate_terms(given))
-        else:
-            residual, size = error_bodies(given, impulse, scaled)
+    given = problem.arrays()
+    if threads > 1:
+        residual, size = run_by_team(error_by_team, threads, given, impulse, scaled, allocate_terms(given))
     else:
-        scale = problem.scales() if scaled else np.ones(problem.contacts)
-        residual, size = natural_map_norms(impulse, problem.apply(impulse), problem.q, problem.mu, scale)
+        residual, size = error_bodies(given, impulse, scaled)
     return float(residual / size if size > 0.0 else residual)

@@ -23,15 +23,15 @@ class Factors:
 
     pattern: Pattern
     bodies: np.ndarray  # (C, 2) of the contacts of the factors
-    squares: np.ndarray  # of D^-1, flat, in single precision
-    panels: np.ndarray  # of L, flat, in single precision
+    squares: np.ndarray  # of D^-1, flat, in single precision, but in double where W alone is given
+    panels: np.ndarray  # of L, likewise
     rho: np.ndarray  # (C,) R
 
     @classmethod
-    def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int) -> Factors:
+    def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int, kind: type[np.floating] = np.float32) -> Factors:
         """Unfilled factors by a pattern with n unknowns a body, of contacts between these bodies (C, 2)."""
         starts = (pattern.symbolic.square, pattern.symbolic.panel)
-        squares, panels = (np.empty(n * n * int(start[-1]), dtype=np.float32) for start in starts)
+        squares, panels = (np.empty(n * n * int(start[-1]), dtype=kind) for start in starts)
         return cls(pattern, bodies, squares, panels, np.empty(len(bodies)))
 
 

@@ -186,13 +186,3 @@ def inverses(blocks, size_n):
     for b in range(len(blocks)):
         invert(blocks[b], out[b], work, size_n)
     return out
-
-
-@kernel()
-def identities(count, size_m):
-    """Unit blocks (count, m, m)."""
-    out = np.zeros((count, len(size_m), len(size_m)))
-    for c in range(count):
-        for i in range(len(size_m)):
-            out[c, i, i] = 1.0
-    return out

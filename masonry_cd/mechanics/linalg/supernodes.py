@@ -63,13 +63,6 @@ def allocate_factors(symbolic: SymbolicFactor, size: tuple[int, ...]) -> Factor:
 
 
 @kernel()
-def allocate_matrix(symbolic, size):
-    """Room for an unsymmetric :class:`BlockMatrix`."""
-    n, nodes, pairs = len(size), len(symbolic.column) - 1, len(symbolic.row)
-    return BlockMatrix(np.empty((nodes, n, n)), np.empty((pairs, n, n)), np.empty((pairs, n, n)))
-
-
-@kernel()
 def view_supernode(factor, s):
     """The square (width, width) of supernode s, and its panels (width, length) of L and of D U."""
     symbolic, n = factor.symbolic, len(factor.size)

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.jit import entry, kernel
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.linalg.elimination_tree import fill_in, neighbours_below, supernodes
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 
@@ -208,14 +208,20 @@ def locate(bodies, last, place, column, row, index, block):
         block[c] = -1
         if high == size or low == high:
             continue
-        first, end = column[low], column[low + 1]
-        while first < end:
-            middle = (first + end) // 2
-            if row[middle] < high:
-                first = middle + 1
-            else:
-                end = middle
-        if first == column[low + 1] or row[first] != high:
+        block[c] = block_at(column, row, low, high)
+        if block[c] < 0:
             return -1
-        block[c] = first
     return 1 if same else 0
+
+
+@borrower()
+def block_at(column, row, low, high):
+    """The block of A in row ``high`` and column ``low``, below the diagonal; -1 if there is none."""
+    first, end = column[low], column[low + 1]
+    while first < end:
+        middle = (first + end) // 2
+        if row[middle] < high:
+            first = middle + 1
+        else:
+            end = middle
+    return first if first < column[low + 1] and row[first] == high else -1

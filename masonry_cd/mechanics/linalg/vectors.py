@@ -186,24 +186,31 @@ for _operation, _instruction in (
 
 
 @intrinsic
-def root_of(typing: Any, lanes: Lanes) -> Any:
-    """Square roots."""
+def root_of(typing: Any, lanes: Lanes | types.Float) -> Any:
+    """Square roots; that of a float too."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        name = f"llvm.sqrt.v{lanes.count}f{lanes.dtype.bitwidth}"
-        return builder.call(declared(builder, ir.FunctionType(lanes.vector, [lanes.vector]), name), arguments)
+        kind = arguments[0].type
+        name = f"llvm.sqrt.v{lanes.count}f{lanes.dtype.bitwidth}" if isinstance(lanes, Lanes) else f"llvm.sqrt.f{lanes.bitwidth}"
+        return builder.call(declared(builder, ir.FunctionType(kind, [kind]), name), arguments)
 
     return lanes(lanes), generate
 
 
 @intrinsic
-def where_at_most(typing: Any, x: Lanes, y: Lanes, yes: Lanes, no: Lanes) -> Any:
-    """The places of ``yes`` where x <= y, and of ``no`` elsewhere, where one of the two is not a number too."""
+def where_at_most(typing: Any, x: Any, y: Any, yes: Any, no: Any) -> Any:
+    """The places of ``yes`` where x <= y, and of ``no`` elsewhere, where one of the two is not a number too; each lanes or a float."""
+    given = (x, y, yes, no)
+    kind = next((each for each in given if isinstance(each, Lanes)), x)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.select(builder.fcmp_ordered("<=", arguments[0], arguments[1]), arguments[2], arguments[3])
+        lanes = signature.return_type
+        low, high, one, other = (
+            _spread(builder, lanes.vector, value) if each != lanes else value for each, value in zip(given, arguments, strict=True)
+        )
+        return builder.select(builder.fcmp_ordered("<=", low, high), one, other)
 
-    return x(x, x, x, x), generate
+    return kind(*given), generate
 
 
 @intrinsic

@@ -59,21 +59,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from masonry_cd.mechanics.friction.coupling import pattern_of
 from masonry_cd.mechanics.friction.joint_twists import size_of_twist
-from masonry_cd.mechanics.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.mechanics.friction.operators import ProblemArrays
-from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, first_impulse
+from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
 from masonry_cd.mechanics.friction.solver_state import Factors, Learnt, SolverState
-from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.threads import run_by_team
 from masonry_cd.mechanics.solvers.admm_kernels import admm_bodies
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, allocate_workspace
 from masonry_cd.mechanics.solvers.contact_partition import group_contacts
-from masonry_cd.mechanics.solvers.local_kernels import admm_local
 from masonry_cd.mechanics.solvers.options import Options
 
 LIMIT = 2000  # iterations
-LOCAL_K = 1e3  # of local problems, which are solved once
 OPEN, SLIDES = 0.1, 0.3  # shares of R of contacts that do not stick, where much slides
 PROBE = 40  # steps between two trials of a neighbouring k
 BESIDE = 3.0  # factor between neighbouring k
@@ -111,23 +108,15 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         options: ``max_iterations`` counts iterations (one sparse solve each).
         start: its impulse (C, m) is the first iterate, with its velocity or else that of the impulses; its memory that of the step before.
     """
-    impulse = first_impulse(problem, start)
-    limit = options.limit(LIMIT)
-    if isinstance(problem, LocalProblem):
-        return _solve_local(problem, options, impulse, limit)
-    return _solve_bodies(problem, options, impulse, limit, start)
-
-
-def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int, start: Solution | None) -> Solution:
-    """ADMM in the body velocities."""
+    impulse, limit = first_impulse(problem, start), options.limit(LIMIT)
     given = problem.arrays()
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
     state, factors, index, block = recall(given, start)
     pattern, learnt, k = factors.pattern, state.learnt, next_k(state.learnt)
     settings = AdmmSettings(k, (OPEN, SLIDES), learnt.stale or k != learnt.k, moving, learnt.rate, options.tolerance, limit)
-    groups = group_contacts(given, index, block, pattern.symbolic, size_of_twist(given.jacobian, given.bodies))
-    work = allocate_workspace(given, pattern, groups, (factors.squares, factors.panels, factors.rho))
+    groups = group_contacts(given, index, block, pattern.symbolic, size_of_twist(problem.frames, problem.dimension))
+    work = allocate_workspace(given, pattern, groups, index, (factors.squares, factors.panels, factors.rho))
     threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
     iterations, error, k_end, factorisations, rate = run_by_team(
         admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity
@@ -140,13 +129,14 @@ def recall(given: ProblemArrays, start: Solution | None) -> tuple[SolverState, F
     """The state of the last step as far as it still fits, its factors, and the places (C, 2) and coupling blocks (C,) of the contacts."""
     state, bodies, (count, n) = SolverState() if start is None else start.memory, given.bodies, given.v_free.shape
     factors, stale = state.factors, state.learnt.stale
+    kind = np.float64 if len(given.coupling.indptr) else np.float32  # W may be singular, and R^-1 is small beside it
     if factors is None or factors.pattern.nodes != count:  # other bodies
-        factors, stale = Factors.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n), True
+        factors, stale = Factors.empty(pattern_of(count, bodies, given.coupling), bodies, n, kind), True
     elif len(factors.squares) != n * n * int(factors.pattern.symbolic.square[-1]):  # other unknowns
-        factors, stale = Factors.empty(factors.pattern, factors.bodies, n), True
+        factors, stale = Factors.empty(factors.pattern, factors.bodies, n, kind), True
     found = factors.pattern.locate(bodies, factors.bodies)
     if found is None:  # a new pair of bodies: those that were in touch may be again
-        factors = Factors.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1], factors.pattern.pairs), bodies, n)
+        factors = Factors.empty(pattern_of(count, bodies, given.coupling, factors.pattern.pairs), bodies, n, kind)
         found = factors.pattern.locate(bodies, bodies)
         assert found is not None
         stale = True
@@ -165,11 +155,3 @@ def _reason(error: float, options: Options, given_up: bool = False) -> str:
     if error <= options.tolerance:
         return "admm: converged"
     return f"admm: {'given up' if given_up else 'iteration limit reached'} at an error of {error:.1e}"
-
-
-def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
-    """ADMM in the impulses: the same iteration by Woodbury's identity, with (W + R^-1) in place of (M + H^T R H)."""
-    given, _ = local_arrays(problem)
-    given, pattern = in_elimination_order(given)
-    iterations, error = admm_local(given, pattern.order, pattern.symbolic, impulse, LOCAL_K, options.tolerance, limit)
-    return Solution(impulse, None, iterations, _reason(error, options))

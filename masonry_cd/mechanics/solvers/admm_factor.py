@@ -1,4 +1,4 @@
-"""The matrix of ADMM, M + H^T R H, and its factorisation by a team of threads; see admm.py for the choice of R."""
+"""The matrix of ADMM, M + H^T R H, or where W alone is given W + R^-1, and its factors by a team of threads; see admm.py for R."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from masonry_cd.mechanics.friction.contact_groups import (
     STIFFNESS,
     add_rigid_stiffness,
     field,
-    length_of,
     put_stiffness,
     three,
     twist_of,
     velocity_at,
 )
+from masonry_cd.mechanics.friction.coupling import add_symmetric_blocks, is_coupled
+from masonry_cd.mechanics.friction.natural_map import length_of
 from masonry_cd.mechanics.friction.operators import has_unit_masses
 from masonry_cd.mechanics.linalg.cholesky import factorise_by_team, factorise_cholesky
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
@@ -136,6 +137,9 @@ def augment(work, q):
         for p in range(n):
             for r in range(n):
                 diagonal[b, n * p + r] = (1.0 if p == r else 0.0) if has_unit_masses(problem) else problem.mass[b, p, r]
+    if is_coupled(problem):
+        augment_coupled(work, first, last)
+        return
     for g in range(groups.subtree[q], groups.subtree[q + 1]):
         if rigid:
             add_rigid_stiffness(groups, g, diagonal, lower.reshape((len(lower), n * n)))
@@ -148,6 +152,19 @@ def augment(work, q):
                         rows[side, i, k] = groups.rows[g, LANES * ((side * s + i) * n + k) + lane]
                         turned[side, i, k] = r * rows[side, i, k]
             add_contact(work, g, lane, rows, turned)
+
+
+@borrower()
+def augment_coupled(work, first, last):
+    """Blocks of W + R^-1 in the columns first to last, for a problem given by W alone, see coupling.py."""
+    problem, n, factor = work.problem, len(work.problem.n), work.factor
+    diagonal = factor.diagonal.reshape((len(factor.diagonal), n, n))
+    diagonal[first:last] = 0.0
+    for c in range(len(problem.places)):
+        b = problem.places[c, 0]
+        for i in range(n if first <= b < last else 0):
+            diagonal[b, i, i] = 1.0 / factor.rho[c]
+    add_symmetric_blocks(problem.coupling, problem.places, problem.inverse[:, 0, 0], (first, last), factor.symbolic, diagonal, factor.lower)
 
 
 @borrower()

@@ -12,8 +12,9 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.contact_groups import fill_group
+from masonry_cd.mechanics.friction.coupling import add_coupled, is_coupled
 from masonry_cd.mechanics.friction.joint_twists import NUMBERS
-from masonry_cd.mechanics.friction.operators import ProblemArrays, has_unit_masses, put_in_order
+from masonry_cd.mechanics.friction.operators import ProblemArrays, body_velocity_of, put_in_order
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.supernodes import longest_line
@@ -211,21 +212,16 @@ def measure_carried(team, work, relaxation, last, p):
 def velocity_of_momentum(team, work, v):
     """v = v_free + M^-1 (generalised impulses of all subtrees), into v (N + 1, n)."""
     problem, momentum, symbolic = work.problem, work.iterates.momentum, work.factor.symbolic
-    inverse, free = problem.inverse, problem.free
-    n, (begin, end) = len(work.problem.n), share_of_subtrees(team, symbolic)
+    begin, end = share_of_subtrees(team, symbolic)
     wait(team)
     for q in range(begin, end):
         first, last = nodes_of(symbolic, q)
         add_ghosts(symbolic, q, momentum)
-        for b in range(first, last):
-            for i in range(n):
-                if has_unit_masses(problem):
-                    v[b, i] = free[b, i] + momentum[b, i]
-                    continue
-                total = free[b, i]
-                for k in range(n):
-                    total += inverse[b, i, k] * momentum[b, k]
-                v[b, i] = total
+        if is_coupled(problem):  # within subtrees alone
+            v[first:last] = 0.0
+            add_coupled(problem, momentum, first, last, v)
+            copy_flat(v[first:last], momentum[first:last])
+        body_velocity_of(problem, momentum, first, last, v)
     wait(team)
 
 
@@ -283,7 +279,7 @@ def share_of_changes(team, work, k, shares, p):
     for q in range(begin, end):
         sums[q] = count_changes(work, q, k, shares, p)
     wait(team)
-    total = sums.sum() / work.problem.contacts
+    total = sums.sum() / len(work.problem.places)
     wait(team)
     return total
 

@@ -16,15 +16,15 @@ from masonry_cd.mechanics.friction.contact_groups import (
     add_wrench,
     field,
     law_velocity,
-    length_of,
     no_wrench,
-    project_lanes,
     put_three,
     squared_residuals,
     three,
     twist_of,
     velocity_at,
 )
+from masonry_cd.mechanics.friction.coupling import add_coupled, is_coupled
+from masonry_cd.mechanics.friction.natural_map import length_of, project_to_cone
 from masonry_cd.mechanics.friction.operators import missing_momentum_of
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of
 from masonry_cd.mechanics.linalg.intrinsics import prefetch
@@ -43,17 +43,43 @@ def eliminate_subtree(work, q, coming, relaxation, p, new, line):
     problem, symbolic, panels = work.problem, work.factor.symbolic, work.factor.panels
     v, momentum, x = work.iterates.v, work.iterates.momentum, work.iterates.correction
     first, last = nodes_of(symbolic, q)
-    missing_momentum_of(problem, v, first, last, momentum)
+    if is_coupled(problem):
+        momentum[first:last] = 0.0
+    else:
+        missing_momentum_of(problem, v, first, last, momentum)
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
     ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
     change = meet_contacts(work, q, relaxation, p, new, ahead)
-    copy_flat(momentum[first:last], x[first:last])
+    if is_coupled(problem):
+        missing_velocity(work, first, last)
+    else:
+        copy_flat(momentum[first:last], x[first:last])
     clear_ghosts(symbolic, q, x)
     add_ghosts(symbolic, q, x)
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
     forward_substitution(symbolic, begin, end, symbolic.target, panels, x, line, problem.n)
     return change
+
+
+@borrower(fastmath={"contract"})
+def missing_velocity(work, first, last):
+    """x = D (M (v_free - v) + G p), see coupling.py, for generalised impulses p: the velocities that the impulses leave to be changed."""
+    problem, x, room = work.problem, work.iterates.correction, work.iterates.trial
+    room[first:last] = 0.0
+    add_coupled(problem, work.iterates.momentum, first, last, room)
+    for b in range(first, last):
+        for i in range(len(problem.n)):
+            x[b, i] = problem.free[b, i] - work.iterates.v[b, i] + problem.inverse[b, i, i] * room[b, i]
+
+
+@borrower()
+def divide_by_stiffness(work, first, last):
+    """x <- R^-1 x of the bodies first to last, which makes changes of velocities of what (W + R^-1) x is solved for."""
+    for c in range(len(work.problem.places)):
+        b = work.problem.places[c, 0]
+        for i in range(len(work.problem.n) if first <= b < last else 0):
+            work.iterates.correction[b, i] /= work.factor.rho[c]
 
 
 @borrower()
@@ -63,6 +89,8 @@ def update_subtree(work, q, relaxation, line):
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
     backward_substitution(symbolic, begin, end, work.factor.squares, work.factor.panels, work.iterates.correction, line, size_n)
     first, last = nodes_of(symbolic, q)
+    if is_coupled(work.problem):
+        divide_by_stiffness(work, first, last)
     size = (last - first) * len(size_n)
     v, x = work.iterates.v[first:last].reshape(size), work.iterates.correction[first:last].reshape(size)
     for i in range(size):
@@ -98,7 +126,7 @@ def meet_contacts(work, q, relaxation, p, new, ahead):
             old, mu, tangent = three(p, row, 0), field(table, row, MU), field(table, row, TANGENT)
             wn, w1, w2 = law_velocity(groups, row, twist, old)
             step = field(table, row, NORMAL) * (wn + mu * length_of(w1, w2)), tangent * w1, tangent * w2
-            gain = minus(project_lanes(minus(old, step), mu, field(table, row, STRETCH), field(table, row, SHARE)), old)
+            gain = minus(project_to_cone(minus(old, step), mu, field(table, row, STRETCH), field(table, row, SHARE)), old)
             put_three(new, row, 0, plus(old, scaled(relaxation, gain)))
             change += field(table, row, SCALE) * inner(gain, gain)
             wrench = add_to_wrench(groups, row, wrench, plus(old, scaled(2.0, gain)))

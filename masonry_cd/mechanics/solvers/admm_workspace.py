@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.mechanics.friction.contact_groups import ContactGroups
+from masonry_cd.mechanics.friction.coupling import Coupling, in_places
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
@@ -32,7 +33,8 @@ class SortedProblem(NamedTuple):
     mass: np.ndarray  # (N, n, n) M
     free: np.ndarray  # (N, n) v_free
     width: np.ndarray  # (N + 1,) or (0,), see operators.OrderedProblem
-    contacts: int  # C
+    places: np.ndarray  # (C, 2) places of the bodies of the contacts
+    coupling: Coupling  # with places for its indices
     elastic: bool  # whether some have a compliance
     m: tuple[int, ...]  # m zeros
     n: tuple[int, ...]  # n zeros
@@ -53,11 +55,11 @@ class Iterates(NamedTuple):
     trial: np.ndarray  # (N + 1, n) velocities of p^
     best_v: np.ndarray  # (N + 1, n) those of the smallest error
     momentum: np.ndarray  # (N + 1 + E, n) generalised impulses
-    correction: np.ndarray  # (N + 1 + E, n) v+ - v, in single precision
+    correction: np.ndarray  # (N + 1 + E, n) v+ - v, in the precision of the factors
 
 
 class AdmmFactor(NamedTuple):
-    """M + H^T R H and its factors, which are in single precision and last from step to step."""
+    """M + H^T R H and its factors, which are in single precision, or in double where W alone is given, and last from step to step."""
 
     symbolic: SymbolicFactor
     squares: np.ndarray  # of D^-1, flat, in single precision
@@ -80,7 +82,7 @@ class AdmmWorkspace(NamedTuple):
 
 
 def allocate_workspace(
-    given: ProblemArrays, pattern: Pattern, groups: ContactGroups, kept: tuple[np.ndarray, np.ndarray, np.ndarray]
+    given: ProblemArrays, pattern: Pattern, groups: ContactGroups, places: np.ndarray, kept: tuple[np.ndarray, np.ndarray, np.ndarray]
 ) -> AdmmWorkspace:
     """Arrays to work in; untouched memory costs nothing.
 
@@ -88,6 +90,7 @@ def allocate_workspace(
         given: the problem.
         pattern: of M + H^T R H.
         groups: of its contacts.
+        places: of their bodies, (C, 2).
         kept: squares, panels and rho of a factorisation.
     """
     symbolic, count, n = pattern.symbolic, pattern.nodes, given.v_free.shape[1]
@@ -95,11 +98,11 @@ def allocate_workspace(
     blocks, bodies, impulses, subtrees = (count, n, n), (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1
     width = np.append(symbolic.width, 0) if len(symbolic.width) else symbolic.width
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
-    contacts, elastic = len(given.mu), len(given.compliance) > 0
-    problem = SortedProblem(np.empty((count + 1, n, n)), np.empty(blocks), np.empty((count, n)), width, contacts, elastic, given.m, given.n)
+    inverse, coupling, elastic = np.empty((count + 1, n, n)), in_places(given.coupling, pattern), len(given.compliance) > 0
+    problem = SortedProblem(inverse, np.empty(blocks), np.empty((count, n)), width, places, coupling, elastic, given.m, given.n)
     iterates = Iterates(
         np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
-        np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=np.float32),
+        np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=kept[0].dtype),
     )  # fmt: skip
     matrix = np.empty((rows, n * n)), np.empty((len(symbolic.row) + 1, n, n))
     factor = AdmmFactor(symbolic, *kept, *matrix, *(np.empty(size) for size in doubles))

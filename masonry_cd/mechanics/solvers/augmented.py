@@ -1,4 +1,4 @@
-r"""The matrix of the methods that linearise the law over bodies: M + H^T B H, one block B per contact, column by column.
+r"""The matrix of the methods that linearise the law: M + G B H, one block B per contact, column by column; over bodies G = H^T.
 
 Between rigid blocks in space a contact has rows (D, D [r]x^T) for a body whose centre it is r away from, with opposite signs for its two
 bodies, D its frame. So all that it adds follows from D^T B D, in the axes of the world, by cross products,
@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.mechanics.friction.coupling import add_coupled_blocks, is_coupled
 from masonry_cd.mechanics.friction.joint_twists import out_of_frame
 from masonry_cd.mechanics.friction.operators import has_frames, has_unit_masses
 from masonry_cd.mechanics.linalg.small_blocks import add_outer_product, is_wide
@@ -40,7 +41,7 @@ def turn_blocks(problem, blocks, first, end, world):
 
 @kernel(fastmath={"contract"})
 def augment_blocks(problem, sides, blocks, world, symbolic, share, matrix):
-    """The columns of a share (first, end) of the :class:`BlockMatrix` of M + H^T B H, from the sides of the contacts of their bodies.
+    """The columns of a share (first, end) of the :class:`BlockMatrix` of M + G B H, from the sides of the contacts of their bodies.
 
     B has one (m, m) block per contact, the first rows of ``blocks`` (C, m or more, m); ``world`` is what :func:`turn_blocks` made of them.
     A block off the diagonal is in the column of that of its bodies that is eliminated first.
@@ -54,7 +55,7 @@ def augment_blocks(problem, sides, blocks, world, symbolic, share, matrix):
         lower[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
         upper[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
         e = sides.start[b]
-        while e < sides.start[b + 1]:
+        while e < sides.start[b + 1] and not is_coupled(problem):
             if is_wide(problem.n):
                 e = add_wide_joint(problem, sides, blocks, b, e, room, matrix)
                 continue
@@ -81,6 +82,8 @@ def augment_blocks(problem, sides, blocks, world, symbolic, share, matrix):
             elif later:
                 add_outer_product(other, turned[0], lower[k], problem.m, problem.n)
                 add_outer_product(turned[1], one, upper[k], problem.m, problem.n)
+    if is_coupled(problem):
+        add_coupled_blocks(problem, blocks, symbolic, share, matrix)
 
 
 @borrower(fastmath={"contract"})

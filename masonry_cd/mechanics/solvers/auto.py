@@ -5,11 +5,13 @@
    sides, which fills the factors of the other methods, but few contacts each, so that accelerated sweeps get far; where the scene accepts
    the error that these leave, the step ends.
 3. ADMM carries the error through the whole structure at little cost, and solves most steps of structures that stand. How many iterations
-   pay before the next method takes over is learnt: after a step that ADMM solved the next one may take FACTOR times as many, after another
-   a FACTOR-th. Some structures want a thousand and some hardly any.
+   pay before the next method takes over is learnt: after a step that ADMM solved the next one may take FACTOR times as many, after one that
+   the others solved a FACTOR-th, but no fewer than these took factorisations, each of which costs more. Some structures want a thousand
+   and some hardly any. After a step that none solved it is all: the next one begins with impulses that are worse than usual.
 4. Proximal points, by pivoting in a plane and by Newton's method in space, continue from the best so far: they solve what slides or rocks
    as a whole. Pivoting is not asked where friction is ROUGH.
 5. The interior point method begins near the impulses of the last step, not where the others got stuck, and ends nearly all that is left.
+   What it does not end ADMM continues from the best so far: churches that slide are a few iterations from the tolerance there.
 6. A problem without a step before, which is solved once, may take what each method takes by itself.
 
 ``python -m benchmarks.constants`` shows what each constant gains.
@@ -59,26 +61,31 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     search.turn("admm", budget, search.last)
     if not search.story:  # as in the last step
         return search.solution()
-    budget = min(FACTOR * budget, MOST) if search.ended else max(budget // FACTOR, FEWEST)
-    if not search.ended:
-        _finish(search, cold)
+    if search.ended:
+        budget = min(FACTOR * budget, MOST)
+    else:
+        spent = _finish(search, cold)
+        budget = min(max(budget // FACTOR, spent, FEWEST), MOST) if search.error <= options.tolerance else MOST
     learnt = search.memory.learnt
     if budget != learnt.budget:
         search.memory = replace(search.memory, learnt=replace(learnt, budget=budget))
     return search.solution()
 
 
-def _finish(search: _Search, cold: bool) -> None:
-    """The methods after ADMM; without a step before all of them may take what they do by themselves."""
+def _finish(search: _Search, cold: bool) -> int:
+    """The methods after ADMM, and their factorisations; without a step before all of them may take what they do by themselves."""
+    before = search.iterations
     if pivoting.applies(search.problem) and search.problem.mu.max() <= ROUGH:
         search.turn("pivoting", pivoting.LIMIT if cold else PIVOTS, search.best)
     else:
         search.turn("newton", newton.LIMIT if cold else CENTRES, search.best)
     if not search.ended:
         search.turn("interior", interior.MOST if cold else search.affordable(), search.last)
+    spent = search.iterations - before
     if cold:  # nor is it left worse than by ADMM alone
         search.memory = replace(search.memory, learnt=Learnt())
-        search.turn("admm", admm.LIMIT, search.last)
+    search.turn("admm", admm.LIMIT if cold else MOST, search.last if cold else search.best)
+    return spent
 
 
 class _Search:

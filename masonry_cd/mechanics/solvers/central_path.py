@@ -15,7 +15,6 @@ from masonry_cd.mechanics.solvers.shared_operators import contact_change, contac
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
 
 LONGEST = 2.0  # step: more than one is not made
-STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
 
 
 class Cones(NamedTuple):
@@ -32,7 +31,7 @@ class Iterate(NamedTuple):
     w: np.ndarray  # (C, m)
     p: np.ndarray  # (C, m)
     gamma: np.ndarray  # (C,) sliding speeds
-    v: np.ndarray  # (B + 1, n) body velocities; of no use where W alone is given
+    v: np.ndarray  # (B + 1, n) body velocities
 
 
 class Linearisation(NamedTuple):

@@ -69,7 +69,7 @@ def split_into_joints(given, contact, begin, shared):
     for q in range(len(begin) - 1):
         joint[q] = joints
         for c in range(begin[q], begin[q + 1]):
-            if not shared or c == begin[q] or not shares_frame(given.jacobian, bodies, -1, contact[first[joints - 1]], contact[c]):
+            if not shared or c == begin[q] or not shares_frame(given.jacobian, bodies, contact[first[joints - 1]], contact[c]):
                 first[joints] = c
                 joints += 1
     first[joints] = contacts

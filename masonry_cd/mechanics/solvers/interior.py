@@ -31,9 +31,6 @@ tests/mechanics/solvers/test_interior.py counts how many end below 1e-8: nine of
 
 **Proximal points** finish, see newton.py: from some hundred times the tolerance they mostly take ten to twenty iterations.
 
-A local problem is solved in the same way in the impulses, u = W p + q, after scaling it so that all d = 1, but without the path by its
-length: the damped path begins at its distances in turn.
-
 The damped path from near the impulses of the last step is the cheapest; if that fails the other one is followed, from nothing, then the
 first from farther and nearer, and at last the other from farther and farther.
 """
@@ -45,14 +42,11 @@ from collections.abc import Callable
 import numpy as np
 
 from masonry_cd.foundation.jit import Entry
-from masonry_cd.mechanics.friction.local_operators import LocalArrays
-from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, Solution
+from masonry_cd.mechanics.friction.problem import Problem, Solution
 from masonry_cd.mechanics.linalg.small_blocks import size_tuple
-from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.solvers import admm, nlgs
 from masonry_cd.mechanics.solvers.linearised import Settings, elimination_of
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
-from masonry_cd.mechanics.solvers.linearised_local import interior_local, newton_local, scaled_local
 from masonry_cd.mechanics.solvers.options import Options
 
 DISTANCES = (1e-2, 1e-1, 1e-3)  # of the start from the walls of the cones, if there are impulses to start from
@@ -68,7 +62,6 @@ FAR_OFF, CLOSE = 1e-3, 1e-4  # and that by its length of CLOSE at least
 FIRST = 2 * TURN  # factorisations of the first start, and of all:
 MOST = FIRST * (len(DISTANCES) + 1) + (FOLLOW + TURN) * len(FARTHER) + FINISH - TURN
 Method = Callable[[np.ndarray, float, int], tuple[int, float]]  # improves impulses (C, m) from a distance: iterations, error
-LocalKernel = Callable[[LocalArrays, SymbolicFactor, Settings, np.ndarray], tuple[int, float]]
 Try = tuple[np.ndarray, float, tuple[tuple[Method, int], ...]]  # impulses to start from, distance, and methods with limits of iterations
 
 
@@ -82,11 +75,9 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     """
     if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
-    if isinstance(problem, LocalProblem):
-        return _solve_local(problem, options, start)
     arrays, (bodies, n), m = problem.arrays(), problem.v_free.shape, problem.dimension
     state, factors, index, block = admm.recall(arrays, start)
-    elimination = elimination_of(arrays, factors.pattern, index, block)
+    elimination = elimination_of(problem, factors.pattern, index, block)
     velocity = np.empty((bodies, n))
 
     def method(by_team: Entry, stiffness: float, tolerance: float) -> Method:
@@ -102,26 +93,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     first, *others = _starts(nothing if start is None else start.impulse, (damped, (proximal, TURN)))
     paths: list[Try] = [(nothing, distance, (path, (proximal, FINISH if distance == FAR else TURN))) for distance in FARTHER]
     best, iterations, error = _search([first, paths[0], *others, *paths[1:]], options)
-    return Solution(best, problem.body_velocity(best), iterations, _reason(error, options), state)
-
-
-def _solve_local(problem: LocalProblem, options: Options, start: Solution | None) -> Solution:
-    """Both methods in the impulses, with W scaled to unit diagonal blocks in the mean: a centre is the same for all contacts then."""
-    (arrays, symbolic, root), m = scaled_local(problem), problem.dimension
-
-    def method(kernel: LocalKernel, tolerance: float) -> Method:
-        def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-            settings = Settings(distance, STIFFNESS, WIDE, tolerance, allowed, size_tuple(m + 1))
-            return kernel(arrays, symbolic, settings, impulse)
-
-        return improve
-
-    begin = np.zeros((problem.contacts, m)) if start is None else start.impulse * root
-    damped, proximal = method(interior_local, _near(options.tolerance)), method(newton_local, options.tolerance)
-    methods = ((damped, TURN), (proximal, TURN))
-    farther: list[Try] = [(np.zeros_like(begin), distance, methods) for distance in FARTHER[1:]]
-    best, iterations, error = _search([*_starts(begin, methods), *farther], options)
-    return Solution(best / root, None, iterations, _reason(error, options))
+    return Solution(best, problem.body_velocity(best), iterations, _reason(error, options), state, error)
 
 
 def _near(tolerance: float) -> float:

@@ -1,4 +1,4 @@
-"""The interior point method, over bodies and where W alone is given; see interior.py."""
+"""The interior point method; see interior.py."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.linalg.threads import take, wait
 from masonry_cd.mechanics.solvers.central_path import (
-    STIFFEST,
     Iterate,
     Linearisation,
     advance,
@@ -18,12 +17,15 @@ from masonry_cd.mechanics.solvers.central_path import (
     begin_inside,
     complementarity,
     cones_of,
+    interior_direction,
     linearise_products,
     longest_step,
+    missing_velocity,
     soften,
     take_impulse,
 )
-from masonry_cd.mechanics.solvers.linearised import keep_better
+from masonry_cd.mechanics.solvers.linearised import STIFFEST, keep_better
+from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, factorise, map_norm, missing_momentum
 from masonry_cd.mechanics.solvers.shares import begin_sums, chunk_of, sum_of_chunks
 
 
@@ -84,7 +86,7 @@ def centring_share(gap, undone, second, longest, step):
 
 
 @kernel()
-def predict_and_correct(kind, shares, problem, work, cones, inside, means, step):
+def predict_and_correct(shares, problem, work, cones, inside, means, step):
     """Predictor, then corrector with the centring that the predictor asks for; a corrector that leads nowhere is left out.
 
     ``means`` are the gap and what w misses, see :func:`linearise_products`, ``step`` is the last one. Returns the longest step along the
@@ -97,7 +99,7 @@ def predict_and_correct(kind, shares, problem, work, cones, inside, means, step)
         if turn == 2 and longest >= 0.1:
             break
         corrector_rhs(shares, cones, way, linear, centring * gap, turn == 1)
-        kind.interior_direction(shares, problem, work, cones, linear, way)
+        interior_direction(shares, problem, work, cones, linear, way)
         longest = longest_step(shares, here, way, cones)
         if turn == 0:
             second = mean_second_order(shares, cones, way, linear.wanted)
@@ -114,35 +116,36 @@ def stiffness_after(step, stiffness):
 
 
 @kernel()
-def interior_point(kind, shares, problem, work, inside, answer, settings):
-    """Interior point method with the operators of a :class:`Kind`, from near ``answer``, which gets better; returns the iterations.
+def interior_point(shares, problem, work, inside, answer, settings):
+    """Interior point method from near ``answer``, which gets better; returns the iterations.
 
     ``inside`` is its :class:`InteriorRoom`.
     """
     impulse, v, here, way, linear = inside
     cones, room = cones_of(problem.mu, problem.m, settings.k), work.room
-    kind.contact_velocity(shares, problem, answer.velocity, linear.miss)
+    contact_velocity(shares, problem, answer.velocity, linear.miss)
     begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
     step, stiffness, iterations, short = 1.0, settings.stiffness, 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and short < 6:
         iterations += 1
-        kind.interior_residuals(shares, problem, here, linear, room)
+        missing_velocity(shares, problem, here, 0.0, linear)
+        missing_momentum(shares, problem, here.v, here.p, room)
         soften(shares, problem, stiffness, linear)
         means = linearise_products(shares, cones, linear)
         if not means[0] > 0.0:
             break
-        sign = kind.factorise(shares, problem, work, linear.gain)
+        sign = factorise(shares, problem, work, linear.gain)
         if sign == 0.0:
             break
         if sign < 0.0 and stiffness > 1.0:
             stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
             continue
-        step = min(1.0, 0.99 * predict_and_correct(kind, shares, problem, work, cones, inside, means, step))
+        step = min(1.0, 0.99 * predict_and_correct(shares, problem, work, cones, inside, means, step))
         advance(shares, here, step, way)
         short = short + 1 if step < 0.02 else 0
         stiffness = stiffness_after(step, stiffness)
         take_impulse(shares, here.p, problem.mu, impulse)
-        error = kind.map_norm(shares, problem, impulse, room, v) / answer.size
+        error = map_norm(shares, problem, impulse, room, v) / answer.size
         keep_better(shares, answer, impulse, v, error)
         if not error < np.inf:
             break

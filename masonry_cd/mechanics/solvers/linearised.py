@@ -1,20 +1,17 @@
-"""What the methods that linearise the law share: their settings, the best answer so far, and what they ask of a problem.
+"""What the methods that linearise the law share: their settings, the best answer so far, and room for the matrix that they factorise.
 
-Newton, the interior point method and proximal points are written once, for problems over bodies and for those given by W alone. What
-differs between these, such as the matrix that is factorised, are the kernels of a :class:`Kind`: linearised_bodies.py has those of the
-one, linearised_local.py those of the other. A team of threads shares them, see shares.py; a problem given by W alone has one thread.
+Newton, the interior point method and proximal points are written once, for problems over bodies and for those given by W alone: what these
+differ in are the operators of friction/operators.py, and the assembly of the matrix in augmented.py. A team of threads shares them, see
+shares.py.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.joint_twists import frames_of
-from masonry_cd.mechanics.friction.natural_map import size_of
-from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, Factor
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
@@ -22,7 +19,10 @@ from masonry_cd.mechanics.linalg.threads import take
 from masonry_cd.mechanics.solvers.augmented import NUMBERS
 from masonry_cd.mechanics.solvers.shares import copy_share
 
-Kernel = Any  # a compiled function
+if TYPE_CHECKING:
+    from masonry_cd.mechanics.friction.problem import Problem
+
+STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
 
 
 class Elimination(NamedTuple):
@@ -35,9 +35,9 @@ class Elimination(NamedTuple):
     frame: np.ndarray  # (C, 15) the frames of the contacts or (0, 15), see :class:`OrderedProblem`
 
 
-def elimination_of(problem: ProblemArrays, pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
+def elimination_of(problem: Problem, pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
     """The :class:`Elimination` of a problem whose contacts have these places (C, 2) of bodies and blocks (C,) in a pattern."""
-    return Elimination(pattern.order, pattern.symbolic, places, block, frames_of(problem.jacobian, problem.bodies))
+    return Elimination(pattern.order, pattern.symbolic, places, block, problem.frames)
 
 
 class Settings(NamedTuple):
@@ -68,30 +68,7 @@ class Work(NamedTuple):
     factor: Factor
     world: np.ndarray  # (C, NUMBERS) the blocks of contacts between rigid blocks in space, see augmented.py, or (0, NUMBERS)
     signs: np.ndarray  # (K,) of the determinants of the subtrees
-    room: np.ndarray  # (B + 1, n) or (C, m), as velocities
-
-
-class Kind(NamedTuple):
-    """What the methods ask of a kind of problem, over bodies or given by W alone: kernels that theirs are given.
-
-    Velocities v are those of the bodies (B + 1, n), or where W alone is given those of the contacts (C, m). Each kernel does the ``shares``
-    of its thread; those that read what others have done wait for them first.
-    """
-
-    map_norm: Kernel  # (shares, problem, p, room, v): norm of the natural map of impulses p (C, m); v <- their velocities
-    contact_velocity: Kernel  # (shares, problem, v, u): u (C, m) <- velocities of the contacts
-    factorise: Kernel  # (shares, problem, work, blocks): for laws dp = -B du, B the first rows of blocks; the sign of the determinant or 0
-    # interior point
-    interior_residuals: Kernel  # (shares, problem, here, linear, room): what w and v miss
-    interior_direction: Kernel  # (shares, problem, work, cones, linear, way): changes the products as wanted and takes these residuals away
-    # proximal points
-    movable: Kernel  # (problem, free, offset): ``moved``, the problem with velocities as they are counted while springs settle
-    begin_at: Kernel  # (shares, problem, moved, centre, v): v <- the velocities of the centre
-    spring_residual: Kernel  # (shares, moved, springs, stiffness, v, held, out): x and p of the springs, what v misses and its norm
-    spring_direction: Kernel  # (shares, moved, work, springs, search): the Newton step
-    spring_changes: Kernel  # (shares, moved, springs, stiffness, change): change dx of the trial impulses with one of the velocities
-    stiffest: Kernel  # (error): the stiffest springs whose problem can be solved where rounding is felt
-    move_centre: Kernel  # (shares, centre, v): centre <- the velocities v
+    room: np.ndarray  # (B + 1, n), as velocities
 
 
 @kernel()
@@ -102,14 +79,6 @@ def allocate_work(room, symbolic, size, velocity, world):
     panel = n * n * symbolic.panel[-1]
     factor = Factor(symbolic, take(room, (n * n * symbolic.square[-1],)), take(room, (panel,)), take(room, (panel,)), size)
     return Work(matrix, factor, take(room, (world, NUMBERS)), take(room, (len(symbolic.subtree) - 1,)), take(room, velocity))
-
-
-@kernel(inline="always")
-def first_answer(impulse, v, norm, q, d):
-    """The :class:`Answer` with which a method begins: impulses (C, m), their velocities, and the norm of their natural map."""
-    size, error = size_of(q, d), np.empty(1)
-    error[0] = norm / size
-    return Answer(impulse, v, error, size, largest(q))
 
 
 @borrower()
@@ -129,12 +98,3 @@ def keep_better(shares, answer, p, v, error):
         answer.error[0] = error
         copy_share(shares.contacts, p, answer.impulse)
         copy_share(shares.rows, v, answer.velocity)
-
-
-@kernel()
-def copies_of(shares, room, answer):
-    """Impulses (C, m) and velocities to go on from, those of the answer."""
-    p, v = take(room, answer.impulse.shape), take(room, answer.velocity.shape)
-    copy_share(shares.contacts, answer.impulse, p)
-    copy_share(shares.rows, answer.velocity, v)
-    return p, v

@@ -1,6 +1,6 @@
-"""The methods that linearise the law, over bodies: Newton, pivoting, the interior point method and the path by its length.
+"""The methods that linearise the law: Newton, pivoting, the interior point method and the path by its length.
 
-The matrix that all of them factorise is M + H^T B H, B from the linearised laws; see linearised.py for what they share, and shares.py for
+The matrix that all of them factorise is M + G B H, B from the linearised laws; see linearised.py for what they share, and shares.py for
 what each thread of a team does of it. Each has an entry of its own, so that a run compiles and loads those that it comes to.
 """
 
@@ -10,133 +10,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.jit import Entry, borrower, entry, kernel
+from masonry_cd.foundation.jit import Entry, entry, kernel
 from masonry_cd.mechanics.friction.body_sides import weighed_sides
 from masonry_cd.mechanics.friction.operators import (
     OrderedProblem,
     ProblemArrays,
-    has_unit_masses,
     measure_scales,
     put_in_order,
-    velocity_of_contact,
+    squared_size_of,
     widths_in_order,
 )
 from masonry_cd.mechanics.linalg.threads import SharedRoom, ThreadTeam, room_of_own, run_by_team, take, wait
-from masonry_cd.mechanics.solvers.central_path import STIFFEST, interior_direction, missing_velocity
 from masonry_cd.mechanics.solvers.interior_kernels import allocate_interior, interior_point
-from masonry_cd.mechanics.solvers.linearised import Answer, Elimination, Kind, Settings, Work, allocate_work, first_answer
+from masonry_cd.mechanics.solvers.linearised import Answer, Elimination, Settings, Work, allocate_work, largest
 from masonry_cd.mechanics.solvers.newton_kernels import NEWTON, allocate_newton, settle_springs
 from masonry_cd.mechanics.solvers.path_kernels import allocate_paths, path_bodies
 from masonry_cd.mechanics.solvers.pivoting_kernels import PIVOTING, allocate_pivoting, follow
-from masonry_cd.mechanics.solvers.proximal_kernels import project_trial, proximal_points, softness
-from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, factorise, map_norm, missing_momentum, solve_by_first
-from masonry_cd.mechanics.solvers.shares import Shares, add_share, allocate_sums, begin_sums, copy_share, shares_of, sum_of_rows
-
-# --- interior point -----------------------------------------------------------------------------------------------------------------
-
-
-@borrower()
-def interior_residuals(shares, problem, here, linear, room):
-    """What w and v miss: H v + b + C p - w, and H^T p - M (v - v_free), which goes to ``room``."""
-    missing_velocity(shares, problem, here, 0.0, linear)
-    missing_momentum(shares, problem, here.v, here.p, room)
-
-
-# --- proximal points ----------------------------------------------------------------------------------------------------------------
-
-
-@kernel()
-def movable(problem, free, offset):
-    """The problem in the change of the velocities from those of a centre, which spares rounding; free (B + 1, n) and offset (C, m) are
-    room for what changes with it."""
-    return OrderedProblem(
-        problem.inverse, problem.mass, free, problem.places, problem.block, problem.jacobian, problem.frame, offset, problem.mu,
-        problem.compliance, problem.width, problem.d, problem.m, problem.n,
-    )  # fmt: skip
-
-
-@borrower()
-def begin_at(shares, problem, moved, centre, v):
-    """Count velocities from ``centre`` (B + 1, n), and begin there: at v = 0."""
-    first, end = shares.rows
-    add_share(shares.rows, problem.free, -1.0, centre, moved.free)
-    contact_velocity(shares, problem, centre, moved.offset)
-    v[first:end] = 0.0
-
-
-@borrower()
-def move_centre(shares, centre, v):
-    """centre += v."""
-    add_share(shares.rows, centre, 1.0, v, centre)
-
-
-@borrower()
-def stiffest(error):
-    """K up to which stiff springs beside rigid contacts settle, at any error."""
-    return STIFFEST
-
-
-@borrower()
-def spring_residual(shares, problem, springs, stiffness, v, held, out):
-    """Fill x and p of the springs at velocities v, and out = M (v_free - v) + H^T p (B + 1, n); returns the norm of that in M^-1."""
-    m, compliance, d, x, centre = len(problem.m), problem.compliance, problem.d, springs.x, springs.centre
-    first, end = shares.contacts
-    contact_velocity(shares, problem, v, x)
-    for c in range(first, end):
-        soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
-        for i in range(m):
-            soft = soft_n if i == 0 else soft_t
-            own = compliance[c, i] if len(compliance) else 0.0
-            x[c, i] = ((soft - own) * centre[c, i] - x[c, i]) / soft
-        project_trial(springs, problem.mu, c, held, m)
-    missing_momentum(shares, problem, v, springs.p, out)
-    return norm_of_momentum(shares, problem, out)
-
-
-@borrower()
-def norm_of_momentum(shares, problem, momentum):
-    """Norm of momenta (B + 1, n) in M^-1."""
-    n, turn, (first, end) = len(problem.n), begin_sums(shares), shares.rows
-    for b in range(first, end):
-        total = 0.0
-        for i in range(n):
-            if has_unit_masses(problem):
-                total += momentum[b, i] * momentum[b, i]
-                continue
-            for j in range(n):
-                total += momentum[b, i] * problem.inverse[b, i, j] * momentum[b, j]
-        shares.sums[turn, 0, b] = total
-    wait(shares.team)
-    return np.sqrt(max(sum_of_rows(shares, len(problem.inverse)), 0.0))
-
-
-@kernel()
-def spring_direction(shares, problem, work, springs, search):
-    """The Newton step, (M + H^T B H) dv = r with the residual r, which it uses up."""
-    solve_by_first(shares, work.factor, search.residual)
-    copy_share(shares.rows, search.residual, search.change)
-
-
-@borrower()
-def spring_changes(shares, problem, springs, stiffness, change):
-    """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
-    dx, m, (first, end) = springs.dx, len(problem.m), shares.contacts
-    wait(shares.team)
-    for c in range(first, end):
-        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, m)
-        u0, u1, u2 = velocity_of_contact(problem, change, c)
-        dx[c, 0], dx[c, 1] = -u0 / soft_n, -u1 / soft_t
-        if m == 3:
-            dx[c, 2] = -u2 / soft_t
-
-
-BODIES = Kind(
-    map_norm, contact_velocity, factorise, interior_residuals, interior_direction, movable, begin_at, spring_residual,
-    spring_direction, spring_changes, stiffest, move_centre,
-)  # fmt: skip
-
-
-# --- the entry ----------------------------------------------------------------------------------------------------------------------
+from masonry_cd.mechanics.solvers.proximal_kernels import proximal_points
+from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, map_norm
+from masonry_cd.mechanics.solvers.shares import Shares, allocate_sums, copy_share, shares_of
 
 
 @kernel()
@@ -147,7 +39,7 @@ def in_order(shares, room, problem, elimination):
     put_in_order(problem, order, first, end, inverse, mass, free)
     ordered = OrderedProblem(
         inverse, mass, free, places, elimination.block, problem.jacobian, elimination.frame, problem.offset, problem.mu, problem.compliance,
-        widths_in_order(problem.width, order), d, problem.m, problem.n,
+        widths_in_order(problem.width, order), d, problem.coupling, problem.m, problem.n,
     )  # fmt: skip
     wait(shares.team)
     measure_scales(ordered, shares.contacts[0], shares.contacts[1])
@@ -173,8 +65,11 @@ def answer_of(shares, room, problem, scratch, impulse):
     v, q = allocate_answer(room, impulse.shape, scratch.shape)
     copy_share(shares.rows, problem.free, v)
     contact_velocity(shares, problem, v, q)
-    norm = map_norm(shares, problem, impulse, scratch, v)
-    return first_answer(impulse, v, norm, q, problem.d)
+    square, error = squared_size_of(problem, v, 0, len(q)), np.empty(1)
+    size = np.sqrt(square) if square > 0.0 else 1.0
+    wait(shares.team)
+    error[0] = map_norm(shares, problem, impulse, scratch, v) / size
+    return Answer(impulse, v, error, size, largest(q))
 
 
 class Begun(NamedTuple):
@@ -238,7 +133,7 @@ def newton_by_team(
     """:func:`over_bodies` by proximal points with Newton's steps, for a thread of a team."""
     room, shares, ordered, work, answer = begin(team, problem, elimination, impulse, values)
     inside = allocate_newton(room, impulse.shape, work.room.shape)
-    iterations = proximal_points(settle_springs, BODIES, shares, ordered, work, inside, NEWTON, answer, settings)
+    iterations = proximal_points(settle_springs, shares, ordered, work, inside, NEWTON, answer, settings)
     in_given_order(shares, elimination, answer, velocity)
     return iterations, answer.error[0]
 
@@ -256,7 +151,7 @@ def pivoting_by_team(
     """:func:`over_bodies` by proximal points with pivoting, for a team of one thread."""
     room, shares, ordered, work, answer = begin(team, problem, elimination, impulse, values)
     inside = allocate_pivoting(room, impulse.shape, work.room.shape)
-    iterations = proximal_points(follow, BODIES, shares, ordered, work, inside, PIVOTING, answer, settings)
+    iterations = proximal_points(follow, shares, ordered, work, inside, PIVOTING, answer, settings)
     in_given_order(shares, elimination, answer, velocity)
     return iterations, answer.error[0]
 
@@ -274,7 +169,7 @@ def interior_by_team(
     """:func:`over_bodies` by the interior point method, for a thread of a team."""
     room, shares, ordered, work, answer = begin(team, problem, elimination, impulse, values)
     inside = allocate_interior(room, impulse.shape, work.room.shape)
-    iterations = interior_point(BODIES, shares, ordered, work, inside, answer, settings)
+    iterations = interior_point(shares, ordered, work, inside, answer, settings)
     in_given_order(shares, elimination, answer, velocity)
     return iterations, answer.error[0]
 

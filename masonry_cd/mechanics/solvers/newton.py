@@ -17,20 +17,18 @@ and the step is halved until the residual, in the norm of M^-1, falls. A step th
 where one contact changes its status, as in pivoting methods (Ralph, Math. Oper. Res. 19, 1994). Velocities are counted from that of the
 centre, which spares rounding.
 
-Stiff springs of the contacts' own settle beside rigid contacts where K exceeds d / C: hence its bound of 1e12. A problem given by W alone
-is solved in the same way in the impulses, u = W p + q, after scaling it so that all d = 1.
+Stiff springs of the contacts' own settle beside rigid contacts where K exceeds d / C: hence its bound of 1e12.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, Solution, first_impulse
+from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
 from masonry_cd.mechanics.linalg.small_blocks import size_tuple
 from masonry_cd.mechanics.solvers import admm, nlgs
 from masonry_cd.mechanics.solvers.linearised import Settings, elimination_of
 from masonry_cd.mechanics.solvers.linearised_bodies import newton_by_team, over_bodies
-from masonry_cd.mechanics.solvers.linearised_local import newton_local, scaled_local
 from masonry_cd.mechanics.solvers.options import Options
 
 LIMIT = 240  # factorisations
@@ -48,16 +46,11 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return nlgs.solve(problem, options, start)
     impulse = first_impulse(problem, start)
     settings = Settings(0.0, 0.0, 0.0, options.tolerance, options.limit(LIMIT), size_tuple(problem.dimension + 1))
-    if isinstance(problem, LocalProblem):
-        local = scaled_local(problem)
-        impulse *= local.root
-        iterations, error = newton_local(local.arrays, local.symbolic, settings, impulse)
-        return Solution(impulse / local.root, None, iterations, _reason(error, options))
     arrays, velocity = problem.arrays(), np.empty(problem.v_free.shape)
     state, factors, index, block = admm.recall(arrays, start)
-    elimination = elimination_of(arrays, factors.pattern, index, block)
+    elimination = elimination_of(problem, factors.pattern, index, block)
     iterations, error = over_bodies(newton_by_team, arrays, elimination, settings, impulse, velocity, options.threads)
-    return Solution(impulse, velocity, iterations, _reason(error, options), state)
+    return Solution(impulse, velocity, iterations, _reason(error, options), state, error)
 
 
 def _reason(error: float, options: Options) -> str:

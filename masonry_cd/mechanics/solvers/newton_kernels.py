@@ -1,4 +1,4 @@
-"""Newton's method for the problem of a centre, over bodies and where W alone is given; see newton.py."""
+"""Newton's method for the problem of a centre; see newton.py."""
 
 from __future__ import annotations
 
@@ -9,12 +9,22 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK
 from masonry_cd.mechanics.linalg.threads import take, wait
-from masonry_cd.mechanics.solvers.proximal_kernels import FREE, HELD, Course, allocate_centre, allocate_springs, spring_blocks
+from masonry_cd.mechanics.solvers.proximal_kernels import (
+    FREE,
+    HELD,
+    Course,
+    allocate_centre,
+    allocate_springs,
+    spring_blocks,
+    spring_changes,
+    spring_direction,
+    spring_residual,
+)
+from masonry_cd.mechanics.solvers.shared_operators import factorise
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks
 
 FOLDS = 3  # times that the same contact turns at once, after which a problem with springs is given up
 NEWTON = Course(softest=1e2, stiffest=1e6, growth=4.0, leap=2.0, fall=8.0, calm=1.0, iterations=25, failures=8, ties=0.0)
-NEWTON_LOCAL = NEWTON._replace(iterations=60, failures=16)  # where W alone is given
 
 
 class Search(NamedTuple):
@@ -64,7 +74,7 @@ def first_change(mu, status, x, dx, begin, stop, size_m):
 
 
 @borrower()
-def shorten_step(kind, shares, moved, springs, stiffness, search, norm):
+def shorten_step(shares, moved, springs, stiffness, search, norm):
     """trial = v + step change with the first of the steps 1, 1/2, .. 1/16 that makes enough progress.
 
     Returns the norm of the residual there, and whether that is enough.
@@ -73,23 +83,23 @@ def shorten_step(kind, shares, moved, springs, stiffness, search, norm):
     while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
         step *= 0.5
         add_share(shares.rows, search.v, step, search.change, search.trial)
-        new = kind.spring_residual(shares, moved, springs, stiffness, search.trial, FREE, search.residual)
+        new = spring_residual(shares, moved, springs, stiffness, search.trial, FREE, search.residual)
     return new, new < (1.0 - 0.1 * step) * norm
 
 
 @borrower()
-def turn_first(kind, shares, moved, springs, stiffness, search):
+def turn_first(shares, moved, springs, stiffness, search):
     """Go along a change of the velocities as far as the first kink on the way, where a contact changes its status, or half of it.
 
     Returns the norm of the residual there, that contact or -1, and the step.
     """
     v, change, _, residual = search
     copy_share(shares.contacts, springs.held, springs.status)
-    kind.spring_residual(shares, moved, springs, stiffness, v, HELD, residual)
-    kind.spring_changes(shares, moved, springs, stiffness, change)
+    spring_residual(shares, moved, springs, stiffness, v, HELD, residual)
+    spring_changes(shares, moved, springs, stiffness, change)
     step, which = turn_at_first(shares, moved, springs)
     add_share(shares.rows, v, min(step, 0.5) if step >= 1.0 else step, change, v)
-    return kind.spring_residual(shares, moved, springs, stiffness, v, HELD, residual), which, step
+    return spring_residual(shares, moved, springs, stiffness, v, HELD, residual), which, step
 
 
 @borrower()
@@ -112,26 +122,26 @@ def turn_at_first(shares, moved, springs):
 
 
 @kernel()
-def settle_springs(kind, shares, moved, work, springs, stiffness, goal, most, search):
+def settle_springs(shares, moved, work, springs, stiffness, goal, most, search):
     """Semismooth Newton for the problem with springs: its impulses, and its velocities, from those given.
 
     Ends at a norm of ``goal`` or after ``most`` factorisations; returns whether it is solved and the number of these.
     """
-    norm = kind.spring_residual(shares, moved, springs, stiffness, search.v, FREE, search.residual)
+    norm = spring_residual(shares, moved, springs, stiffness, search.v, FREE, search.residual)
     spent, turned, last = 0, 0, -1
     while norm > goal and spent < most and turned < FOLDS:
         spring_blocks(shares, moved, springs, stiffness)
         spent += 1
-        if kind.factorise(shares, moved, work, springs.block) == 0.0:
+        if factorise(shares, moved, work, springs.block) == 0.0:
             break
-        kind.spring_direction(shares, moved, work, springs, search)
+        spring_direction(shares, work, search)
         copy_share(shares.contacts, springs.status, springs.held)
-        new, enough = shorten_step(kind, shares, moved, springs, stiffness, search, norm)
+        new, enough = shorten_step(shares, moved, springs, stiffness, search, norm)
         if enough:
             copy_share(shares.rows, search.trial, search.v)
             norm, last, turned = new, -1, 0
             continue
-        norm, which, step = turn_first(kind, shares, moved, springs, stiffness, search)
+        norm, which, step = turn_first(shares, moved, springs, stiffness, search)
         if step < 1.0:
             turned, last = turned + 1 if which == last and step < 1e-9 else 0, which
     return norm <= goal, spent

@@ -17,12 +17,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.mechanics.friction.local_blocks import local_arrays
-from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, first_impulse
+from masonry_cd.mechanics.friction.law_terms import PARTS
+from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
 from masonry_cd.mechanics.linalg.threads import run_by_team
-from masonry_cd.mechanics.solvers.local_kernels import sweep_local_problem
 from masonry_cd.mechanics.solvers.nlgs_kernels import (
-    PARTS,
     ColouredJoints,
     SweepHistory,
     SweepSettings,
@@ -53,23 +51,20 @@ def solve_by_sweeps(name: str, extrapolated: bool, problem: Problem, options: Op
     """:func:`solve` by sweeps extrapolated as accelerated.py says, or plain; ``name`` is the solver's, for the reason."""
     impulse = first_impulse(problem, start)
     settings = SweepSettings(options.tolerance, options.limit(LIMIT), EVERY, extrapolated, options.seed)
-    if not isinstance(problem, FrictionProblem):
-        sweeps, error = sweep_local_problem(*local_arrays(problem), impulse, settings)
-        return Solution(impulse, None, sweeps, _reason(name, error, options))
     if problem.contacts == 0:  # blocks in the air; nothing is compiled for them
-        return Solution(impulse, problem.body_velocity(impulse), 0, _reason(name, 0.0, options))
+        return Solution(impulse, problem.body_velocity(impulse), 0, _reason(name, 0.0, options), error=0.0)
     given, velocity = problem.arrays(), np.empty(problem.v_free.shape)
     scaled, error = begin_sweeps(given, impulse)
     if error <= options.tolerance or settings.limit == 0:
         sweeps = 0
     else:
-        joints, threads = colour_joints(scaled.bodies, len(velocity)), options.threads
-        if not extrapolated and problem.contacts < COLOURED:
+        joints, threads = colour_joints(scaled.problem.places, len(velocity)), options.threads
+        if len(given.coupling.indptr) or (not extrapolated and problem.contacts < COLOURED):
             joints, threads = one_by_one(joints), 1
-        history = SweepHistory(np.empty_like(impulse), np.empty_like(scaled.y), np.empty_like(impulse), np.empty((PARTS, 2)))
+        history = SweepHistory(np.empty_like(impulse), np.empty_like(scaled.y), np.empty_like(impulse), np.empty(PARTS))
         sweeps, error = run_by_team(sweep_bodies, threads, scaled, joints, history, settings)
     end_sweeps(scaled, given.v_free, impulse, velocity)
-    return Solution(impulse, velocity, sweeps, _reason(name, error, options))
+    return Solution(impulse, velocity, sweeps, _reason(name, error, options), error=error)
 
 
 def one_by_one(joints: ColouredJoints) -> ColouredJoints:

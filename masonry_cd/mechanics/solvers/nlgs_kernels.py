@@ -12,6 +12,8 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.coulomb_law import P
+from masonry_cd.mechanics.friction.law_terms import PARTS, part_of
+from masonry_cd.mechanics.friction.natural_map import error_of
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.random_order import seeded, shuffle
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
@@ -19,7 +21,7 @@ from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, wait
 from masonry_cd.mechanics.solvers.nlgs_sweep import sweep
 from masonry_cd.mechanics.solvers.nlgs_table import (
     ScaledProblem,
-    error_of,
+    collect,
     measure_error,
     read_answer,
     scaled_problem,
@@ -28,7 +30,6 @@ from masonry_cd.mechanics.solvers.nlgs_table import (
 
 COLOURS = 128  # at most; more joints than that hardly meet in a block, and those that find no colour share the last one, one by one
 AHEAD = 4  # joints of one colour that are fetched ahead
-PARTS = 64  # of the contacts, whose sums are added in their order
 
 
 class SweepSettings(NamedTuple):
@@ -55,7 +56,7 @@ class SweepHistory(NamedTuple):
     p: np.ndarray  # (C, m) impulses after the last sweep
     y: np.ndarray  # (B + 1, n) G^T p of them
     best: np.ndarray  # (C, m) impulses of the smallest error
-    sums: np.ndarray  # (PARTS, 2) squared norms of the residual and of q
+    sums: np.ndarray  # (PARTS,) squared norms of the residual
 
 
 @entry()
@@ -112,7 +113,7 @@ def sweep_bodies(
 
     Returns the sweeps made and the natural map error of the best impulses.
     """
-    smallest = error = measure_by_team(team, scaled, joints, history.sums)
+    smallest = error = measure_by_team(team, scaled, history.sums)
     keep(team, scaled, history.best)
     keep(team, scaled, history.p)
     first, end = share_of(team, 0, len(scaled.y))
@@ -125,7 +126,7 @@ def sweep_bodies(
         sweep_by_team(team, scaled, joints, colours)
         sweeps += 1
         if sweeps % settings.every == 0 or sweeps == settings.limit:
-            before, error = error, measure_by_team(team, scaled, joints, history.sums)
+            before, error = error, measure_by_team(team, scaled, history.sums)
             if error < smallest:
                 smallest = error
                 keep(team, scaled, history.best)
@@ -135,7 +136,7 @@ def sweep_bodies(
             weight, factor = next_weight(weight)
             extrapolate(team, scaled, history, factor)
     restore(team, scaled, history.best)
-    measure_by_team(team, scaled, joints, history.sums)  # and y with it
+    measure_by_team(team, scaled, history.sums)  # and y with it
     return sweeps, smallest
 
 
@@ -154,7 +155,7 @@ def sweep_by_team(team, scaled, joints, colours):
         if low == high:
             continue
         first, end = share_of_colour(team, colour, joints)
-        sweep(scaled.jacobian, scaled.y, scaled.bodies, scaled.table, joints.start, joints.order[first:end], AHEAD)
+        sweep(scaled, joints.start, joints.order[first:end], AHEAD)
         wait(team)
 
 
@@ -168,41 +169,19 @@ def share_of_colour(team, colour, joints):
 
 
 @kernel()
-def measure_by_team(team, scaled, joints, sums):
-    """Set y = G^T p of a ScaledProblem anew; returns the natural map error of its impulses."""
-    rows, contacts = len(scaled.y), len(scaled.table)
-    first, end = share_of(team, 0, rows)
-    scaled.y[first:end] = 0.0
+def measure_by_team(team, scaled, sums):
+    """Set y of a ScaledProblem anew; returns the natural map error of its impulses."""
+    first, end = share_of(team, 0, len(scaled.factor))
+    collect(scaled, first, end)
     wait(team)
-    for colour in range(len(joints.colour) - 1):
-        low, high = joints.colour[colour], joints.colour[colour + 1]
-        if low < high:
-            first, end = share_of_colour(team, colour, joints)
-            collect_joints(scaled, joints, first, end)
-            wait(team)
     first, end = share_of(team, 0, PARTS)
     for part in range(first, end):
-        begin, stop = contacts * part // PARTS, contacts * (part + 1) // PARTS
-        sums[part, 0], sums[part, 1] = squared_residuals_of(scaled.jacobian, scaled.y, scaled.bodies, scaled.table, begin, stop)
+        begin, stop = part_of(part, len(scaled.table))
+        sums[part] = squared_residuals_of(scaled, begin, stop)
     wait(team)
-    residual, size = sums[:, 0].sum(), sums[:, 1].sum()
+    residual = sums.sum()
     wait(team)
-    return error_of(residual, size)
-
-
-@borrower()
-def collect_joints(scaled, joints, first, end):
-    """y += G^T p of the joints first to end in the order of the colours."""
-    g, y, index, law = scaled.jacobian, scaled.y, scaled.bodies, scaled.table
-    m, n = g.shape[2], g.shape[3]
-    for place in range(first, end):
-        joint = joints.order[place]
-        for c in range(joints.start[joint], joints.start[joint + 1]):
-            for side in range(2):
-                body = index[c, side]
-                for i in range(m):
-                    for k in range(n):
-                        y[body, k] += g[c, side, i, k] * law[c, P + i]
+    return error_of(residual, scaled.size)
 
 
 @borrower()

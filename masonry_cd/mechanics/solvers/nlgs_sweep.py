@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.coulomb_law import MU, ROW, START, C, P, Q, local_impulse, own_velocity
+from masonry_cd.mechanics.friction.coulomb_law import MU, ROW, SCALE, START, C, P, Q, local_impulse, own_velocity
+from masonry_cd.mechanics.friction.coupling import is_coupled
 from masonry_cd.mechanics.linalg.intrinsics import prefetch
 from masonry_cd.mechanics.solvers.nlgs_table import law_of
 
@@ -74,9 +75,11 @@ def sweep_spatial(g, y, index, law, starts, order, ahead):
 
 
 @kernel()
-def sweep_any(g, y, index, law, starts, order):
-    """One sweep for any m and n; planar problems (m = 2, n = 3) come here."""
-    m, n = g.shape[2], g.shape[3]
+def sweep_any(scaled, starts, order):
+    """One sweep for any m and n; planar problems (m = 2, n = 3) come here, and those given by W alone, which have no y to keep."""
+    problem, y, law = scaled.problem, scaled.y, scaled.table
+    g, index, (data, indices, indptr) = problem.jacobian, problem.places, problem.coupling
+    m, n, coupled = len(problem.m), len(problem.n), is_coupled(problem)
     seen, impulse = np.zeros(3), np.zeros(3)
     for joint in order:
         for c in range(starts[joint], starts[joint + 1]):
@@ -86,23 +89,29 @@ def sweep_any(g, y, index, law, starts, order):
             seen[0], seen[1], seen[2] = -own_n, -own_1, -own_2 if m == 3 else 0.0
             for i in range(m):
                 seen[i] += law[c, Q + i] + law[c, C + i] * law[c, P + i]
-                for k in range(n):
+                for k in range(0 if coupled else n):
                     seen[i] += g[c, 0, i, k] * y[a, k] + g[c, 1, i, k] * y[b, k]
+            for k in range(indptr[c] if coupled else 0, indptr[c + 1] if coupled else 0):
+                row, d = indices[k], law[c, SCALE]
+                for i in range(m):
+                    for j in range(m):
+                        seen[i] += d * data[k, i, j] * law[row, P + j]
             impulse[0], impulse[1], impulse[2], law[c, START] = local_impulse(
                 (seen[0], seen[1], seen[2]), (inverse_nn, c1, c2, s11, s12, s22), law[c, MU], law[c, START]
             )
             for i in range(m):
                 change = impulse[i] - law[c, P + i]
                 law[c, P + i] = impulse[i]
-                for k in range(n):
+                for k in range(0 if coupled else n):
                     y[a, k] += g[c, 0, i, k] * change
                     y[b, k] += g[c, 1, i, k] * change
 
 
 @kernel()
-def sweep(g, y, index, law, starts, order, ahead):
-    """One sweep, joint after joint in the given order: new impulses in the table ``law`` and new y."""
+def sweep(scaled, starts, order, ahead):
+    """One sweep, joint after joint in the given order: new impulses in the table of a :class:`ScaledProblem`, and new y."""
+    g = scaled.problem.jacobian
     if g.shape[2] == 3 and g.shape[3] == 6:
-        sweep_spatial(g, y, index, law, starts, order, ahead)
+        sweep_spatial(g, scaled.y, scaled.problem.places, scaled.table, starts, order, ahead)
     else:
-        sweep_any(g, y, index, law, starts, order)
+        sweep_any(scaled, starts, order)

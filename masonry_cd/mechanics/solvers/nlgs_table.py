@@ -2,7 +2,8 @@
 
 With M^-1 = L L^T and G = H L one array of rows serves both ways: u = q + G y and y = G^T p. The columns of the table are those of
 ``coulomb_law``: 1 / W_nn, the coupling w / W_nn (2), the Schur complement (3), W_nn, d, the start of the slip equation, mu, and
-then q (3), p (3) and the compliance (3).
+then q (3), p (3) and the compliance (3). A problem given by W alone has its coupling in the place of G^T, y = L^T (coupling) p, and sweeps
+read W p from its rows.
 """
 
 from __future__ import annotations
@@ -12,19 +13,23 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.coulomb_law import COUPLING, INVERSE_NN, MU, NN, ROW, SCALE, SCHUR, C, P, Q, prepare_law
-from masonry_cd.mechanics.friction.natural_map import squared_residual
+from masonry_cd.mechanics.friction.coulomb_law import COUPLING, INVERSE_NN, NN, ROW, SCALE, SCHUR, C, P, Q, prepare_law
+from masonry_cd.mechanics.friction.coupling import is_coupled
+from masonry_cd.mechanics.friction.joint_twists import NUMBERS
+from masonry_cd.mechanics.friction.law_terms import add_impulse_of_own
+from masonry_cd.mechanics.friction.natural_map import error_of
+from masonry_cd.mechanics.friction.operators import OrderedProblem, squared_map_norm_of
 from masonry_cd.mechanics.linalg.small_blocks import cholesky_small
 
 
 class ScaledProblem(NamedTuple):
-    """A friction problem scaled by mass, with its impulses in the table; supports are a last body whose rows of G are zero."""
+    """A friction problem scaled by mass, with its impulses in the table."""
 
     factor: np.ndarray  # (B, n, n) L
-    jacobian: np.ndarray  # (C, 2, m, n) G
-    bodies: np.ndarray  # (C, 2) of each contact
+    problem: OrderedProblem  # with G for H and q for b; supports are a last body whose rows of G are zero
     table: np.ndarray  # (C, ROW)
     y: np.ndarray  # (B + 1, n) G^T p
+    size: float  # square of |q / sqrt(d)|, by which errors are divided
 
 
 @kernel(inline="always")
@@ -66,10 +71,10 @@ def scale_by_mass(inverse_mass, v_free, bodies, jacobian, offset):
 
 
 @kernel()
-def contact_table(g, q, index, mu, compliance, p):
+def contact_table(given, g, q, index, p):
     """The table (C, ROW): q, p, and the laws, from W_cc + C_cc, W_cc = sum over sides of G G^T (both sides on one body add up)."""
     contacts, _, m, n = g.shape
-    law = np.zeros((contacts, ROW))
+    law, compliance = np.zeros((contacts, ROW)), given.compliance
     w = np.zeros((3, 3))
     for c in range(contacts):
         cross = index[c, 0] == index[c, 1]
@@ -83,7 +88,9 @@ def contact_table(g, q, index, mu, compliance, p):
                 w[i, j] = total
             if len(compliance):
                 w[i, i] += compliance[c, i]
-        prepare_law(w, m, mu[c], law, c)
+        if is_coupled(given):
+            read_own_block(given, c, w)
+        prepare_law(w, m, given.mu[c], law, c)
         for i in range(m):
             law[c, Q + i], law[c, P + i] = q[c, i], p[c, i]
             if len(compliance):
@@ -91,12 +98,34 @@ def contact_table(g, q, index, mu, compliance, p):
     return law
 
 
+@borrower()
+def read_own_block(given, c, w):
+    """W_cc of a problem given by W alone in the place of w, d I, which stays where W_cc is zero: whatever it is, the impulse stays."""
+    data, indices, indptr, m, d = given.coupling.data, given.coupling.indices, given.coupling.indptr, len(given.m), w[0, 0]
+    for k in range(indptr[c], indptr[c + 1]):
+        trace = 0.0
+        for i in range(m):
+            trace += data[k, i, i]
+        if indices[k] == c and trace > 0.5 * m:  # of what is divided by d
+            for i in range(m):
+                for j in range(m):
+                    w[i, j] = d * data[k, i, j]
+
+
 @kernel()
 def scaled_problem(given, p):
     """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m); y is not yet set."""
     factor, g, q, index = scale_by_mass(given.inverse_mass, given.v_free, given.bodies, given.jacobian, given.offset)
-    y = np.empty((len(given.v_free) + 1, len(given.n)))
-    return ScaledProblem(factor, g, index, contact_table(g, q, index, given.mu, given.compliance, p), y)
+    n, table, size, nothing = len(given.n), contact_table(given, g, q, index, p), 0.0, np.empty(0, dtype=np.int64)
+    y = np.zeros((len(given.v_free) + 1, n))
+    for c in range(len(table)):
+        for i in range(len(given.m)):
+            size += q[c, i] * q[c, i] / table[c, SCALE]
+    problem = OrderedProblem(
+        given.inverse_mass, np.empty((0, n, n)), given.v_free, index, nothing, g, np.empty((0, NUMBERS)), q, given.mu, given.compliance,
+        nothing, table[:, SCALE].copy(), given.coupling, given.m, given.n,
+    )  # fmt: skip
+    return ScaledProblem(factor, problem, table, y, size)
 
 
 @kernel(inline="always")
@@ -107,48 +136,33 @@ def law_of(law, c):
     )  # fmt: skip
 
 
-@borrower()
-def collect(g, index, p, y):
-    """y = G^T p from scratch, which also clears the rounding of many sweeps."""
-    contacts, _, m, n = g.shape
-    y[:] = 0.0
-    for c in range(contacts):
-        for side in range(2):
-            body = index[c, side]
-            for i in range(m):
-                for k in range(n):
-                    y[body, k] += g[c, side, i, k] * p[c, i]
-
-
 @kernel()
-def squared_residuals_of(g, y, index, law, first, end):
-    """Squares of the norms of the natural map residual and of q / sqrt(d) over the contacts first to end, whose y = G^T p is given."""
-    m, n = g.shape[2], g.shape[3]
-    residual, size = 0.0, 0.0
-    w = np.zeros(3)
-    for c in range(first, end):
-        a, b = index[c, 0], index[c, 1]
-        for i in range(m):
-            size += law[c, Q + i] * law[c, Q + i] / law[c, SCALE]
-            w[i] = law[c, Q + i] + law[c, C + i] * law[c, P + i]
-            for k in range(n):
-                w[i] += g[c, 0, i, k] * y[a, k] + g[c, 1, i, k] * y[b, k]
-        residual += squared_residual(law[c, P], law[c, P + 1], law[c, P + 2], w[0], w[1], w[2], law[c, MU], law[c, SCALE])
-    return residual, size
+def collect(scaled, first, end):
+    """y = G^T p of the bodies first to end, from scratch, which also clears the rounding of many sweeps."""
+    add_impulse_of_own(scaled.problem, impulses_of(scaled), first, end, scaled.y)
+    if is_coupled(scaled.problem):
+        for b in range(first, end):
+            for i in range(scaled.y.shape[1]):
+                scaled.y[b, i] *= scaled.factor[b, i, i]
 
 
 @kernel(inline="always")
-def error_of(residual, size):
-    """The natural map error by the squares of both norms."""
-    return np.sqrt(residual / size) if size > 0.0 else np.sqrt(residual)
+def impulses_of(scaled):
+    """The impulses (C, m) in the table."""
+    return scaled.table[:, P : P + len(scaled.problem.m)]
+
+
+@kernel()
+def squared_residuals_of(scaled, first, end):
+    """Square of the norm of the natural map residual of the contacts first to end, whose y is given."""
+    return squared_map_norm_of(scaled.problem, impulses_of(scaled), scaled.y, first, end)
 
 
 @kernel()
 def measure_error(scaled):
-    """Set y = G^T p of a ScaledProblem anew; returns the natural map error of its impulses."""
-    collect(scaled.jacobian, scaled.bodies, scaled.table[:, P : P + scaled.jacobian.shape[2]], scaled.y)
-    residual, size = squared_residuals_of(scaled.jacobian, scaled.y, scaled.bodies, scaled.table, 0, len(scaled.table))
-    return error_of(residual, size)
+    """Set y of a ScaledProblem anew; returns the natural map error of its impulses."""
+    collect(scaled, 0, len(scaled.factor))
+    return error_of(squared_residuals_of(scaled, 0, len(scaled.table)), scaled.size)
 
 
 @borrower()

@@ -57,10 +57,10 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return interior.solve(problem, options, start)
     arrays, (bodies, n) = problem.arrays(), problem.v_free.shape
     state, factors, index, block = admm.recall(arrays, start)
-    elimination = elimination_of(arrays, factors.pattern, index, block)
+    elimination = elimination_of(problem, factors.pattern, index, block)
     impulse, velocity = np.zeros((problem.contacts, 2)) if start is None else start.impulse.copy(), np.empty((bodies, n))
     limit = options.limit(LIMIT)
     settings = Settings(0.0, 0.0, 0.0, options.tolerance, limit, size_tuple(3))
     iterations, error = over_bodies(pivoting_by_team, arrays, elimination, settings, impulse, velocity)
     reason = "pivoting: converged" if error <= options.tolerance else f"pivoting: stopped at an error of {error:.1e}"
-    return Solution(impulse, velocity, iterations, reason, state)
+    return Solution(impulse, velocity, iterations, reason, state, error)

@@ -10,7 +10,17 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK
 from masonry_cd.mechanics.friction.operators import velocity_of_contact
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
-from masonry_cd.mechanics.solvers.proximal_kernels import FREE, HELD, Course, allocate_centre, allocate_springs, softness, spring_blocks
+from masonry_cd.mechanics.solvers.proximal_kernels import (
+    FREE,
+    HELD,
+    Course,
+    allocate_centre,
+    allocate_springs,
+    softness,
+    spring_blocks,
+    spring_residual,
+)
+from masonry_cd.mechanics.solvers.shared_operators import factorise
 
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
 PIVOTING = Course(softest=1e3, stiffest=1e3, growth=10.0, leap=1.0, fall=10.0, calm=0.5, iterations=10**9, failures=16, ties=1e-3)
@@ -156,11 +166,11 @@ def next_kink(problem, springs, path, taken):
 
 
 @kernel()
-def set_out(kind, shares, moved, work, springs, stiffness, path, left, held):
+def set_out(shares, moved, work, springs, stiffness, path, left, held):
     """Factorise where the path is, and find its rate there; False if the matrix is singular."""
-    kind.spring_residual(shares, moved, springs, stiffness, path.v, held, path.residual)
+    spring_residual(shares, moved, springs, stiffness, path.v, held, path.residual)
     spring_blocks(shares, moved, springs, stiffness)
-    if kind.factorise(shares, moved, work, springs.block) == 0.0:
+    if factorise(shares, moved, work, springs.block) == 0.0:
         return False
     path.rate[:] = 0.0
     add_flat(path.rate, 1.0 / left, path.residual)
@@ -170,7 +180,7 @@ def set_out(kind, shares, moved, work, springs, stiffness, path, left, held):
 
 
 @kernel()
-def follow(kind, shares, moved, work, springs, stiffness, goal, most, path):
+def follow(shares, moved, work, springs, stiffness, goal, most, path):
     """Follow the path from v until the residual vanishes; there is one thread.
 
     Returns whether it does, and the number of factorisations: not where the path folds back, ends in a ray, or takes more than ``most``.
@@ -181,14 +191,14 @@ def follow(kind, shares, moved, work, springs, stiffness, goal, most, path):
     left = 1.0  # share of the residual at the start
     held: np.bool = FREE  # whether statuses are known, or follow the trial impulses
     for spent in range(1, most + 1):
-        if not set_out(kind, shares, moved, work, springs, stiffness, path, left, held):
+        if not set_out(shares, moved, work, springs, stiffness, path, left, held):
             return False, spent
         held, taken = HELD, 0.0
         for k in range(UPDATES):
             step, c, beyond = next_kink(moved, springs, path, taken)
             if step >= left:
                 add_flat(path.v, left, path.rate)
-                kind.spring_residual(shares, moved, springs, stiffness, path.v, HELD, path.residual)
+                spring_residual(shares, moved, springs, stiffness, path.v, HELD, path.residual)
                 return True, spent
             taken, left = step, left - step
             add_flat(path.v, step, path.rate)

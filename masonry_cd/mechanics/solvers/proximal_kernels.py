@@ -1,4 +1,4 @@
-"""Proximal points, over bodies and where W alone is given: springs, soft to stiff, that are at rest in one centre after the other.
+"""Proximal points: springs, soft to stiff, that are at rest in one centre after the other.
 
 The method is told in newton.py; what solves the problem of a centre is newton_kernels.py or, in a plane, pivoting_kernels.py.
 """
@@ -12,9 +12,11 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
-from masonry_cd.mechanics.linalg.threads import take
-from masonry_cd.mechanics.solvers.linearised import keep_better
-from masonry_cd.mechanics.solvers.shares import copy_share
+from masonry_cd.mechanics.friction.operators import OrderedProblem, has_unit_masses, velocity_of_contact
+from masonry_cd.mechanics.linalg.threads import take, wait
+from masonry_cd.mechanics.solvers.linearised import STIFFEST, keep_better
+from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, map_norm, missing_momentum, solve_by_first
+from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, copy_share, sum_of_rows
 
 GOLDEN, TIGHT = 0.6180339887498949, 1e-8
 WON = 0.9  # of the error, at most, that is left by a problem that is not solved and counts all the same
@@ -38,7 +40,7 @@ class Centre(NamedTuple):
 
     v: np.ndarray  # velocities of the centre
     own: np.ndarray  # and of its impulses
-    free: np.ndarray  # (B + 1, n) room for :attr:`Kind.movable`
+    free: np.ndarray  # (B + 1, n) room for :func:`movable`
     offset: np.ndarray  # (C, m) likewise
 
 
@@ -144,8 +146,87 @@ def break_ties(offset, size):
 
 
 @kernel()
-def proximal_points(settle, kind, shares, problem, work, inside, course, answer, settings):
-    """Proximal points with the operators of a :class:`Kind`, from ``answer`` on, which gets better; returns the iterations.
+def movable(problem, free, offset):
+    """The problem in the change of the velocities from those of a centre, which spares rounding; free (B + 1, n) and offset (C, m) are
+    room for what changes with it."""
+    return OrderedProblem(
+        problem.inverse, problem.mass, free, problem.places, problem.block, problem.jacobian, problem.frame, offset, problem.mu,
+        problem.compliance, problem.width, problem.d, problem.coupling, problem.m, problem.n,
+    )  # fmt: skip
+
+
+@borrower()
+def begin_at(shares, problem, moved, centre, v):
+    """Count velocities from ``centre`` (B + 1, n), and begin there: at v = 0."""
+    first, end = shares.rows
+    add_share(shares.rows, problem.free, -1.0, centre, moved.free)
+    contact_velocity(shares, problem, centre, moved.offset)
+    v[first:end] = 0.0
+
+
+@borrower()
+def move_centre(shares, centre, v):
+    """centre += v."""
+    add_share(shares.rows, centre, 1.0, v, centre)
+
+
+@borrower()
+def spring_residual(shares, problem, springs, stiffness, v, held, out):
+    """Fill x and p of the springs at velocities v, and out = M (v_free - v) + G p (B + 1, n); returns the norm of that in M^-1."""
+    m, compliance, d, x, centre = len(problem.m), problem.compliance, problem.d, springs.x, springs.centre
+    first, end = shares.contacts
+    contact_velocity(shares, problem, v, x)
+    for c in range(first, end):
+        soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
+        for i in range(m):
+            soft = soft_n if i == 0 else soft_t
+            own = compliance[c, i] if len(compliance) else 0.0
+            x[c, i] = ((soft - own) * centre[c, i] - x[c, i]) / soft
+        project_trial(springs, problem.mu, c, held, m)
+    missing_momentum(shares, problem, v, springs.p, out)
+    return norm_of_momentum(shares, problem, out)
+
+
+@borrower()
+def norm_of_momentum(shares, problem, momentum):
+    """Norm of momenta (B + 1, n) in M^-1."""
+    n, turn, (first, end) = len(problem.n), begin_sums(shares), shares.rows
+    for b in range(first, end):
+        total = 0.0
+        for i in range(n):
+            if has_unit_masses(problem):
+                total += momentum[b, i] * momentum[b, i]
+                continue
+            for j in range(n):
+                total += momentum[b, i] * problem.inverse[b, i, j] * momentum[b, j]
+        shares.sums[turn, 0, b] = total
+    wait(shares.team)
+    return np.sqrt(max(sum_of_rows(shares, len(problem.inverse)), 0.0))
+
+
+@kernel()
+def spring_direction(shares, work, search):
+    """The Newton step, (M + G B H) dv = r with the residual r, which it uses up."""
+    solve_by_first(shares, work.factor, search.residual)
+    copy_share(shares.rows, search.residual, search.change)
+
+
+@borrower()
+def spring_changes(shares, problem, springs, stiffness, change):
+    """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
+    dx, m, (first, end) = springs.dx, len(problem.m), shares.contacts
+    wait(shares.team)
+    for c in range(first, end):
+        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, m)
+        u0, u1, u2 = velocity_of_contact(problem, change, c)
+        dx[c, 0], dx[c, 1] = -u0 / soft_n, -u1 / soft_t
+        if m == 3:
+            dx[c, 2] = -u2 / soft_t
+
+
+@kernel()
+def proximal_points(settle, shares, problem, work, inside, course, answer, settings):
+    """Proximal points from ``answer`` on, which gets better; returns the iterations.
 
     ``settle`` solves the problem of a centre, ``inside`` are :class:`Springs`, its room, which has velocities v, and a :class:`Centre`.
     Centres that the springs leave where they are, without a factorisation, have the same limit as those: near what rounding leaves there
@@ -155,27 +236,27 @@ def proximal_points(settle, kind, shares, problem, work, inside, course, answer,
     copy_share(shares.contacts, answer.impulse, springs.centre)
     copy_share(shares.contacts, answer.impulse, springs.p)
     copy_share(shares.rows, answer.velocity, centre.v)
-    moved, error = kind.movable(problem, centre.free, centre.offset), answer.error[0]
+    moved, error = movable(problem, centre.free, centre.offset), answer.error[0]
     stiffness, growth, fall = min(max(1.0 / max(error, 1e-300), course.softest), course.stiffest), course.growth, course.fall
     iterations, failed, idle = 0, 0, 0
     while max(iterations, idle) < settings.limit and answer.error[0] > settings.tolerance and failed < course.failures:
         goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
         most = min(settings.limit - iterations, course.iterations)
-        kind.begin_at(shares, problem, moved, centre.v, search.v)
+        begin_at(shares, problem, moved, centre.v, search.v)
         if course.ties > 0.0:
             break_ties(centre.offset, course.ties * min(settings.tolerance, TIGHT) * answer.speed)
-        solved, spent = settle(kind, shares, moved, work, springs, stiffness, goal, most, search)
+        solved, spent = settle(shares, moved, work, springs, stiffness, goal, most, search)
         iterations += spent
         idle += spent == 0
-        new = kind.map_norm(shares, problem, springs.p, work.room, centre.own) / answer.size
+        new = map_norm(shares, problem, springs.p, work.room, centre.own) / answer.size
         if not solved and not new < WON * error:
             stiffness, failed = max(stiffness / fall, 1e-3), failed + 1
             growth, fall = course.growth**course.calm, course.fall**course.calm
             continue
         leap = growth**course.leap if new > 0.5 * error else growth
-        stiffness = min(stiffness_after_springs(stiffness, growth, leap, solved, spent), kind.stiffest(new))
+        stiffness = min(stiffness_after_springs(stiffness, growth, leap, solved, spent), STIFFEST)
         error, failed = new, 0
         copy_share(shares.contacts, springs.p, springs.centre)
-        kind.move_centre(shares, centre.v, search.v)
+        move_centre(shares, centre.v, search.v)
         keep_better(shares, answer, springs.p, centre.own, error)
     return iterations

@@ -14,7 +14,7 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.body_sides import BodySides, share_by_cost
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
-from masonry_cd.mechanics.linalg.threads import ThreadTeam, room_of_own, share_of, take, wait
+from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, take, wait
 
 CHUNK = 32  # contacts whose sum is one number
 LANES = 2  # numbers that are added up at once
@@ -26,7 +26,7 @@ class Shares(NamedTuple):
     team: ThreadTeam
     chunks: tuple[int, int]  # of the contacts
     contacts: tuple[int, int]
-    rows: tuple[int, int]  # of velocities: bodies, or contacts where W alone is given
+    rows: tuple[int, int]  # of velocities
     columns: tuple[int, int]  # of the matrix, to be assembled
     sides: BodySides  # of all bodies
     sums: np.ndarray  # (2, LANES, K) shared: a number for each chunk, or for each body, by turns
@@ -41,18 +41,10 @@ def allocate_sums(room, contacts, bodies):
 
 @kernel()
 def shares_of(team, contacts, sides, sums):
-    """The :class:`Shares` of a thread of a problem over bodies."""
+    """The :class:`Shares` of a thread."""
     first, end = share_of(team, 0, -(-contacts // CHUNK))
     rows, columns = share_by_cost(team, sides.cost), share_by_cost(team, sides.matrix_cost)
     return Shares(team, (first, end), (CHUNK * first, min(CHUNK * end, contacts)), rows, columns, sides, sums, np.zeros(1, dtype=np.int64))
-
-
-@kernel()
-def shares_of_one(contacts):
-    """:class:`Shares` of a thread alone where W alone is given."""
-    nobody, none, every = np.zeros(3, dtype=np.int64), np.zeros(1, dtype=np.int64), (0, contacts)
-    team, sums = ThreadTeam(0, 1, nobody, nobody), allocate_sums(room_of_own(), contacts, contacts)
-    return Shares(team, (0, -(-contacts // CHUNK)), every, every, every, BodySides(none, none, none, none), sums, none)
 
 
 @kernel(inline="always")

@@ -17,7 +17,6 @@ from masonry_cd.mechanics.friction.contact_groups import (
     add_wrench,
     fill_group,
     no_wrench,
-    project_lanes,
     put_three,
     three,
     twist_of,
@@ -57,10 +56,11 @@ def projections(x, mu, stretch, out):
     """Each of the points x (4, 3) projected onto the cones, out (2, 12): in lanes, and one by one in the stretched norm."""
     factor, width = load_four(stretch, 0, 0), load_four(mu, 0, 0)
     lanes = load_four(x, 0, 0), load_four(x, 0, 4), load_four(x, 0, 8)
-    put_three(out, 0, 0, project_lanes(lanes, width, width * factor, 1.0 / (1.0 + width * width * factor)))
+    put_three(out, 0, 0, project_to_cone(lanes, width, width * factor, 1.0 / (1.0 + width * width * factor)))
     for k in range(4):
         root = np.sqrt(stretch[0, k])
-        n, t1, t2 = project_to_cone(x[0, k], root * x[0, 4 + k], root * x[0, 8 + k], root * mu[0, k])
+        wide = root * mu[0, k]
+        n, t1, t2 = project_to_cone((x[0, k], root * x[0, 4 + k], root * x[0, 8 + k]), wide, wide, 1.0 / (1.0 + wide * wide))
         out[1, k], out[1, 4 + k], out[1, 8 + k] = n, t1 / root, t2 / root
 
 
@@ -71,7 +71,7 @@ def grouped(problem: FrictionProblem) -> tuple[ProblemArrays, Pattern, ContactGr
     found = pattern.locate(given.bodies, given.bodies)
     assert found is not None
     index, block, _ = found
-    return given, pattern, group_contacts(given, index, block, pattern.symbolic, size_of_twist(given.jacobian, given.bodies))
+    return given, pattern, group_contacts(given, index, block, pattern.symbolic, size_of_twist(problem.frames, problem.dimension))
 
 
 def uneven() -> FrictionProblem:

@@ -42,7 +42,7 @@ def answer(
 def eliminated(problem: FrictionProblem) -> Elimination:
     """How its bodies are eliminated."""
     _, factors, places, block = admm.recall(problem.arrays(), None)
-    return elimination_of(problem.arrays(), factors.pattern, places, block)
+    return elimination_of(problem, factors.pattern, places, block)
 
 
 @pytest.mark.parametrize("blocks", [10, ordering.SUBTREE])

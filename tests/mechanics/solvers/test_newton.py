@@ -11,6 +11,7 @@ import scenes
 from scenes import thrown
 
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 solve = SOLVERS["newton"]
@@ -22,7 +23,7 @@ def test_finishes_what_others_began(local: bool, speed: float) -> None:
     """From a natural map error of 1e-4 at most 30 steps lead to 1e-9, at rest and with sliding contacts."""
     bodies = thrown(speed)
     problem: FrictionProblem | LocalProblem = bodies.to_local() if local else bodies
-    rough = SOLVERS["admm"](problem, Options(tolerance=1e-4), None)
+    rough = replace(SOLVERS["admm"](bodies, Options(tolerance=1e-4), None), velocity=None, memory=SolverState())
     begin = natural_map_error(problem, rough.impulse)
     fine = solve(problem, Options(tolerance=1e-9), rough)
     assert begin > 1e-9

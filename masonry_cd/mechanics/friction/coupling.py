@@ -1,0 +1,153 @@
+"""G of a problem given by W alone, by sparse blocks: its products with impulses, and what it adds to the matrices of the solvers.
+
+Over bodies M (v - v_free) = G p with G = H^T. Where W alone is given each contact has a body that moves as the contact does: H = I, and
+with M = D^-1, the d of the contacts on its diagonal, G = D^-1 W. Then W = H M^-1 G as over bodies, whatever its rank, and the solvers need
+not know which of the two a problem is: those that linearise the law factorise M + G B H = D^-1 (I + W B), and ADMM the symmetric matrix
+
+    W + R^-1 = D (M + G R H) R^-1,
+
+the symmetric part of W if it is slightly unsymmetric, as published ones are.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.mechanics.linalg.cholesky import factorise_cholesky
+from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.linalg.small_blocks import FULL, multiply
+from masonry_cd.mechanics.linalg.supernodes import allocate_factors, view_supernode
+from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor, block_at
+
+
+class Coupling(NamedTuple):
+    """D^-1 W block by block in compressed rows; all of it empty over bodies."""
+
+    data: np.ndarray  # (nnz, m, m)
+    indices: np.ndarray  # (nnz,) rows of impulses by which the blocks are multiplied
+    indptr: np.ndarray  # (C + 1,) starts of the rows, one for each contact and its body; (0,)
+
+
+UNCOUPLED = {m: Coupling(np.empty((0, m, m)), FULL, FULL) for m in (2, 3)}  # over bodies
+
+
+def pattern_of(count: int, bodies: np.ndarray, coupling: Coupling, kept: np.ndarray | None = None) -> Pattern:
+    """The pattern of the matrices of a problem of so many bodies, and those of its contacts (C, 2); with the pairs ``kept`` of another."""
+    if len(coupling.indptr):
+        return Pattern.of(count, np.repeat(np.arange(count), np.diff(coupling.indptr)), coupling.indices, kept, in_subtrees=False)
+    return Pattern.of(count, bodies[:, 0], bodies[:, 1], kept)
+
+
+def in_places(coupling: Coupling, pattern: Pattern) -> Coupling:
+    """The coupling by whose indices impulses are found at the places of a pattern."""
+    return coupling._replace(indices=pattern.place[coupling.indices]) if len(coupling.indptr) else coupling
+
+
+@kernel(inline="always")
+def is_coupled(problem):
+    """Whether the problem is given by W alone."""
+    return len(problem.coupling.indptr) > 0
+
+
+@borrower(fastmath={"contract"})
+def add_coupled(problem, p, begin, stop, out):
+    """out += G p of the bodies at the places from begin to stop, for impulses p (C, m)."""
+    (data, indices, indptr), m = problem.coupling, len(problem.m)
+    for c in range(len(problem.places)):
+        b = problem.places[c, 0]
+        if begin <= b < stop:
+            for k in range(indptr[c], indptr[c + 1]):
+                for i in range(m):
+                    for j in range(m):
+                        out[b, i] += data[k, i, j] * p[indices[k], j]
+
+
+@kernel()
+def add_coupled_blocks(problem, blocks, symbolic, share, matrix):
+    """Add G B to the columns of a share (first, end) of a :class:`BlockMatrix`, B one block a contact, the first rows of ``blocks``."""
+    (begin, stop), out, (data, indices, indptr) = share, np.empty((len(problem.m), len(problem.m))), problem.coupling
+    for c in range(len(problem.places)):
+        for k in range(indptr[c], indptr[c + 1]):
+            i, j = problem.places[c, 0], problem.places[indices[k], 0]
+            if begin <= min(i, j) < stop:
+                multiply(data[k], blocks[indices[k]], False, out, problem.m)
+                add_block(symbolic, i, j, out, matrix)
+
+
+@borrower()
+def add_block(symbolic, i, j, block, matrix):
+    """Add a block to a :class:`BlockMatrix` of the pattern of ``symbolic``, at row i and column j."""
+    at, n = block_at(symbolic.column, symbolic.row, min(i, j), max(i, j)) if i != j else 0, len(block)
+    for p in range(n):
+        for q in range(n):
+            if i == j:
+                matrix.diagonal[i, p, q] += block[p, q]
+            elif i > j:
+                matrix.lower[at, p, q] += block[p, q]
+            else:
+                matrix.upper[at, q, p] += block[p, q]
+
+
+@borrower()
+def add_symmetric_blocks(coupling, places, scale, share, symbolic, diagonal, lower):
+    """Add the symmetric part of W to the blocks of a matrix, W = ``scale`` (C,) times the coupling, in the columns (first, end) of a share.
+
+    Of the contacts there are the places (C, 1 or more); scale and the indices of the coupling go by these.
+    """
+    data, indices, indptr = coupling
+    for c in range(len(places)):
+        for k in range(indptr[c], indptr[c + 1]):
+            i, j, n = places[c, 0], indices[k], data.shape[1]
+            if not share[0] <= min(i, j) < share[1]:
+                continue
+            at = block_at(symbolic.column, symbolic.row, min(i, j), max(i, j)) if i != j else 0
+            for p in range(n):
+                for q in range(n):
+                    half = 0.5 * scale[i] * data[k, p, q]
+                    if i == j:
+                        diagonal[i, p, q] += half
+                        diagonal[i, q, p] += half
+                    elif i > j:
+                        lower[at, p, q] += half
+                    else:
+                        lower[at, q, p] += half
+
+
+@kernel()
+def has_positive_pivots(square):
+    """Whether a symmetric matrix is positive definite, by elimination, which uses it up."""
+    width = len(square)
+    for k in range(width):
+        if not square[k, k] > 0.0:
+            return False
+        for i in range(k + 1, width):
+            share = square[i, k] / square[k, k]
+            for j in range(k + 1, width):
+                square[i, j] -= share * square[k, j]
+    return True
+
+
+@entry()
+def is_definite(
+    coupling: Coupling, places: np.ndarray, scale: np.ndarray, shift: float, symbolic: SymbolicFactor, size_m: tuple[int, ...]
+) -> bool:
+    """Whether the symmetric part of W, with shift added to its diagonal, is positive definite: all squares of D are (Sylvester).
+
+    The arguments are those of :func:`add_symmetric_blocks`.
+    """
+    m = len(size_m)
+    diagonal, lower, factor = np.zeros((len(places), m, m)), np.zeros((len(symbolic.row), m, m)), allocate_factors(symbolic, size_m)
+    add_symmetric_blocks(coupling, places, scale, (0, len(places)), symbolic, diagonal, lower)
+    for i in range(len(places)):
+        for r in range(m):
+            diagonal[i, r, r] += shift
+    if not factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size_m):
+        return False
+    for s in range(len(symbolic.first) - 1):
+        square, _, _ = view_supernode(factor, s)
+        if not has_positive_pivots(square.copy()):
+            return False
+    return True
