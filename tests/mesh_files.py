@@ -44,7 +44,8 @@ def off() -> str:
 
 def ply(binary: str = "") -> bytes:
     head = ["ply", f"format {binary or 'ascii'} 1.0", "comment made", f"element vertex {len(POINTS)}", "property double x",
-            "property double y", "property double z", f"element face {len(LOOPS)}", "property list uchar int vertex_indices", "end_header", ""]  # fmt: skip
+            "property double y", "property double z",
+            f"element face {len(LOOPS)}", "property list uchar int vertex_indices", "end_header", ""]  # fmt: skip
     if not binary:
         body = "\n".join([*(" ".join(map(str, p)) for p in POINTS), *(f"3 {a} {b} {c}" for a, b, c in LOOPS), ""]).encode()
     else:

@@ -154,7 +154,8 @@ def _meshes(path: Path, item: Any, name: str, support: bool, depth: int) -> Iter
             yield from _meshes(path, part, name, support, depth + 1)
     if not isinstance(item, dict):
         return
-    attributes = item.get("attributes") if isinstance(item.get("attributes"), dict) else {}
+    given = item.get("attributes")
+    attributes: dict[str, Any] = given if isinstance(given, dict) else {}
     own = item.get("name") or attributes.get("name") or name
     support = bool(item.get("is_support", attributes.get("is_support", support)))
     moved = item.get("transformation")

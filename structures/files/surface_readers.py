@@ -182,7 +182,8 @@ def read_gltf(path: Path) -> Answer:
 
 def _chunks(data: bytes) -> tuple[bytes, bytes]:
     """JSON and binary of a GLB."""
-    at, parts = 12, {}
+    at = 12
+    parts: dict[int, bytes] = {}
     while at + 8 <= len(data):
         size, kind = (int(n) for n in np.frombuffer(data, "<u4", 2, at))
         parts.setdefault(kind, data[at + 8 : at + 8 + size])
