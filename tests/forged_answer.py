@@ -10,6 +10,9 @@ import numpy as np
 SOUND = {
     "number": [0],
     "name": ["b"],
+    "group": [""],
+    "fixed": [0],
+    "density": [0.0],
     "vertices": [[0.0] * 3] * 4,
     "vertex_start": [0, 4],
     "face_start": [0, 1],

@@ -39,8 +39,8 @@ class _Set(NamedTuple):
 
     integers: np.ndarray
     reals: np.ndarray
-    index: int
-    count: str
+    line: int
+    points: str
     what: str
     rest: str
 
@@ -67,20 +67,20 @@ def read(source: Source, request: Request) -> RawRecord:
     step = 1e-3 * float(one.reals[INTERVAL])
     if step <= 0.0:
         raise source.error(
-            f"the interval of the series, real-header value {INTERVAL + 1}, must be above zero, got {1e3 * step:g} ms", one.index
+            f"the interval of the series, real-header value {INTERVAL + 1}, must be above zero, got {1e3 * step:g} ms", one.line
         )
     values, _ = fixed(
-        source, one.index + 1, whole(source, one.count, one.index, "the number of points"), fields_of(one.rest, USUAL["series"]), last=True
+        source, one.line + 1, whole(source, one.points, one.line, "the number of points"), fields_of(one.rest, USUAL["series"]), last=True
     )
     if int(one.integers[UNIT]) == COUNTS or one.what.lower().startswith("count"):
         factor = 1.0 if request.calibration is None else request.calibration
         return RawRecord(factor * values, step, 0.0, None, one.name, counts=True)
     only_physical(source, request, "COSMOS")
-    stated = Stated(one.what.lower(), f"line {one.index + 1}", firm=True)
+    stated = Stated(one.what.lower(), f"line {one.line + 1}", firm=True)
     announced = QUANTITIES.get(int(one.integers[QUANTITY]))
     if announced not in (None, stated.quantity):
         raise source.error(
-            f"a series of {stated.quantity}, but integer-header value {QUANTITY + 1} is that of {announced}: correct the file", one.index
+            f"a series of {stated.quantity}, but integer-header value {QUANTITY + 1} is that of {announced}: correct the file", one.line
         )
     return RawRecord(values, step, 0.0, _unit(source, one), one.name, stated=stated)
 
@@ -92,7 +92,7 @@ def _unit(source: Source, one: _Set) -> str | None:
     written = WRITTEN.search(one.rest)
     word, coded = written[1].strip() if written else None, UNITS.get(int(one.integers[UNIT]))
     if word and coded and measured_by(word) and measured_by(word) != measured_by(coded):
-        raise source.error(f'units "{word}", but integer-header value {UNIT + 1} is that of {coded}: correct the file', one.index)
+        raise source.error(f'units "{word}", but integer-header value {UNIT + 1} is that of {coded}: correct the file', one.line)
     return word or coded
 
 

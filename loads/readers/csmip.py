@@ -31,8 +31,8 @@ class _Series(NamedTuple):
     """A series of accelerations: its component, the line that announces it, and what that says."""
 
     name: str
-    index: int
-    count: str
+    line: int
+    points: str
     step: str  # [s], or samples a second
     rest: str
     raw: bool
@@ -55,11 +55,11 @@ def read(source: Source, request: Request) -> RawRecord:
         return read_volume(source, request, "CSMIP")
     only_physical(source, request, "CSMIP")
     one = found[pick(source, [series.name for series in found], request, "CSMIP")]
-    count = whole(source, one.count, one.index, "the number of points")
-    step = positive(source, one.step.rstrip(",."), one.index, "the sampling")
+    count = whole(source, one.points, one.line, "the number of points")
+    step = positive(source, one.step.rstrip(",."), one.line, "the sampling")
     unit = UNIT.search(one.rest)
-    values, _ = fixed(source, one.index + 1, count, fields_of(one.rest, USUAL["raw" if one.raw else "corrected"]), last=True)
-    stated = Stated("acceleration", f"line {one.index + 1}", firm=True)
+    values, _ = fixed(source, one.line + 1, count, fields_of(one.rest, USUAL["raw" if one.raw else "corrected"]), last=True)
+    stated = Stated("acceleration", f"line {one.line + 1}", firm=True)
     return RawRecord(values, 1.0 / step if one.raw else step, 0.0, unit[1] if unit else None, one.name, stated=stated)
 
 

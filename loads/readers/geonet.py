@@ -27,7 +27,7 @@ MOST = 12  # components looked for: a file has three
 class _Component(NamedTuple):
     name: str
     first: int  # index of the line of its first accelerations
-    count: int
+    points: int
     step: float
 
 
@@ -46,7 +46,7 @@ def read(source: Source, request: Request) -> RawRecord:
     only_physical(source, request, "GeoNet")
     found = _components(source)
     one = found[pick(source, [one.name for one in found], request, "GeoNet")]
-    values, _ = fixed(source, one.first, one.count, FIELDS)
+    values, _ = fixed(source, one.first, one.points, FIELDS)
     return RawRecord(values, one.step, 0.0, UNIT, one.name, stated=Stated("acceleration", "the format of GeoNet files", firm=True))
 
 

@@ -34,7 +34,7 @@ class _Channel(NamedTuple):
 
     first: int
     name: str
-    count: int
+    points: int
     duration: float
     unit: str | None
 
@@ -57,10 +57,10 @@ def read_volume(source: Source, request: Request, kind: str, pairs: bool = True)
     start = channel.first + TEXT + HEADERS
     stated = Stated("acceleration", f"the format of {kind} files", firm=True)
     if not pairs:
-        values, _ = fixed(source, start, channel.count, ALONE, last=True)
+        values, _ = fixed(source, start, channel.points, ALONE, last=True)
         return RawRecord(values, _step(channel), 0.0, channel.unit, channel.name, stated=stated)
     line = source.lines[start].rstrip() if start < len(source.lines) else ""
-    table, _ = fixed(source, start, 2 * channel.count, Fields(10, PAIRS, max(0, len(line) - FULL)), last=True)
+    table, _ = fixed(source, start, 2 * channel.points, Fields(10, PAIRS, max(0, len(line) - FULL)), last=True)
     values, step, notes = evenly(source, table[::2], table[1::2], start)
     return RawRecord(values, step, float(table[0]), channel.unit, channel.name, stated=stated, notes=notes)
 
@@ -83,7 +83,7 @@ def _channels(source: Source) -> list[_Channel]:
 
 def _step(channel: _Channel) -> float:
     """Networks call n h or (n - 1) h the duration: the one that is nearer to a whole number of samples a second."""
-    rates = np.array([channel.count, channel.count - 1]) / channel.duration
+    rates = np.array([channel.points, channel.points - 1]) / channel.duration
     return 1.0 / float(rates[np.argmin(np.abs(rates - np.round(rates)))])
 
 

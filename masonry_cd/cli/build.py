@@ -14,6 +14,15 @@ if TYPE_CHECKING:
     from structures.geometry.checks import Unsound
 
 
+def _list_formats(asked: bool) -> None:
+    """Print the formats and end, whatever else is asked for."""
+    if asked:
+        from structures.files.formats import listed
+
+        typer.echo("\n".join(listed()))
+        raise typer.Exit
+
+
 def build(
     scene: SceneFile,
     output: Output,
@@ -27,6 +36,9 @@ def build(
         list[str] | None, typer.Option(metavar="WHAT", help="Of a file: shells, or gaps=0.002 [m] to close gaps up to that width.")
     ] = None,
     force: Force = False,
+    list_formats: Annotated[
+        bool, typer.Option("--formats", help="List the formats of blocks that are read and written.", is_eager=True, callback=_list_formats)
+    ] = False,
 ) -> None:
     """Build the structure of a scene alone.
 

@@ -76,8 +76,8 @@ class Sphere(_Keys):
     radius: float = Field(gt=0, allow_inf_nan=False)
 
 
-def sound(blocks: Sequence[Block], source: str) -> list[Block]:
-    """Blocks of any shape, checked, those that are not convex split into convex parts.
+def sound(blocks: Sequence[Block], source: str, overlap: float = 0.0) -> list[Block]:
+    """Blocks of any shape, checked, those that are not convex split into convex parts; they may be in each other up to a depth [m].
 
     Raises:
         Unsound: one line that names the block.
@@ -87,7 +87,7 @@ def sound(blocks: Sequence[Block], source: str) -> list[Block]:
         parted = [block if block.radius else split(block) for block in blocks]
     except Unsound as failure:
         raise Unsound(f"{source}: {failure}", failure.faulty, blocks) from None
-    check(parted, source)
+    check(parted, source, overlap)
     return merge_coplanar(parted)
 
 

@@ -165,7 +165,7 @@ def _stones(gmsh: Any, cutting: Cutting, source: str) -> tuple[list[Piece], floa
                 loose += [entity for _, rest in cuts for entity in rest]
             shells, here = _shells(gmsh, stones, cutting, source)
             gmsh.model.occ.remove([*((3, stone) for stone in stones), *loose], recursive=True)
-            done += [(course, groups[volume], *shell) for shell in shells]
+            done += [Piece(course, groups[volume], *shell) for shell in shells]
             off = max(off, here)
     return done, off
 

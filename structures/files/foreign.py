@@ -32,7 +32,20 @@ import numpy as np
 from masonry_cd.foundation import system
 
 Faces = tuple[tuple[int, ...], ...]
-Piece = tuple[int, str, np.ndarray, Faces]  # a number (block of the file, or course), a name or group, vertices (V, 3), faces
+
+
+class Piece(NamedTuple):
+    """A shell of the file."""
+
+    number: int  # of the block that it is a part of, or of its course
+    name: str  # of the block, or its group
+    vertices: np.ndarray  # (V, 3)
+    faces: Faces
+    group: str = ""  # of the block, where the file states one
+    fixed: bool = False  # stated so by the file
+    density: float = 0.0  # stated by the file [kg/m3]; 0 where it states none
+
+
 Answer = tuple[Sequence[Piece], Sequence[float]]  # and figures whose meaning the reader states
 
 GIB = 2**30
@@ -173,13 +186,17 @@ def _refuse(message: str) -> None:
 
 def _packed(pieces: Sequence[Piece], figures: Sequence[float]) -> dict[str, np.ndarray]:
     """An answer as plain arrays: ``*_start`` delimit a piece or a face, the loops count the vertices of their own piece."""
-    loops = [loop for *_, faces in pieces for loop in faces]
+    pieces = [Piece(*piece) for piece in pieces]
+    loops = [loop for piece in pieces for loop in piece.faces]
     return {
-        "number": np.array([number for number, *_ in pieces], dtype=np.int64),
-        "name": np.array([name for _, name, *_ in pieces], dtype=np.str_),
-        "vertices": np.concatenate([np.zeros((0, 3)), *(np.asarray(vertices, dtype=float) for _, _, vertices, _ in pieces)]),
-        "vertex_start": _starts([len(vertices) for _, _, vertices, _ in pieces]),
-        "face_start": _starts([len(faces) for *_, faces in pieces]),
+        "number": np.array([piece.number for piece in pieces], dtype=np.int64),
+        "name": np.array([piece.name for piece in pieces], dtype=np.str_),
+        "group": np.array([piece.group for piece in pieces], dtype=np.str_),
+        "fixed": np.array([int(piece.fixed) for piece in pieces], dtype=np.int64),
+        "density": np.array([piece.density for piece in pieces], dtype=float),
+        "vertices": np.concatenate([np.zeros((0, 3)), *(np.asarray(piece.vertices, dtype=float) for piece in pieces)]),
+        "vertex_start": _starts([len(piece.vertices) for piece in pieces]),
+        "face_start": _starts([len(piece.faces) for piece in pieces]),
         "loops": np.fromiter((corner for loop in loops for corner in loop), dtype=np.int64),
         "loop_start": _starts([len(loop) for loop in loops]),
         "figures": np.array(figures, dtype=float),
@@ -195,6 +212,9 @@ def _starts(counts: Sequence[int]) -> np.ndarray:
 KINDS = {
     "number": "i",
     "name": "U",
+    "group": "U",
+    "fixed": "i",
+    "density": "f",
     "vertices": "f",
     "vertex_start": "i",
     "face_start": "i",
@@ -228,7 +248,10 @@ def _checked(path: Path) -> dict[str, np.ndarray]:
             raise ValueError(f"{name} does not delimit its pieces")
         if total and starts[-1] != len(arrays[total]):
             raise ValueError(f"{name} does not end with the {total}")
-    if len(arrays["name"]) != count or arrays["face_start"][-1] != len(arrays["loop_start"]) - 1:
+    if (
+        any(len(arrays[name]) != count for name in ("name", "group", "fixed", "density"))
+        or arrays["face_start"][-1] != len(arrays["loop_start"]) - 1
+    ):
         raise ValueError("pieces, names and faces do not agree")
     loops_before = arrays["loop_start"][arrays["face_start"]]
     corners = np.repeat(np.diff(arrays["vertex_start"]), np.diff(loops_before))  # vertices of the piece that each loop entry belongs to
@@ -242,9 +265,9 @@ def _unpacked(arrays: Mapping[str, np.ndarray]) -> Answer:
     loops = arrays["loops"].tolist()
     faces = [tuple(loops[a:b]) for a, b in pairwise(arrays["loop_start"].tolist())]
     of_vertices, of_faces = (list(pairwise(arrays[name].tolist())) for name in ("vertex_start", "face_start"))
-    names = zip(arrays["number"].tolist(), arrays["name"].tolist(), strict=True)
+    names = zip(*(arrays[name].tolist() for name in ("number", "name", "group", "fixed", "density")), strict=True)
     pieces = [
-        (number, name, arrays["vertices"][a:b].copy(), tuple(faces[c:d]))
-        for (number, name), (a, b), (c, d) in zip(names, of_vertices, of_faces, strict=True)
+        Piece(number, name, arrays["vertices"][a:b].copy(), tuple(faces[c:d]), group, bool(fixed), density)
+        for (number, name, group, fixed, density), (a, b), (c, d) in zip(names, of_vertices, of_faces, strict=True)
     ]
     return pieces, arrays["figures"].tolist()

@@ -1,4 +1,4 @@
-"""The mesh formats that a library reads: STL by trimesh, VTU by meshio, VTM by VTK. Each runs in a child, see
+"""The mesh formats that a library reads: STL by trimesh, VTU by meshio, VTP, VTM and VTKHDF by VTK. Each runs in a child, see
 :mod:`structures.files.foreign`.
 
 Every reader returns the shells of a file with the number and the name of the block that each belongs to; shells of one number are the
@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from structures.files.foreign import Answer, Faces, Piece, Refused
+from structures.files.shells import shells
 
 CELLS: dict[str, tuple[tuple[int, ...], ...]] = {  # faces of the volume cells of VTK, from outside
     "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
@@ -25,7 +26,7 @@ CELLS: dict[str, tuple[tuple[int, ...], ...]] = {  # faces of the volume cells o
 
 
 def read_stl(path: Path) -> Answer:
-    """The shells of an STL; equal corners of a solid are one.
+    """The closed shells of an STL, solids of a text apart.
 
     Raises:
         Refused: no triangles.
@@ -38,24 +39,9 @@ def read_stl(path: Path) -> Answer:
     for solid in solids:
         if not isinstance(solid, trimesh.Trimesh) or not len(solid.faces):
             raise Refused(f"{path.name}: no triangles in it")
-        for points, loops in _connected(np.asarray(solid.vertices, dtype=float), np.asarray(solid.faces)):
-            found.append((len(found), f"b{len(found)}", points, loops))
+        for points, loops in shells(np.asarray(solid.vertices, dtype=float), np.asarray(solid.faces).tolist()):
+            found.append(Piece(len(found), f"b{len(found)}", points, loops))
     return found, ()
-
-
-def _connected(vertices: np.ndarray, triangles: np.ndarray) -> Iterator[tuple[np.ndarray, Faces]]:
-    """The shells of a soup of triangles that share no corner, in the order of the file."""
-    import trimesh
-
-    points, index = np.unique(vertices, axis=0, return_inverse=True)
-    faces = index.ravel()[triangles]
-    groups = trimesh.graph.connected_component_labels(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]]), len(points))
-    shell = groups[faces[:, 0]]
-    order = np.argsort(shell, kind="stable")
-    members = np.split(order, np.flatnonzero(np.diff(shell[order])) + 1)  # triangles of each shell, in the order of the file
-    for own in (faces[member] for member in sorted(members, key=lambda member: int(member[0]))):
-        used, local = np.unique(own, return_inverse=True)
-        yield points[used], tuple(tuple(int(i) for i in row) for row in local.reshape(-1, 3))
 
 
 def read_vtu(path: Path) -> Answer:
@@ -69,8 +55,8 @@ def read_vtu(path: Path) -> Answer:
     mesh = meshio.read(path)
     points = np.asarray(mesh.points, dtype=float)
     found: list[Piece] = []
-    count = 0
     for k, cells in enumerate(mesh.cells):
+        count = len(found)
         numbers = mesh.cell_data["block"][k] if "block" in mesh.cell_data else range(count, count + len(cells.data))
         for number, cell in zip(numbers, cells.data, strict=True):
             if cells.type in CELLS:
@@ -84,9 +70,55 @@ def read_vtu(path: Path) -> Answer:
                 raise Refused(f'{path.name}: block "b{int(number)}": a cell names a point outside 0 to {len(points) - 1}')
             number_of = {old: new for new, old in enumerate(used)}
             faces: Faces = tuple(tuple(number_of[i] for i in face) for face in loops)
-            found.append((int(number), f"b{int(number)}", points[used], faces))
-        count += len(cells.data)
+            found.append(Piece(int(number), f"b{int(number)}", points[used], faces, *_marks(mesh.cell_data, k, len(found) - count)))
     return found, ()
+
+
+def _marks(data: Any, kind: int, place: int) -> tuple[str, bool]:
+    """Group and support of a cell by the arrays ``group`` and ``fixed``, where they are whole numbers."""
+    words = []
+    for name in ("group", "fixed"):
+        values = np.asarray(data[name][kind]) if name in data else np.zeros(0)
+        words.append(int(values[place]) if values.ndim == 1 and values.dtype.kind in "iub" and place < len(values) else None)
+    group, fixed = words
+    return "" if group is None else f"group{group}", bool(fixed)
+
+
+def read_vtp(path: Path) -> Answer:
+    """The closed shells of a surface.
+
+    Raises:
+        Refused: no polygons.
+    """
+    import pyvista
+
+    with warnings.catch_warnings(action="ignore"):
+        data: Any = pyvista.read(path)
+    if not isinstance(data, pyvista.PolyData) or not data.n_cells:
+        raise Refused(f"{path.name}: no polygons in it")
+    polygons = data.triangulate() if data.n_strips else data
+    made = shells(np.asarray(data.points, dtype=float), [list(map(int, face)) for face in _split(polygons.faces)])
+    return [Piece(k, f"b{k}", *shell) for k, shell in enumerate(made)], ()
+
+
+def read_vtkhdf(path: Path) -> Answer:
+    """The volume cells of an unstructured grid, by its array ``block`` where it has one.
+
+    Raises:
+        Refused: another kind of data, or no volumes.
+    """
+    import pyvista
+
+    with warnings.catch_warnings(action="ignore"):
+        data: Any = pyvista.read(path)
+    if not isinstance(data, pyvista.UnstructuredGrid) or not data.n_cells:
+        raise Refused(f"{path.name}: no unstructured grid of volumes in it")
+    cells = _volumes(data)
+    if len(cells) != data.n_cells:
+        raise Refused(f"{path.name}: cells that are no volumes; a block is a volume cell")
+    arrays = {name: [data.cell_data[name]] for name in ("block", "group", "fixed") if name in data.cell_data}
+    numbers = np.asarray(arrays.get("block", [np.arange(len(cells))])[0]).astype(int)
+    return [Piece(int(n), f"b{n}", *cell, *_marks(arrays, 0, k)) for k, (n, cell) in enumerate(zip(numbers, cells, strict=True))], ()
 
 
 def read_vtm(path: Path) -> Answer:
@@ -107,10 +139,10 @@ def read_vtm(path: Path) -> Answer:
     for number, (name, data) in enumerate(_leaves(whole, "")):
         if data is None or data.n_cells == 0:
             raise Refused(f'{path.name}: block "{name}": empty, or the file that it refers to is missing or damaged')
-        shells = [_surface(data)] if isinstance(data, pyvista.PolyData) else _volumes(data)
-        if not shells:
+        made = [_surface(data)] if isinstance(data, pyvista.PolyData) else _volumes(data)
+        if not made:
             raise Refused(f'{path.name}: block "{name}": neither a closed surface nor volume cells')
-        found += [(number, name, *shell) for shell in shells]
+        found += [Piece(number, name, *shell) for shell in made]
     return found, ()
 
 

@@ -1,8 +1,9 @@
-"""Blocks from and to meshes: OBJ with an object per block, STL with a closed shell per block, VTU with a cell per block, VTM.
+"""Blocks from and to meshes; which formats there are is in :mod:`structures.files.formats`.
 
-Such files state neither their unit nor which way is up, so the user does; z is up here. OBJ keeps polygons and names. An STL is
-a soup of triangles: shells that share no corner are different blocks, ``b0``, ``b1`` ... in the order of the file. In a VTU every
+Most such files state neither their unit nor which way is up, so the user does; z is up here. OBJ keeps polygons and names. In a soup of
+triangles closed shells are different blocks, ``b0``, ``b1`` ... in the order of the file, whether or not they share corners. In a VTU every
 volume cell is convex and a block by itself, unless a cell array ``block`` of whole numbers joins several cells into one block with parts.
+What this program writes holds one line more, a comment or an attribute, with names, groups, supports and densities, which it reads back.
 
 Repair mends what can be mended without a guess: corners closer than the tolerance become one, faces that have lost all their
 area go, and so do faces given twice; loops are turned to agree with each other, and the shell outwards.
@@ -10,7 +11,9 @@ area go, and so do faces given twice; loops are turned to agree with each other,
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,21 +26,76 @@ from masonry_cd.foundation.files import read_text
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, triangles
 from structures.files import foreign, vtkfile
+from structures.files.formats import FORMATS, format_of
+from structures.files.shells import shells
 from structures.geometry.compound_block import compound_block
 
-FORMATS = (".obj", ".stl", ".vtu", ".vtm")
-WRITTEN = (*FORMATS, ".vtkhdf")
-READERS = {suffix: f"structures.files.mesh_readers:read_{suffix[1:]}" for suffix in (".stl", ".vtu", ".vtm")}  # each runs in a child
-
 MET = 100  # corners within the tolerance of one: a solid has a few
+MARK = "masonry-cd: "  # before what the formats themselves have no place for: unit, axis, and names, groups and supports
+MARKED = ("obj", "vtu", "vtm", "vtkhdf")
+DEFAULT = "block"  # group of a block for which the file states none
 Shell = tuple[np.ndarray, Faces]
 
 
-def read(path: Path, density: float, scale: float, up: str, repair: bool = False, tolerance: float = 1e-6) -> list[Block]:
+@dataclass
+class Entry:
+    """A block of a mesh file, in its own unit and axes."""
+
+    name: str
+    shells: list[Shell]
+    group: str = ""
+    fixed: bool = False
+    density: float = 0.0  # [kg/m3]; 0 where the file states none
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """What a mesh file holds, and what it says of its unit and axes."""
+
+    entries: list[Entry]
+    metres: float | None = None  # of its unit
+    up: str | None = None
+    firm: bool = True  # whether what it says is to be relied upon
+
+
+def load(path: Path, format_: str) -> Loaded:
     """Read a mesh file.
 
     Args:
-        density: of all blocks [kg/m3].
+        path: of the file.
+        format_: of :data:`structures.files.formats.FORMATS`, all but json.
+
+    Raises:
+        InputError: one line that names the file, and the line or block.
+    """
+    entries, figures = (_read_obj(path), ()) if format_ == "obj" else _read_apart(path, FORMATS[format_].reader)
+    marks = _marks(path, format_)
+    if marks and len(marks["blocks"]) == len(entries):
+        for entry, mark in zip(entries, marks["blocks"], strict=True):
+            entry.name, entry.group, entry.fixed = str(mark["name"]), str(mark["group"]), bool(mark["fixed"])
+            entry.density = float(mark.get("density", 0.0))
+        return Loaded(entries, 1.0, "z", firm=False)
+    if format_ == "gltf":
+        return Loaded(entries, 1.0, "y", firm=False)
+    if format_ in ("3mf", "dxf") and figures and figures[0] > 0.0:
+        return Loaded(entries, float(figures[0]), "z" if format_ == "3mf" else None)
+    return Loaded(entries)
+
+
+def read(path: Path, density: float, scale: float, up: str, repair: bool = False, tolerance: float = 1e-6) -> list[Block]:
+    """Read a mesh file of a known ending, see :func:`load` and :func:`blocks_of`."""
+    return blocks_of(load(path, format_of(path) or ""), path.name, density, scale, up, repair, tolerance)
+
+
+def blocks_of(
+    loaded: Loaded, source: str, density: float, scale: float, up: str, repair: bool = False, tolerance: float = 1e-6
+) -> list[Block]:
+    """The blocks of a mesh file in metres with z up.
+
+    Args:
+        loaded: the file.
+        source: its name in messages.
+        density: of the blocks for which the file states none [kg/m3].
         scale: metres per unit of the file.
         up: the axis of the file that points upwards, "y" or "z".
         repair: mend duplicate corners and the orientation of faces.
@@ -47,21 +105,23 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
         The blocks, not checked yet.
 
     Raises:
-        InputError: one line that names the file, and the line or block.
+        InputError: one line that names the file and the block.
     """
     blocks = []
-    for name, shells in _read_obj(path) if path.suffix.lower() == ".obj" else _read_apart(path):
-        parts = [(placed(vertices, scale, up), faces) for vertices, faces in shells]
+    for entry in loaded.entries:
+        parts = [(placed(vertices, scale, up), faces) for vertices, faces in entry.shells]
         if not all((np.abs(vertices) <= LARGEST).all() for vertices, _ in parts):
-            raise InputError(f'{path.name}: block "{name}": a corner has coordinates that are no finite numbers, or far too large')
+            raise InputError(f'{source}: block "{entry.name}": a corner has coordinates that are no finite numbers, or far too large')
         try:
             if repair:
                 parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
-            blocks.append(compound_block(name, parts, density, "block"))
+            group = entry.group or ("base" if entry.fixed else DEFAULT)
+            block = compound_block(entry.name, parts, entry.density if entry.density > 0.0 else density, group)
+            blocks.append(replace(block, fixed=True) if entry.fixed else block)
         except InputError as failure:
-            raise InputError(f"{path.name}: {failure}") from None
+            raise InputError(f"{source}: {failure}") from None
     if not blocks:
-        raise InputError(f"{path.name}: no blocks in it")
+        raise InputError(f"{source}: no blocks in it")
     return blocks
 
 
@@ -71,14 +131,19 @@ def placed(vertices: np.ndarray, scale: float, up: str) -> np.ndarray:
     return np.asarray(turned * scale, dtype=float)
 
 
-def _read_obj(path: Path) -> list[tuple[str, list[Shell]]]:
-    """Objects (``o``; ``g`` where there are none) with their faces; indices count from one, or back from the end."""
+def _read_obj(path: Path) -> list[Entry]:
+    """Objects (``o``; ``g`` where there are none, else ``usemtl``) with their faces; indices count from one, or back from the end.
+
+    The group of an object is its ``g``, or else its material. A file that names none of them is a soup of closed shells.
+    """
     points: list[list[float]] = []
     objects: dict[str, list[list[int]]] = {}
-    named = [line.split(maxsplit=1) for line in _text(path) if line[:2] in ("o ", "g ")]
-    mark = "o" if any(word == "o" for word, *_ in named) else "g"
-    name = "b0"
-    for number, line in enumerate(_text(path), start=1):
+    groups: dict[str, str] = {}
+    lines = _text(path)
+    named = {line[:2].strip() for line in lines if line[:2] in ("o ", "g ")}
+    mark = "o" if "o" in named else "g"
+    name, last = "", {"g": "", "usemtl": ""}
+    for number, line in enumerate(lines, start=1):
         word, *rest = line.split("#")[0].split() or [""]
         try:
             if word == "v":
@@ -87,11 +152,14 @@ def _read_obj(path: Path) -> list[tuple[str, list[Shell]]]:
                 points.append([float(x) for x in rest[:3]])
             elif word == mark:
                 name = " ".join(rest) or "b0"
+            elif word in last:
+                last[word] = " ".join(rest)
             elif word == "f":
                 corners = [int(corner.split("/")[0]) for corner in rest]
                 if len(corners) < 3 or 0 in corners:
                     raise InputError(f"{path.name}: line {number}: a face has three corners or more, counted from 1: {line.strip()[:60]}")
                 objects.setdefault(name, []).append([i - 1 if i > 0 else len(points) + i for i in corners])
+                groups.setdefault(name, (last["g"] if mark == "o" else "") or last["usemtl"])
         except InputError:
             raise
         except ValueError:
@@ -101,9 +169,11 @@ def _read_obj(path: Path) -> list[tuple[str, list[Shell]]]:
     for name, faces in objects.items():
         used = sorted({i for face in faces for i in face})
         if used[0] < 0 or used[-1] >= len(vertices):
-            raise InputError(f'{path.name}: block "{name}": a face names a vertex outside 1 to {len(vertices)}')
+            raise InputError(f'{path.name}: block "{name or "b0"}": a face names a vertex outside 1 to {len(vertices)}')
         number_of = {old: new for new, old in enumerate(used)}
-        found.append((name, [(vertices[used], tuple(tuple(number_of[i] for i in face) for face in faces))]))
+        own = (vertices[used], tuple(tuple(number_of[i] for i in face) for face in faces))
+        apart = [own] if name else shells(*own)
+        found += [Entry(name or f"b{k}", [shell], groups[name]) for k, shell in enumerate(apart)]
     return found
 
 
@@ -114,12 +184,41 @@ def _text(path: Path) -> list[str]:
         raise InputError(f"{path.name}: no text in UTF-8") from None
 
 
-def _read_apart(path: Path) -> list[tuple[str, list[Shell]]]:
-    """The shells of a file that a library reads, in a child process; those of one number are one block."""
-    found: dict[int, tuple[str, list[Shell]]] = {}
-    for number, name, vertices, faces in foreign.read(READERS[path.suffix.lower()], path)[0]:
-        found.setdefault(number, (name, []))[1].append((vertices, faces))
-    return list(found.values())
+def _read_apart(path: Path, reader: str) -> tuple[list[Entry], Sequence[float]]:
+    """The blocks of a file that is read in a child process; shells of one number are one block."""
+    found: dict[int, Entry] = {}
+    pieces, figures = foreign.read(reader, path)
+    for piece in pieces:
+        new = Entry(piece.name, [], piece.group, piece.fixed, piece.density)
+        found.setdefault(piece.number, new).shells.append((piece.vertices, piece.faces))
+    return list(found.values()), figures
+
+
+def _marks(path: Path, format_: str) -> dict[str, Any] | None:
+    """What this program wrote beside the shells of a file; None where it did not write it, or another has changed it."""
+    if format_ not in MARKED:
+        return None
+    try:
+        if format_ == "vtkhdf":
+            import h5py
+
+            with h5py.File(path, "r") as file:
+                text = str(file["VTKHDF"].attrs[MARK.strip(" :")])
+        else:
+            text = next(line.partition(MARK)[2] for line in _text(path) if MARK in line)
+            text = text.removesuffix("-->").strip()
+        marks = json.loads(text)
+        sound = marks["units"] == "m" and all({"name", "group", "fixed"} <= set(block) for block in marks["blocks"])
+    except (OSError, KeyError, ValueError, TypeError, StopIteration, InputError, RecursionError):
+        return None
+    return marks if sound else None
+
+
+def marks_of(blocks: Sequence[Block]) -> str:
+    """Unit, axis, and what the shells of blocks do not say of them, as one line."""
+    entries = [{"name": b.name, "group": b.group, "fixed": b.fixed, **({"density": b.density} if b.density > 0.0 else {})} for b in blocks]
+    text = json.dumps({"units": "m", "up": "z", "blocks": entries})
+    return MARK + text.replace("--", "\\u002d\\u002d")  # which would end a comment of XML
 
 
 def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:
@@ -210,13 +309,22 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
     elif suffix == ".vtkhdf":
         vtkfile.write_vtkhdf(path, blocks)
     else:
-        raise InputError(f"{path.name}: blocks are written as {', '.join(WRITTEN)}, or as .json")
+        written = [ending for format_ in FORMATS.values() if format_.written for ending in format_.endings]
+        raise InputError(f"{path.name}: blocks are written as {', '.join(written)}")
+    if suffix in (".vtu", ".vtm"):
+        with replacing(path) as part:
+            part.write_text(path.read_text(encoding="utf-8").rstrip() + f"\n<!-- {marks_of(blocks)} -->\n", encoding="utf-8")
+    elif suffix == ".vtkhdf":
+        import h5py
+
+        with h5py.File(path, "r+") as file:
+            file["VTKHDF"].attrs[MARK.strip(" :")] = marks_of(blocks).removeprefix(MARK)
 
 
 def _obj(blocks: Sequence[Block]) -> str:
-    lines, count = ["# z up, in metres"], 1
+    lines, count = ["# z up, in metres", f"# {marks_of(blocks)}"], 1
     for block in blocks:
-        lines.append(f"o {block.name}")
+        lines += [f"o {block.name}", f"g {block.group}"]
         lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in block.vertices.tolist()]
         lines += ["f " + " ".join(str(count + i) for i in face) for face in block.faces]
         count += len(block.vertices)

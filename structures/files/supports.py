@@ -6,8 +6,8 @@
     fixed = { box = [[-1, -1, 0], [1, 1, 0.3]] }              whose centre lies in a box [m]
     fixed = [{ group = "base*" }, { name = "pier_*" }]        several, any of which is enough
 
-The centre is that of the box around a block, and heights are those of the structure with z up, in metres, whatever the file's unit and axis. A block of a
-mesh that becomes a support is put into the group ``base``; blocks of a block file keep theirs.
+The centre is that of the box around a block, and heights are those of the structure with z up, in metres, whatever the file's unit and
+axis. A block of a mesh that becomes a support is put into the group ``base``; blocks of a block file keep theirs.
 """
 
 from __future__ import annotations

@@ -58,18 +58,19 @@ class Shells:
         return cls(flat, np.array([i for i, _ in items]), np.linalg.norm(high - low, axis=1))
 
 
-def check(blocks: Sequence[Block], source: str = "") -> None:
+def check(blocks: Sequence[Block], source: str = "", overlap: float = 0.0) -> None:
     """Check a structure.
 
     Args:
         blocks: convex, or with convex parts.
         source: what the message begins with, such as the name of the file they come from.
+        overlap: depth up to which blocks may be in each other [m].
 
     Raises:
         Unsound: one line that names the block, or the two blocks that overlap.
     """
     with _located(blocks, source):
-        _check(blocks)
+        _check(blocks, overlap)
 
 
 def check_shells(blocks: Sequence[Block], source: str = "") -> None:
@@ -110,7 +111,18 @@ def _check_shells(blocks: Sequence[Block]) -> tuple[Shells | None, list[tuple[in
     return shells, whole + parts
 
 
-def _check(blocks: Sequence[Block]) -> None:
+def deepest_overlap(blocks: Sequence[Block]) -> tuple[float, int]:
+    """How deep polyhedra of a checked structure are in each other at most [m], and how many pairs are."""
+    items = [(i, part) for i, block in enumerate(blocks) if not block.radius for part in block.convex_parts]
+    if not items:
+        return 0.0, 0
+    shells = Shells.of(items)
+    fixed = np.array([blocks[i].fixed for i in shells.owner])
+    _, depths = overlapping_pairs(shells.flat, shells.owner, fixed, OVERLAP * shells.size)
+    return float(depths.max(initial=0.0)), len(depths)
+
+
+def _check(blocks: Sequence[Block], overlap: float) -> None:
     shells, items = _check_shells(blocks)
     if shells is not None:
         whole = [not block.parts for block in blocks if not block.radius]
@@ -119,7 +131,7 @@ def _check(blocks: Sequence[Block]) -> None:
         if len(items) > len(whole):
             _check_filled(blocks)
             shells = Shells.of([item for item, keep in zip(items, convex, strict=True) if keep])
-        _check_overlap(blocks, shells)
+        _check_overlap(blocks, shells, overlap)
     if any(block.radius for block in blocks):
         _check_spheres_apart(blocks)
 
@@ -291,18 +303,19 @@ def _heights(shells: Shells, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray,
     return face, vertex, np.einsum("ni,ni->n", flat.vertices[vertex] - on_face, flat.normals[face]) / shells.size[shell[face]]
 
 
-def _check_overlap(blocks: Sequence[Block], shells: Shells) -> None:
-    """No two blocks in the same place."""
+def _check_overlap(blocks: Sequence[Block], shells: Shells, overlap: float) -> None:
+    """No two blocks in the same place, but for a depth that is let pass [m]."""
     owner = shells.owner
     fixed = np.array([blocks[i].fixed for i in owner])
-    pairs, depths = overlapping_pairs(shells.flat, owner, fixed, OVERLAP * shells.size)
+    pairs, depths = overlapping_pairs(shells.flat, owner, fixed, np.maximum(OVERLAP * shells.size, overlap))
     if not len(depths):
         return
     deepest = int(np.argmax(depths))
     a, b = (blocks[i].name for i in sorted(owner[pairs[deepest]]))
     more = f"; {len(depths) - 1} more pairs overlap" if len(depths) > 1 else ""
     slight = depths[deepest] <= SLIGHT * float(np.median(shells.size))
-    mend = f"; of a file, structure.gaps = {_round_up(2.0 * depths[deepest]):g} [m] brings their faces together" if slight else ""
+    wide = _round_up(2.0 * depths[deepest])
+    mend = f"; of a file, structure.gaps = {wide:g} [m] brings their faces together, structure.overlap lets it be" if slight else ""
     raise Unsound(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}{mend}', _names(blocks, owner[pairs].ravel()))
 
 

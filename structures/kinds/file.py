@@ -14,8 +14,9 @@ from masonry_cd.foundation.quantities import length
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
 from structures.files import blockfile, meshfile
 from structures.files.blockfile import METRES, sound
+from structures.files.formats import endings, format_of
 from structures.files.supports import Rules, with_supports
-from structures.geometry.checks import Unsound, check, check_shells
+from structures.geometry.checks import Unsound, check, check_shells, deepest_overlap
 from structures.geometry.flatten import flattened
 from structures.geometry.gaps import close_gaps
 from structures.geometry.merge_coplanar import merge_coplanar
@@ -29,7 +30,7 @@ class FileTable(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     path: str = Field(description="of the block file, relative to the scene file")
-    units: Literal["m", "cm", "mm"] | None = Field(None, description="of an OBJ, STL, VTU or VTM file, which does not say")
+    units: Literal["m", "cm", "mm"] | None = Field(None, description="of a mesh that does not say it, such as OBJ, STL or VTU")
     up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
     fixed: Rules = Field(
         (),
@@ -37,6 +38,7 @@ class FileTable(BaseModel):
     )
     repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
     flatness: Height | None = Field(None, description="faces this near to a plane are made flat; a thousandth of the block when not given")
+    overlap: Length | None = Field(None, description="blocks of any file may be this deep in each other; the depth is reported")
     gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file")
 
 
@@ -47,19 +49,20 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     if not is_file(folder / path):
         raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')
     path = folder / path
-    is_mesh = path.suffix.lower() in meshfile.FORMATS
-    if not is_mesh and path.suffix.lower() != ".json" and not _looks_like_json(path):
+    format_ = format_of(path)
+    if format_ is None:
         raise InputError(
-            f'structure.path: {path.name} is no file of blocks; kind = "file" reads .json, {", ".join(meshfile.FORMATS)}, '
+            f'structure.path: {path.name} is no file of blocks by its ending or its content; kind = "file" reads {endings()}, '
             f'and kind = "solid" {", ".join(SUFFIXES)}'
         )
+    is_mesh = format_ != "json"
     for key in () if is_mesh else ("units", "up", "repair"):
         if key in keys.model_fields_set:
-            raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
-    blocks = _from_mesh(keys, path, density) if is_mesh else blockfile.read_unchecked(path, density)
+            raise InputError(f"structure.{key}: belongs to .obj, .stl, .vtu, .vtm files and other meshes; {path.name} states it itself")
+    blocks, notes = _from_mesh(keys, path, density, format_) if is_mesh else (blockfile.read_unchecked(path, density), [])
     blocks = with_supports(blocks, keys.fixed, "structure.fixed", "base" if is_mesh else None)
     blocks, moved, uneven = flattened(blocks, keys.flatness)
-    notes = [f"{path.name}: faces of {uneven} blocks made flat, corners moved by at most {length(moved)}"] if uneven else []
+    notes += [f"{path.name}: faces of {uneven} blocks made flat, corners moved by at most {length(moved)}"] if uneven else []
     if keys.gaps is not None:
         refuse_spheres(blocks, "structure.gaps: closing gaps between faces")
         check_shells(blocks, path.name)
@@ -67,28 +70,36 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
             blocks, moved, pairs = close_gaps(blocks, keys.gaps)
         except Unsound as failure:
             raise Unsound(f"{path.name}: {failure}", failure.faulty, failure.blocks) from None
-        return sound(blocks, path.name), [
+        return sound(blocks, path.name, keys.overlap or 0.0), [
             *notes,
             f"{path.name}: {pairs} pairs of faces brought together, corners moved by at most {moved:.3g} m",
         ]
+    overlap = keys.overlap or 0.0
     if is_mesh:
-        return sound(blocks, path.name), notes
-    check(blocks, path.name)
-    return merge_coplanar(blocks), notes
+        blocks = sound(blocks, path.name, overlap)
+    else:
+        check(blocks, path.name, overlap)
+        blocks = merge_coplanar(blocks)
+    if overlap:
+        depth, pairs = deepest_overlap(blocks)
+        notes.append(
+            f"{path.name}: {pairs} pairs of blocks overlap, by at most {length(depth)}" if pairs else f"{path.name}: no blocks overlap"
+        )
+    return blocks, notes
 
 
-def _looks_like_json(path: Path) -> bool:
-    """Whether a file of unknown ending begins as an object of JSON does."""
-    try:
-        with path.open("rb") as file:
-            return file.read(256).removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{")
-    except OSError as failure:
-        raise InputError(f"structure.path: {path.name}: cannot be read, {failure.strerror}") from None
-
-
-def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:
-    """Read a mesh file whose unit and axes the table states; not checked yet."""
+def _from_mesh(keys: FileTable, path: Path, density: float, format_: str) -> tuple[list[Block], list[str]]:
+    """Read a mesh file whose unit and axes it states itself, or the table; not checked yet."""
+    loaded = meshfile.load(path, format_)
+    stated = {"units": next((name for name, size in METRES.items() if size == loaded.metres), None), "up": loaded.up}
+    notes = []
     for key, known in (("units", METRES), ("up", ("y", "z"))):
-        if getattr(keys, key) is None:
+        asked, own = getattr(keys, key), stated[key]
+        if asked is None and own is None and not (key == "units" and loaded.metres):
             raise InputError(f"structure.{key}: missing; {path.name} does not say it, so take one of {', '.join(known)}")
-    return meshfile.read(path, density, METRES[keys.units or "m"], keys.up or "z", keys.repair)
+        if None not in (asked, own) and asked != own:
+            if loaded.firm:
+                raise InputError(f'structure.{key}: "{asked}", but {path.name} says "{own}"; leave the key out')
+            notes.append(f'{path.name}: {key} "{asked}" as the scene says, where the file has "{own}"')
+    scale = METRES[keys.units] if keys.units else loaded.metres or 1.0
+    return meshfile.blocks_of(loaded, path.name, density, scale, keys.up or loaded.up or "z", keys.repair), notes

@@ -113,7 +113,7 @@ def _cut(keys: SolidTable, path: Path, scale: float) -> foreign.Answer:
     }
     limits = foreign.Limits(seconds=keys.time_limit)
     pieces, figures = foreign.read("structures.files.cutting:cut", path, asked, limits, advice="; structure.time_limit gives it longer")
-    return [(course, group, *mended(vertices, faces, keys.tolerance / scale)) for course, group, vertices, faces in pieces], figures
+    return [foreign.Piece(p.number, p.name, *mended(p.vertices, p.faces, keys.tolerance / scale)) for p in pieces], figures
 
 
 def _scale(keys: SolidTable, path: Path) -> float:
@@ -133,7 +133,7 @@ def _scale(keys: SolidTable, path: Path) -> float:
 def _named(stones: Sequence[foreign.Piece], keys: SolidTable, scale: float, density: float, source: str) -> list[Block]:
     """Blocks in metres, z up, named by course and place: ``c0s0``, ``c0s1`` ... from the foot upwards."""
     made = []
-    for course, group, vertices, faces in stones:
+    for course, group, vertices, faces, *_ in stones:
         if len(faces) < 4:
             raise InputError(f"{source}: a piece of course {course} has only {len(faces)} faces; its solid is not closed")
         made.append((course, Block("", placed(vertices, scale, keys.up), faces, density, group)))

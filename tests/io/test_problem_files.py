@@ -52,6 +52,17 @@ def test_elastic_contacts_there_and_back(tmp_path: Path) -> None:
     assert not (tmp_path / "global.hdf5").exists()
 
 
+def test_a_problem_of_contactbench_has_its_normals_last(tmp_path: Path) -> None:
+    """A block on a slope of one in two slides where friction is less, c = G r + g with rows (t1, t2, n)."""
+    np.savez(tmp_path / "p.npz", G=np.diag([2.0, 2.0, 1.0]), g=[[-1.0], [0.0], [-2.0]], mus=[0.25])
+    read = read_problem(tmp_path / "p.npz")
+    np.testing.assert_array_equal(read.free_relative_velocity(), [[-2.0, -1.0, 0.0]])
+    assert natural_map_error(read, np.array([[2.0, 0.5, 0.0]])) < 1e-15  # the tangent would have to be as large to stick
+    np.savez(tmp_path / "q.npz", G=np.eye(3), g=np.zeros(3), mus=[0.2, 0.2])
+    with pytest.raises(InputError, match="9 entries of G and 3 of g do not fit 2 of mus"):
+        read_problem(tmp_path / "q.npz")
+
+
 @pytest.mark.parametrize(("wrong", "line"), [(np.full(3, -1.0), r"C\[0\] is negative"), (np.zeros(5), "C has 5 entries, w has 36")])
 def test_wrong_compliance_is_named(tmp_path: Path, wrong: np.ndarray, line: str) -> None:
     """Negative or of another length."""

@@ -52,7 +52,7 @@ def test_cells_of_a_block_that_share_no_face_are_named(tmp_path: Path) -> None:
     cells = [prism_xz(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, top], [0.0, top]]), y, y + 1.0) for y, top in ((0.0, 1.0), (1.0, 0.5))]
     parts = tuple(Polyhedron(*cell) for cell in cells)
     meshfile.write(tmp_path / "steps.vtu", [Block("steps", *cells[0], 2000.0, parts=parts)])
-    with pytest.raises(InputError, match=r'^steps\.vtu: block "b0": its parts do not share whole faces$'):
+    with pytest.raises(InputError, match=r'^steps\.vtu: block "steps": its parts do not share whole faces$'):
         file(tmp_path, "steps.vtu")
 
 

@@ -1,0 +1,124 @@
+"""Which files of blocks are read, by their ending or by what they hold, and what is written.
+
+An ending that is known decides. Any other file is taken for what its first bytes say it is; where they say nothing, the list is named.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from masonry_cd.foundation.errors import InputError
+
+LOOKED_AT = 4096  # bytes of a file of an unknown ending
+TRIANGLE, STL_HEAD = 50, 84  # bytes of binary STL
+ROOM = "structures.files."
+
+
+class Format(NamedTuple):
+    """A format of files of blocks."""
+
+    endings: tuple[str, ...]
+    about: str  # what is a block in it
+    reader: str = ""  # module:function of the child process; empty for those that are read here
+    written: bool = False
+
+
+FORMATS = {
+    "json": Format((".json",), "a block file; the only one that keeps everything", written=True),
+    "obj": Format((".obj",), "an object a block; g, or else usemtl, is its group", written=True),
+    "stl": Format((".stl",), "a closed shell a block, solids of a text apart", f"{ROOM}mesh_readers:read_stl", written=True),
+    "ply": Format((".ply",), "a closed shell a block", f"{ROOM}surface_readers:read_ply"),
+    "off": Format((".off",), "a closed shell a block", f"{ROOM}surface_readers:read_off"),
+    "gltf": Format((".gltf", ".glb"), "a mesh of a node a block; metres, y up", f"{ROOM}surface_readers:read_gltf"),
+    "3mf": Format((".3mf",), "an object of the build a block; states its unit, z up", f"{ROOM}surface_readers:read_3mf"),
+    "vtu": Format(
+        (".vtu",), "a volume cell a block, or those of one number in the array block", f"{ROOM}mesh_readers:read_vtu", written=True
+    ),
+    "vtp": Format((".vtp",), "a closed shell a block", f"{ROOM}mesh_readers:read_vtp"),
+    "vtm": Format((".vtm",), "a data set a block", f"{ROOM}mesh_readers:read_vtm", written=True),
+    "vtkhdf": Format((".vtkhdf",), "as VTU", f"{ROOM}mesh_readers:read_vtkhdf", written=True),
+    "dxf": Format(
+        (".dxf",), "3DFACEs: a closed shell of a layer; polyface mesh: each a block; layers are groups", f"{ROOM}program_readers:read_dxf"
+    ),
+    "compas": Format(
+        (".compas",), "JSON of COMPAS: each mesh or polyhedron a block, is_support a support", f"{ROOM}program_readers:read_compas"
+    ),
+    "lmgc90": Format((), "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR and PLANx", f"{ROOM}program_readers:read_lmgc90"),
+    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{ROOM}program_readers:read_3dec"),
+}
+ELSEWHERE = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # of kind = "solid"
+
+
+def format_of(path: Path) -> str | None:
+    """The name of a file's format; None where neither its ending nor its content says it.
+
+    Raises:
+        InputError: not readable, or a solid of another kind of structure.
+    """
+    known = next((name for name, format_ in FORMATS.items() if path.suffix.lower() in format_.endings), None)
+    if known not in (None, "json"):
+        return known
+    try:
+        with path.open("rb") as file:
+            head = file.read(LOOKED_AT)
+        size = path.stat().st_size
+    except OSError as failure:
+        raise InputError(f"structure.path: {path.name}: cannot be read, {failure.strerror}") from None
+    for name, mark in ELSEWHERE.items():
+        if mark in head[:200]:
+            raise InputError(f'structure.path: {path.name} is a {name.upper()} file by its content; kind = "solid" cuts it into stones')
+    found = _by_content(head, size)
+    return found if known is None or found == "compas" else known
+
+
+def _by_content(head: bytes, size: int) -> str | None:
+    """The format that the first bytes of a file speak of."""
+    text = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    lower = text.lower()
+    lines = [line.strip() for line in lower.splitlines()]
+    if text.startswith((b"{", b"[")):
+        if b'"asset"' in head and b'"accessors"' in head:
+            return "gltf"
+        return (
+            "compas"
+            if (b'"dtype"' in head or b'"datatype"' in head) and b'"blocks"' not in head
+            else "json"
+            if text.startswith(b"{")
+            else None
+        )
+    marks = ((b"glTF", "gltf"), (b"ply", "ply"), (b"\x89HDF", "vtkhdf"), (b"PK\x03\x04", "3mf"))
+    if found := next((name for mark, name in marks if text.startswith(mark)), None):
+        return found
+    if lower.startswith((b"<?xml", b"<vtkfile")):
+        kinds = ((b"unstructuredgrid", "vtu"), (b"polydata", "vtp"), (b"vtkmultiblockdataset", "vtm"))
+        return next((name for mark, name in kinds if b'type="' + mark in lower), None)
+    if b"$bdyty" in head:
+        return "lmgc90"
+    if lines[:1] and lines[0].split()[:1] in ([b"off"], [b"coff"], [b"noff"]):
+        return "off"
+    if lines[:2] in ([b"0", b"section"], [b"999", b""]) or (lines[:1] == [b"0"] and b"section" in lines[1:2]):
+        return "dxf"
+    if lower.startswith(b"solid") and b"facet" in lower:
+        return "stl"
+    if any(line.startswith((b"block create", b"poly brick", b"poly prism", b"poly face")) for line in lines):
+        return "3dec"
+    if sum(line.startswith(b"v ") for line in lines) >= 3:
+        return "obj"
+    count = int.from_bytes(head[80:STL_HEAD], "little") if len(head) >= STL_HEAD else -1
+    return "stl" if count > 0 and size == STL_HEAD + TRIANGLE * count else None
+
+
+def listed() -> list[str]:
+    """A line for each format: name, endings, what is a block in it, whether it is written, too."""
+    rows = []
+    for name, format_ in FORMATS.items():
+        endings = ", ".join(format_.endings) or "by content"
+        rows.append(f"{name:7} {endings:14} {'read, written' if format_.written else 'read':13} {format_.about}")
+    rows.append(f'{"solid":7} {".step .brep .geo":14} {"read":13} kind = "solid": a CAD model, cut into stones')
+    return rows
+
+
+def endings() -> str:
+    """All endings, for a message."""
+    return ", ".join(ending for format_ in FORMATS.values() for ending in format_.endings)

@@ -1,0 +1,165 @@
+"""Formats of other programs: two boxes that share corners come as two blocks; what is written comes back; endings and content agree."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import mesh_files as files
+import numpy as np
+import pytest
+from models import tower
+from solids import build as built
+from typer.testing import CliRunner
+
+import structures
+from masonry_cd.cli.app import app
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import mass_properties, triangles
+from structures.files import meshfile
+from structures.files.formats import FORMATS, format_of
+from structures.files.shells import shells
+
+METRES = {"units": "m", "up": "z"}
+
+
+def build(folder: Path, name: str, **keys: Any) -> list[Block]:
+    return structures.build({"kind": "file", "path": name, **keys}, 2000.0, folder)
+
+
+def boxes(folder: Path, name: str, content: str | bytes = "", **keys: Any) -> list[Block]:
+    """The two boxes of a file, checked by their volumes and places."""
+    if content:
+        (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    made = build(folder, name, **keys)
+    found = [mass_properties(block.vertices, block.faces) for block in made]
+    assert [one.volume for one in found] == pytest.approx(files.SIZES)
+    assert [one.centre for one in found] == [pytest.approx([1.0, 0.5, 0.5]), pytest.approx([0.5, 0.5, 1.5])]
+    return made
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.off", files.off()),
+        ("a.ply", files.ply()),
+        ("a.ply", files.ply("binary_little_endian")),
+        ("a.ply", files.ply("binary_big_endian")),
+        ("a.dxf", files.dxf()),
+        ("a.dxf", files.dxf(polyface=True)),
+        ("a.json", files.compas()),
+        ("a.compas", files.compas(assembly=False)),
+        ("a.3ddat", files.threedec()),
+        ("a.dat", files.PRISM),
+        ("unknown", files.off()),
+        ("unknown.txt", files.ply()),
+    ],
+)
+def test_boxes_that_share_corners_are_two_blocks(tmp_path: Path, name: str, content: str | bytes) -> None:
+    boxes(tmp_path, name, content, **METRES)
+
+
+def test_what_files_say_of_blocks_is_kept(tmp_path: Path) -> None:
+    assert [block.group for block in boxes(tmp_path, "a.dxf", files.dxf(), up="z")] == ["lower", "upper"]  # in metres by its header
+    assert [block.fixed for block in boxes(tmp_path, "a.json", files.compas(), **METRES)] == [True, False]
+    deck = boxes(tmp_path, "a.3dec", files.threedec(), **METRES)
+    assert [(block.group, block.fixed) for block in deck] == [("base", True), ("stone", False)]
+    assert [block.fixed for block in boxes(tmp_path, "b.dat", files.PRISM, **METRES)] == [True, False]
+
+
+def test_lmgc90(tmp_path: Path) -> None:
+    files.lmgc90(tmp_path)
+    made = boxes(tmp_path, "BODIES.DAT", **METRES)
+    assert [(b.group, b.fixed, b.density) for b in made] == [("BASEx", True, 2500.0), ("BLUEx", False, 1900.0)]
+
+
+def test_gltf_and_3mf_state_unit_and_axis(tmp_path: Path) -> None:
+    files.gltf(tmp_path / "a.gltf")
+    files.gltf(tmp_path / "a.glb", glb=True)
+    files.threemf(tmp_path / "a.3mf")
+    for name in ("a.gltf", "a.glb", "a.3mf"):
+        assert [block.name for block in boxes(tmp_path, name)] == ["lower", "upper"]
+    with pytest.raises(InputError, match=r'^structure\.units: "m", but a\.3mf says "mm"; leave the key out$'):
+        build(tmp_path, "a.3mf", units="m")
+    _, notes = structures.build_with_notes({"kind": "file", "path": "a.glb", "up": "z"}, 2000.0, tmp_path)
+    assert notes == ['a.glb: up "z" as the scene says, where the file has "y"']
+
+
+@pytest.mark.parametrize("name", [name for name, format_ in FORMATS.items() if format_.written and name not in ("json", "stl")])
+def test_what_is_written_comes_back_to_the_same_blocks(tmp_path: Path, name: str) -> None:
+    blocks = [*tower(2), Block("loose one", tower(1)[1].vertices + [1.0, 0.0, 0.0], tower(1)[1].faces, 1900.0, "other--group")]
+    meshfile.write(tmp_path / f"t.{name}", blocks)
+    again = build(tmp_path, f"t.{name}")
+    assert [(b.name, b.group, b.fixed, b.density) for b in again] == [(b.name, b.group, b.fixed, b.density) for b in blocks]
+    for ours, theirs in zip(blocks, again, strict=True):
+        assert np.array_equal(np.unique(ours.vertices, axis=0), np.unique(theirs.vertices, axis=0))  # to the bit
+        assert len(ours.faces) == len(theirs.faces)
+
+
+def test_an_stl_of_blocks_that_share_corners_comes_back(tmp_path: Path) -> None:
+    blocks = built("arch", span=4.0, thickness=0.5, voussoirs=9)
+    meshfile.write(tmp_path / "arch.stl", blocks)
+    again = build(tmp_path, "arch.stl", **METRES, fixed="ground")
+    volumes = [[mass_properties(b.vertices, b.faces).volume for b in some] for some in (blocks, again)]
+    assert volumes[1] == pytest.approx(volumes[0], rel=1e-5)
+
+
+def test_shells_do_not_depend_on_the_order_of_faces() -> None:
+    blocks = tower(4)
+    points = np.concatenate([block.vertices for block in blocks])
+    loops = [[i + 8 * k for i in face] for k, block in enumerate(blocks) for face in triangles(block.faces).tolist()]
+    np.random.default_rng(1).shuffle(loops)
+    found = [mass_properties(*shell).volume for shell in shells(points, loops)]
+    assert sorted(found) == pytest.approx(sorted(mass_properties(b.vertices, b.faces).volume for b in blocks))
+
+
+def test_obj_groups_and_materials(tmp_path: Path) -> None:
+    corners = "".join("v {:g} {:g} {:g}\n".format(*p) for p in files.POINTS)
+    faces = ["".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in some) for some in (files.LOOPS[: files.HALF], files.LOOPS[files.HALF :])]
+    made = boxes(tmp_path, "a.obj", f"{corners}o low\ng base\nusemtl tuff\n{faces[0]}o high\nusemtl brick\ng arch\n{faces[1]}", **METRES)
+    assert [(block.name, block.group) for block in made] == [("low", "base"), ("high", "arch")]
+    made = boxes(tmp_path, "b.obj", f"{corners}g low\nusemtl tuff\n{faces[0]}g high\n{faces[1]}", **METRES)
+    assert [(block.name, block.group) for block in made] == [("low", "tuff"), ("high", "tuff")]
+    assert [block.name for block in boxes(tmp_path, "c.obj", corners + "".join(faces), **METRES)] == ["b0", "b1"]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.xyz", "1 2 3\n", r"structure\.path: a\.xyz is no file of blocks by its ending or its content; .* \.dxf, "),
+        ("a.dat", "ISO-10303-21;\n", r'structure\.path: a\.dat is a STEP file by its content; kind = "solid" cuts it into stones'),
+        ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n0\nEOF\n", r"a\.dxf: no 3DFACE and no polyface mesh in it; lines,"),
+        ("a.off", "OFF\n3 1 0\n0 0 0\n", r"a\.off: not the counts, corners and faces of an OFF file"),
+        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n", r"a\.ply: not the corners and faces"),
+        ("a.glb", "glTF....", r"a\.glb: not the nodes, meshes and accessors"),
+        ("a.3mf", "PK..", r"a\.3mf: not the objects and the build of a 3MF file"),
+        ("a.3dec", "block create sphere 1\n", r'a\.3dec: line 1: a block sphere that is not read'),
+        ("a.json", '{"dtype": "compas.data/Data", "data": {}}', r"a\.json: no mesh and no polyhedron of COMPAS in it"),
+        ("BODIES.DAT", "$bdyty\n RBDY3  1\n$nodty\n$tacty\n SPHER  1  color  BLUEx\n", r"BODIES\.DAT: RBDY3 1: no three coordinates"),
+    ],
+)  # fmt: skip
+def test_what_is_no_such_file_is_named(tmp_path: Path, name: str, content: str, message: str) -> None:
+    (tmp_path / name).write_text(content)
+    with pytest.raises(InputError, match=f"^{message}"):
+        build(tmp_path, name, **METRES)
+
+
+def test_formats_are_listed(tmp_path: Path) -> None:
+    shown = CliRunner().invoke(app, ["build", "--formats"])
+    assert shown.exit_code == 0
+    assert [line.split()[0] for line in shown.output.splitlines()] == [*FORMATS, "solid"]
+    (tmp_path / "x.bin").write_bytes(b"\x00\x01")
+    assert format_of(tmp_path / "x.bin") is None
+
+
+def test_an_overlap_is_accepted_where_asked_for_and_reported(tmp_path: Path) -> None:
+    blocks = [Block(b.name, b.vertices - [0.0, 0.0, 0.001 * k], b.faces, b.density, b.group, b.fixed) for k, b in enumerate(tower(2))]
+    meshfile.write(tmp_path / "t.obj", blocks)
+    with pytest.raises(InputError, match=r't\.obj: blocks "\w+" and "\w+" overlap by 1 mm; 1 more pairs overlap'):
+        build(tmp_path, "t.obj")
+    made, notes = structures.build_with_notes({"kind": "file", "path": "t.obj", "overlap": 0.002}, 2000.0, tmp_path)
+    assert len(made) == 3
+    assert notes == ["t.obj: 2 pairs of blocks overlap, by at most 1 mm"]
+    with pytest.raises(InputError, match="overlap by 1 mm"):
+        build(tmp_path, "t.obj", overlap=0.0005)
