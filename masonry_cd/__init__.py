@@ -32,6 +32,8 @@ NAMES = {
     "assess": "masonry_cd.interface.assessing:assess",
     "box": "structures.geometry.prism:box",
     "compare": "masonry_cd.interface.comparison:compare",
+    "from_compas": "masonry_cd.interface.compas:from_compas",
+    "from_traces": "masonry_cd.interface.traces:from_traces",
     "limit_analysis": "masonry_cd.interface.limit:limit_analysis",
     "modal": "masonry_cd.interface.modal:modal",
     "open": "masonry_cd.interface.results:open_run",

@@ -3,6 +3,7 @@ from masonry_cd.interface.assessing import Assessment as Assessment
 from masonry_cd.interface.assessing import assess as assess
 from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
+from masonry_cd.interface.compas import from_compas as from_compas
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
 from masonry_cd.interface.modal import modal as modal
@@ -18,6 +19,7 @@ from masonry_cd.interface.structure import Structure as Structure
 from masonry_cd.interface.studies import Study as Study
 from masonry_cd.interface.studies import open_study as open_study
 from masonry_cd.interface.studies import study as study
+from masonry_cd.interface.traces import from_traces as from_traces
 from masonry_cd.mechanics.model.blocks import Block as Block
 from structures.geometry.prism import box as box
 
@@ -38,6 +40,8 @@ __all__ = [
     "assess",
     "box",
     "compare",
+    "from_compas",
+    "from_traces",
     "limit_analysis",
     "modal",
     "open",

@@ -89,6 +89,11 @@ def export(results: Results, folder: Path, form: str = "vtkhdf", thresholds: Thr
     return [*files, _write_names(results, folder / "names.csv")]
 
 
+def blocks_as_polydata(results: Results, frame: int, thresholds: Thresholds) -> Any:
+    """The faces of the blocks at a frame with their arrays, a PolyData of pyvista."""
+    return _as_pyvista(_blocks(results, thresholds), frame)
+
+
 def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
     """The faces of the blocks."""
     solids = solids_of(results.blocks)
@@ -243,23 +248,11 @@ def _put(root: h5py.Group, name: str, values: np.ndarray, frame: int, frames: in
 
 def _write_pvd(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
     """A list of one file per time, in a folder beside it."""
-    import pyvista
-
     folder = path.with_suffix("")
     folder.mkdir(exist_ok=True)
-    cells = np.insert(mesh.loops, mesh.loop_start[:-1], np.diff(mesh.loop_start))
     ending, lines = "vtp" if mesh.kind == POLYGON else "vtu", []
     for frame, time in enumerate(times):
-        points, of_points, of_cells = mesh.at(frame)
-        data: Any
-        if mesh.kind == POLYGON:
-            data = pyvista.PolyData(points.astype(np.float32), faces=cells)
-        else:
-            data = pyvista.UnstructuredGrid(cells, np.full(len(mesh.loop_start) - 1, mesh.kind), points.astype(np.float32))
-        for name, values in of_points.items():
-            data.point_data[name] = _single(values)
-        for name, values in (mesh.fixed | of_cells).items():
-            data.cell_data[name] = _single(values)
+        data = _as_pyvista(mesh, frame)
         file = folder / f"{mesh.name}_{frame:05d}.{ending}"
         _write_xml(data, file)
         lines.append(f'    <DataSet timestep="{float(time)!r}" part="0" file="{folder.name}/{file.name}"/>')
@@ -267,6 +260,24 @@ def _write_pvd(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
     with replacing(path) as part:
         part.write_text(head + "\n".join(lines) + "\n  </Collection>\n</VTKFile>\n", encoding="utf-8")
     return path
+
+
+def _as_pyvista(mesh: Mesh, frame: int) -> Any:
+    """A mesh at a frame with its arrays."""
+    import pyvista
+
+    cells = np.insert(mesh.loops, mesh.loop_start[:-1], np.diff(mesh.loop_start))
+    points, of_points, of_cells = mesh.at(frame)
+    data: Any
+    if mesh.kind == POLYGON:
+        data = pyvista.PolyData(points.astype(np.float32), faces=cells)
+    else:
+        data = pyvista.UnstructuredGrid(cells, np.full(len(mesh.loop_start) - 1, mesh.kind), points.astype(np.float32))
+    for name, values in of_points.items():
+        data.point_data[name] = _single(values)
+    for name, values in (mesh.fixed | of_cells).items():
+        data.cell_data[name] = _single(values)
+    return data
 
 
 def _write_xml(data: Any, path: Path) -> None:

@@ -14,7 +14,8 @@ NUMBER = 8  # bytes
 OF_BLOCK = 3 + 4 + 6  # numbers of a frame: position, orientation, velocity
 OF_STRAIN = 9  # those of its gradient, where blocks deform
 OF_STRESS = (6, 2)  # numbers of a frame: of a block, and of a joint
-OF_JOINT = 6 + 3  # numbers of a frame: six histories and the place of the force, see io/results.py; a tenth where joints are bonded
+OF_SUPPORT = 6  # numbers of a frame: force and moment
+OF_JOINT = 6 + 3 + 3  # numbers of a frame: six histories, the force and its place, see io/results.py; a tenth where joints are bonded
 
 
 def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int, stress: bool = False, of_meshes: int = 0) -> float:
@@ -24,6 +25,7 @@ def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int, st
     """
     of_block = OF_BLOCK + (0 if assembly.deformation is None else OF_STRAIN)
     frame = 1 + of_block * assembly.count + (OF_JOINT + bool(assembly.laws.apex.any())) * joints.count
+    frame += OF_SUPPORT * int(assembly.fixed.sum())
     frame += (OF_STRESS[0] * assembly.count + OF_STRESS[1] * joints.count) * stress
     return float(NUMBER) * ((frame + 0.5 * of_meshes * stress) * frames + len(STEP_FIELDS) * steps)
 

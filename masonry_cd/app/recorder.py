@@ -8,15 +8,18 @@ import numpy as np
 
 from masonry_cd.analysis.damage.step_peaks import StepPeaks
 from masonry_cd.app.pair_joints import PairJoints
+from masonry_cd.app.step_contacts import contacts_of, reactions_of
 from masonry_cd.io.layout import (
     BONDED,
     CLOSING,
     EDGE_STRESS,
     ELEMENT_STRESS,
+    FORCE,
     GRADIENT,
     JOINT_PEAKS,
     MEAN_NORMAL_FORCE,
     NODE_DISPLACEMENT,
+    REACTION,
     SHOCK_PEAKS,
     STRESS,
 )
@@ -106,6 +109,9 @@ class Recorder:
         writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
         force, point = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
         writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point})
+        contacts = contacts_of(self._stepper, self._joint_of_pairs())
+        reactions = reactions_of(self._stepper, contacts)[self._stepper.assembly.fixed]
+        writer.append({f"joints/{FORCE}": contacts.of_joints(self._joints.count), REACTION: reactions})
         bonded = np.zeros(self._joints.count)
         if self._stepper.assembly.laws.apex.any():
             bonded = self._stepper.joint_bonds(self._joint_of_pairs(), self._joints)

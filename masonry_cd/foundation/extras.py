@@ -19,6 +19,7 @@ EXTRA_OF = {
     "dask": "studies",
     "pyarrow": "studies",
     "pandas": "tables",
+    "xarray": "tables",
     "obspy": "records",
     "dask_jobqueue": "slurm",
 }

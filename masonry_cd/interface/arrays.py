@@ -101,6 +101,8 @@ def _block(given: Any, index: int) -> Block:
         table = given
     elif _is_list(given) and len(given) == 2:
         table = {"vertices": given[0], "faces": given[1]}
+    elif (shell := shell_of(given)) is not None:
+        table = shell
     else:
         raise InputError(f"structure.blocks[{index}]: (vertices, faces), a dict or a Block is needed, got a {type(given).__name__}")
     name = str(table.get("name") or f"b{index}")
@@ -131,6 +133,24 @@ def _block(given: Any, index: int) -> Block:
         parts=given.parts if isinstance(given, Block) else (),
         **common,
     )
+
+
+def shell_of(given: Any) -> dict[str, Any] | None:
+    """Vertices, faces and a name, if any, of an object that has them: of trimesh, pyvista, COMPAS, or any like these; else None."""
+    name = getattr(given, "name", None)
+    about = {"name": name} if isinstance(name, str) and name else {}
+    if callable(getattr(given, "to_vertices_and_faces", None)):  # of COMPAS
+        vertices, faces = given.to_vertices_and_faces()
+        return about | {"vertices": vertices, "faces": faces}
+    if hasattr(given, "points") and hasattr(given, "faces"):  # of pyvista: faces in a row, each behind the number of its corners
+        row, loops, at = np.asarray(given.faces).ravel().tolist(), [], 0
+        while at < len(row):
+            loops.append(row[at + 1 : at + 1 + row[at]])
+            at += 1 + row[at]
+        return about | {"vertices": given.points, "faces": loops}
+    if hasattr(given, "vertices") and hasattr(given, "faces"):
+        return about | {"vertices": given.vertices, "faces": given.faces}
+    return None
 
 
 def _faces(given: Any, where: str) -> tuple[tuple[int, ...], ...]:
@@ -198,7 +218,10 @@ def _load(table: Any, where: str, folder: Path) -> list[Any]:
 
 
 def _motion(table: Mapping[str, Any], where: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times (N,) [s] and accelerations (N, 1 to 3) [m/s2]."""
+    """Times (N,) [s] and accelerations (N, 1 to 3) [m/s2]; these may be a function of a time."""
+    if callable(table["acceleration"]):
+        function, times = table["acceleration"], _numbers(table["time"], (-1,), f"{where}.time")
+        table = {**table, "acceleration": [function(time) for time in times.tolist()]}
     given = np.asarray(table["acceleration"], dtype=object)
     acceleration = _numbers(table["acceleration"], (-1,) * max(1, min(2, given.ndim)), f"{where}.acceleration").reshape(len(given), -1)
     if not 1 <= acceleration.shape[1] <= len(AXES):

@@ -22,6 +22,7 @@ from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.closing import closing_as_html
 from masonry_cd.interface.mesh_tables import STRESSES, element_peak_table, element_table, node_table
 from masonry_cd.interface.plots import Plots
+from masonry_cd.interface.run_exports import RunExports
 from masonry_cd.interface.scenes import Scene, scene_of
 from masonry_cd.interface.structure import Structure
 from masonry_cd.interface.tables import columns_of, frame_of, frame_of_rows
@@ -64,7 +65,7 @@ PER_STEP = {  # and their types
 }
 
 
-class Run:
+class Run(RunExports):
     """The results of a run, read from its folder when they are asked for. Made by :func:`masonry_cd.run` and :func:`masonry_cd.open`.
 
     Tables are DataFrames of pandas with columns as in the CSV files; ``table.attrs["units"]`` says their units. ``print(run)`` shows the

@@ -122,6 +122,16 @@ class Scene:
         blocks, notes, bars = make_structures(self._checked)
         return Structure(blocks, tuple(notes), lines_of(bars))
 
+    def to_compas(self) -> list[dict[str, Any]]:
+        """The blocks as meshes of COMPAS, for ``json.dump``; :func:`masonry_cd.from_compas` reads them back.
+
+        Raises:
+            InputError: a sphere, which is no mesh; see also :attr:`structure`.
+        """
+        from masonry_cd.interface.compas import to_compas
+
+        return to_compas(self.structure.blocks)
+
     def picture(self, view: str = "auto") -> Image:
         """The structure by groups of blocks, as an image that a notebook shows.
 
@@ -196,9 +206,10 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
         tables: by keyword; over those of the source, as in :meth:`Scene.changed`.
 
     ``structure`` may be a list of blocks, or a table with one under ``blocks``: each a pair of vertices (V, 3) [m] and faces (loops of
-    indices from zero, counter-clockwise seen from outside), a dict with the keys name, vertices, faces, density, group and fixed, or a
-    :class:`masonry_cd.Block`; ``fixed`` beside them names the supports, ``*`` standing for anything. A table of ``loads`` may hold ``time``
-    (N,) [s] and ``acceleration`` (N,) or (N, 1 to 3) [m/s2], of one component along its ``direction`` or of several along x, y and z; the
+    indices from zero, counter-clockwise seen from outside), a dict with the keys name, vertices, faces, density, group and fixed, a
+    :class:`masonry_cd.Block`, or an object that has vertices and faces, of trimesh, pyvista, COMPAS or another program; ``fixed`` beside
+    them names the supports, ``*`` standing for anything. A table of ``loads`` may hold ``time`` (N,) [s] and ``acceleration`` (N,) or (N, 1
+    to 3) [m/s2], or a function of time that gives a row of it, of one component along its ``direction`` or of several along x, y and z; the
     keys of a record (``correction``, ``scale``, ``taper`` ...) stand beside them, and it is treated and judged as a record is.
 
     Raises:

@@ -21,7 +21,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import size_of_regular
 
 NAME = "checkpoint.npz"
-FORMAT = 13  # of what a stepper writes and of the results beside it; raised when what they hold changes
+FORMAT = 14  # of what a stepper writes and of the results beside it; raised when what they hold changes
 Check = Callable[[dict[str, np.ndarray], dict[str, Any]], None]
 NOTHING = "nothing to resume from: the run ended, or was stopped before its first checkpoint"
 

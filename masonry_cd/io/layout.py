@@ -7,6 +7,8 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /joints/{block_a, block_b, area, normal, polygon_start, polygon}          what the joints are
     /joints/{opening, sliding, rotation, contact_area, normal_force, shear_force} (F, J)
     /joints/force_point (F, J, 3)    where the force of a joint crosses its plane, NaN where it has none
+    /joints/force (F, J, 3)   mean force of the joint on its block b over the step before, its opposite acts on block a [N]
+    /reaction (F, S, 6)   force and moment about its centre of mass of each of S supports on what it carries, likewise [N, N m]
     /joints/bonded (F, J)   share of the area that is bonded; only where joints are
     /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
     /stress (F, B, 6)   mean stress of the blocks since the frame before, xx yy zz xy yz xz, tension positive [Pa]; NaN of supports and in
@@ -36,7 +38,8 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
         name that no other run has), format (of this layout), ties (JSON, see tie_bars.py), inputs (JSON: SHA-256 of each file that the
         scene reads), constant (SHA-256 of all that does not grow, but for scene_file)
 
-Files of older versions have neither /peaks nor /blocks/support: their largest drifts and hinges are those of the frames.
+Files of older versions have neither /joints/force nor /reaction, and neither /peaks nor /blocks/support: their largest drifts and hinges
+are those of the frames.
 A file without the attribute ``format`` is of a version of the program before there were checksums; it still reads.
 """
 
@@ -47,6 +50,7 @@ from masonry_cd.mechanics.model.joints import Joints
 FORMAT = 1  # of the layout; raised when an older program would misread it
 FRAME_FIELDS = ("time", "position", "orientation", "velocity")
 JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force", "force_point")
+FORCE, REACTION = "force", "reaction"  # of joints and supports; older files have none
 GRADIENT = "gradient"  # a history that only runs with blocks that deform have
 BONDED = "bonded"  # a history that only runs with cohesive joints have
 STRESS = "stress"  # a history that only runs have whose scene asks for it, as those of the joints:

@@ -19,6 +19,7 @@ from masonry_cd.io.layout import (
     CLOSING,
     EDGE_STRESS,
     ELEMENT_STRESS,
+    FORCE,
     FRAME_FIELDS,
     GRADIENT,
     JOINT_CONSTANTS,
@@ -27,6 +28,7 @@ from masonry_cd.io.layout import (
     MEAN_NORMAL_FORCE,
     MESH_ARRAYS,
     NODE_DISPLACEMENT,
+    REACTION,
     STEP_PEAKS,
     STRESS,
 )
@@ -133,7 +135,8 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int]) -> None:
     blocks, joints = len(file["blocks/name"]), len(file["joints/area"])
     parts = len(file["peaks/drift"]) if "peaks" in file else 0
     meshes = (len(file["meshes/nodes"]), len(file["meshes/elements"])) if "meshes" in file else (0, 0)
-    for name, kind, row in _growing(blocks, joints, parts, meshes):
+    supports = int(np.count_nonzero(file["blocks/fixed"][...]))
+    for name, kind, row in (*_growing(blocks, joints, parts, meshes), (REACTION, REAL, (supports, 6))):
         if name in file:
             dataset = file[name]
             if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kind or dataset.shape[1:] != row:
@@ -177,8 +180,8 @@ def _growing(blocks: int, joints: int, parts: int, meshes: tuple[int, int]) -> I
     yield STRESS, REAL, (blocks, 6)
     yield NODE_DISPLACEMENT, REAL, (meshes[0], 3)
     yield ELEMENT_STRESS, REAL, (meshes[1], 6)
-    for name in (*JOINT_HISTORIES, BONDED, MEAN_NORMAL_FORCE, EDGE_STRESS):
-        yield f"joints/{name}", REAL, (joints, 3) if name == "force_point" else (joints,)
+    for name in (*JOINT_HISTORIES, FORCE, BONDED, MEAN_NORMAL_FORCE, EDGE_STRESS):
+        yield f"joints/{name}", REAL, (joints, 3) if name in ("force_point", FORCE) else (joints,)
     yield from (("shocks/name", BYTES, ()), ("shocks/frame", WHOLE, ()), ("shocks/start", REAL, ()), ("shocks/end", REAL, ()))
     for name in JOINT_PEAKS:
         yield f"shocks/{name}", REAL, (joints,)

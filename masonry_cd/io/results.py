@@ -22,6 +22,7 @@ from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 from masonry_cd.io.layout import (
     CLOSING,
     ELEMENT_STRESS,
+    FORCE,
     FORMAT,
     FRAME_FIELDS,
     GRADIENT,
@@ -29,6 +30,7 @@ from masonry_cd.io.layout import (
     JOINT_HISTORIES,
     JOINT_PEAKS,
     NODE_DISPLACEMENT,
+    REACTION,
     SHOCK_PEAKS,
     STEP_PEAKS,
     STRESS,
@@ -131,8 +133,8 @@ class Results:
     @cached_property
     def frames(self) -> int:
         """Number of frames whose positions, orientations and joints are all written."""
-        names = [*FRAME_FIELDS, *(f"joints/{name}" for name in JOINT_HISTORIES)]
-        return min(self.rows(name) for name in (*names, GRADIENT, STRESS, NODE_DISPLACEMENT, ELEMENT_STRESS) if name in self.file)
+        names = [*FRAME_FIELDS, *(f"joints/{name}" for name in (*JOINT_HISTORIES, FORCE)), REACTION, GRADIENT, STRESS]
+        return min(self.rows(name) for name in (*names, NODE_DISPLACEMENT, ELEMENT_STRESS) if name in self.file)
 
     def gradient(self, frame: int) -> np.ndarray | None:
         """Gradients of the displacement within the blocks at a frame, body frames, (B, 3, 3); None where none deforms."""
@@ -227,6 +229,11 @@ class Results:
     def joints_at(self, name: str, frame: int) -> np.ndarray:
         """(J,) or (J, 3), a history at a frame; those below zero count from the last."""
         return np.asarray(self.file[f"joints/{name}"][range(self.frames)[frame]])
+
+    @property
+    def reaction(self) -> np.ndarray | None:
+        """(F, S, 6) forces and moments of the supports, in the order of the blocks, see layout.py [N, N m]; None in older files."""
+        return np.asarray(self.file[REACTION][: self.frames], dtype=float) if REACTION in self.file else None
 
     @property
     def peaks(self) -> dict[str, np.ndarray]:

@@ -64,16 +64,30 @@ def joint_ribbons(
         pixel: size of a pixel [m].
     """
     largest = float(force.max(initial=0.0))
-    hub = _hubs(*blocks, place, force, len(solids.centre))
-    ends, strength = [], []
+    lines, strength, _, _ = thrust_lines(blocks, place, force, solids)
+    widest = min(WIDEST * pixel, WIDEST_OF_BLOCK * float(np.median(solids.sizes[~solids.fixed].min(axis=1))))
+    width = widest * strength / max(largest, 1e-300)
+    long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 0.5 * pixel  # a block on a single joint has nowhere to lead its force
+    return _facing(lines[long], width[long], view), largest
+
+
+def thrust_lines(
+    blocks: tuple[np.ndarray, np.ndarray], place: np.ndarray, force: np.ndarray, solids: Solids
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """The pieces of the line of thrust in free blocks, arguments as of :func:`joint_ribbons`; forces below THINNEST are left out.
+
+    Returns:
+        ends (L, 2, 3) [m], normal forces (L,) [N], and the joint and the block (L,) of each piece.
+    """
+    largest, hub = float(force.max(initial=0.0)), _hubs(*blocks, place, force, len(solids.centre))
+    ends, strength, joint, inside = [], [], [], []
     for block in blocks:
         drawn = ~solids.fixed[block] & (force >= THINNEST * max(largest, 1e-300))
         ends.append(np.stack([place, hub[block]], axis=1)[drawn])
         strength.append(force[drawn])
-    widest = min(WIDEST * pixel, WIDEST_OF_BLOCK * float(np.median(solids.sizes[~solids.fixed].min(axis=1))))
-    lines, width = np.concatenate(ends), widest * np.concatenate(strength) / max(largest, 1e-300)
-    long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 0.5 * pixel  # a block on a single joint has nowhere to lead its force
-    return _facing(lines[long], width[long], view), largest
+        joint.append(np.flatnonzero(drawn))
+        inside.append(block[drawn])
+    return np.concatenate(ends), np.concatenate(strength), np.concatenate(joint), np.concatenate(inside)
 
 
 def drawn_points(results: Results, solids: Solids, pose: Pose, frame: int, factor: float) -> np.ndarray:

@@ -1,0 +1,209 @@
+"""What a run holds in the shapes of other programs: forces, lines of thrust, labelled arrays, meshes, traces."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
+from masonry_cd.analysis.deformed import Pose, solids_of
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
+from masonry_cd.interface.tables import columns_of, frame_of
+from masonry_cd.io.results import Results
+from masonry_cd.mechanics.model.state import rotation_matrices
+from reports.damage.joint_files import thresholds_of
+from reports.maps.thrust import thrust_lines
+from reports.outputs import frame_at
+from reports.settings import report_of
+
+if TYPE_CHECKING:
+    from obspy import Stream
+    from pandas import DataFrame
+    from pyvista import PolyData
+    from trimesh import Scene as TrimeshScene
+    from xarray import Dataset
+
+OLD = "this run was made before its forces were kept as vectors; run its scene again"
+REACTIONS = ("fx", "fy", "fz", "mx", "my", "mz")
+QUANTITIES = {"displacement": ("DISP", "m"), "velocity": ("VEL", "m/s")}  # of traces
+
+
+class Thrust(NamedTuple):
+    """The line of thrust at a time: a straight piece from the centre of each joint's pressure to where those of its block meet."""
+
+    lines: np.ndarray  # (L, 2, 3) world frame [m]
+    force: np.ndarray  # (L,) normal force of the joint [N]
+    joint: np.ndarray  # (L,) number of the joint
+    block: np.ndarray  # (L,) number of the block that the piece is in
+
+
+class RunExports:
+    """Of a run; ``time`` picks the frame next to it [s], the last one where none is given."""
+
+    def results(self) -> AbstractContextManager[Results]:
+        """The result file, open."""
+        raise NotImplementedError
+
+    def joint_forces(self, time: float | None = None) -> DataFrame:
+        """A row per joint: the force on its block b, fx, fy, fz [N], of which the opposite acts on block a, and where it acts, x, y, z [m].
+
+        Means over the step before the frame; places are NaN where a joint has no force.
+
+        Raises:
+            InputError: a time outside the run, or a run of an older version.
+        """
+        with self.results() as found:
+            frame = frame_at(found, time) % found.frames
+            if not found.has_joint_history("force"):
+                raise InputError(f"joint_forces: {OLD}")
+            names = np.array([block.name for block in found.blocks], dtype=object)
+            columns = {
+                "block_a": names[found.joints.block_a],
+                "block_b": names[found.joints.block_b],
+                **columns_of(REACTIONS[:3], found.joints_at("force", frame)),
+                **columns_of("xyz", found.joints_at("force_point", frame)),
+            }
+            return frame_of(columns, np.arange(found.joints.count), "joint", time=float(found.time[frame]))
+
+    def reactions(self, time: float | None = None) -> DataFrame:
+        """A row per support: its force fx, fy, fz [N] and moment mx, my, mz about its centre of mass [N m] on what it carries.
+
+        Raises:
+            InputError: as :meth:`joint_forces`.
+        """
+        with self.results() as found:
+            frame, every = frame_at(found, time) % found.frames, found.reaction
+            if every is None:
+                raise InputError(f"reactions: {OLD}")
+            names = [block.name for block in found.blocks if block.fixed]
+            return frame_of(columns_of(REACTIONS, every[frame]), names, "block", time=float(found.time[frame]))
+
+    def thrust(self, time: float | None = None) -> Thrust:
+        """The line of thrust, as a crack map with ``thrust`` draws it.
+
+        Raises:
+            InputError: a time outside the run.
+        """
+        with self.results() as found:
+            frame, solids = frame_at(found, time) % found.frames, solids_of(found.blocks)
+            apart = DamageSnapshot.at(found, frame, thresholds_of(report_of(found.scene))).separated
+            force = np.where(apart, 0.0, found.joints_at("normal_force", frame))
+            joints, place = found.joints, np.nan_to_num(found.joints_at("force_point", frame))
+            lines, strength, joint, block = thrust_lines((joints.block_a, joints.block_b), place, force, solids)
+            return Thrust(lines, strength, joint, block)
+
+    def to_xarray(self) -> Dataset:
+        """All frames as a Dataset of xarray over time, block, joint and support; each variable says its unit.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        require("to_xarray", "xarray")
+        import xarray
+
+        with self.results() as found:
+            variables = _variables(found)
+            names = [block.name for block in found.blocks]
+            where: dict[str, Any] = {
+                "time": ("time", found.time, {"units": "s"}),
+                "block": names,
+                "joint": np.arange(found.joints.count),
+                "support": [block.name for block in found.blocks if block.fixed],
+                "axis": list("xyz"),
+                "quaternion": list("wxyz"),
+                "velocity_component": ["vx", "vy", "vz", "wx", "wy", "wz"],
+                "reaction_component": list(REACTIONS),
+                "block_a": ("joint", [names[b] for b in found.joints.block_a]),
+                "block_b": ("joint", [names[b] for b in found.joints.block_b]),
+                "area": ("joint", found.joints.area, {"units": "m2"}),
+            }
+            return xarray.Dataset(variables, where, {"title": found.title, "scene": found.scene})
+
+    def mesh(self, time: float | None = None) -> PolyData:
+        """The faces of all blocks where they are at a time, a mesh of pyvista with the arrays that the files for ParaView have.
+
+        Raises:
+            InputError: a time outside the run, or pyvista is not installed.
+        """
+        require("mesh", "pyvista")
+        from reports.paraview import blocks_as_polydata
+
+        with self.results() as found:
+            return blocks_as_polydata(found, frame_at(found, time) % found.frames, thresholds_of(report_of(found.scene)))
+
+    def to_trimesh(self, time: float | None = None) -> TrimeshScene:
+        """The blocks where they are at a time, a scene of trimesh with a mesh for each, by its name.
+
+        Raises:
+            InputError: a time outside the run, or trimesh is not installed.
+        """
+        require("to_trimesh", "trimesh")
+        import trimesh
+
+        with self.results() as found:
+            frame, solids = frame_at(found, time) % found.frames, solids_of(found.blocks)
+            points = _world(found, frame).moved(solids, solids.vertices, solids.vertex_block)
+            made = trimesh.Scene()
+            for b, block in enumerate(found.blocks):
+                faces = [(loop[0], loop[k], loop[k + 1]) for loop in block.faces for k in range(1, len(loop) - 1)]
+                mesh = trimesh.Trimesh(points[solids.vertex_block == b], faces, process=False)
+                made.add_geometry(mesh, node_name=block.name, geom_name=block.name)
+            return made
+
+    def to_traces(self, block: str, quantity: str = "velocity") -> Stream:
+        """How the centre of mass of a block moves, a Stream of obspy with traces X, Y and Z, a sample per frame.
+
+        Args:
+            block: its name.
+            quantity: velocity [m/s], or displacement from where it was built [m]; of the ground outside, not relative to the base.
+
+        Raises:
+            InputError: no such block or quantity, frames that are not evenly spaced, or obspy is not installed.
+        """
+        require("to_traces", "obspy")
+        from obspy import Stream, Trace, UTCDateTime
+
+        if quantity not in QUANTITIES:
+            raise InputError(f'to_traces: "{quantity}" is none; quantities: {", ".join(QUANTITIES)}')
+        with self.results() as found:
+            names = [item.name for item in found.blocks]
+            if block not in names:
+                raise InputError(f'to_traces: no block is named "{block}"')
+            index, time = names.index(block), np.asarray(found.time)
+            step = float(np.diff(time).mean()) if len(time) > 1 else 0.0
+            even = len(time) > 1 and np.abs(np.diff(time)[:-1] - np.diff(time)[0]).max(initial=0.0) < 1e-6 * step
+            if not even:
+                raise InputError("to_traces: the frames of this run are not evenly spaced in time")
+            whole = len(time) if abs(time[-1] - time[-2] - (time[1] - time[0])) < 1e-6 * step else len(time) - 1
+            if quantity == "velocity":
+                values = np.asarray(found.velocity[:whole, index, :3], dtype=float)
+            else:
+                values = np.asarray(found.position[:whole, index], dtype=float) - solids_of(found.blocks).centre[index]
+        header = {"delta": float(time[1] - time[0]), "station": block[:5], "starttime": UTCDateTime(float(time[0]))}
+        return Stream([Trace(column.copy(), {**header, "channel": axis}) for axis, column in zip("XYZ", values.T, strict=True)])
+
+
+def _world(found: Results, frame: int) -> Pose:
+    """Where the blocks are in the world frame."""
+    rotation = rotation_matrices(np.asarray(found.orientation[frame], dtype=float))
+    return Pose(float(found.time[frame]), np.asarray(found.position[frame], dtype=float), rotation, found.gradient(frame))
+
+
+def _variables(found: Results) -> dict[str, Any]:
+    """The arrays over the frames, with dimensions and units."""
+    frames, of_block, of_joint = found.frames, ("time", "block"), ("time", "joint")
+    made: dict[str, Any] = {
+        "position": ((*of_block, "axis"), found.position[:frames], {"units": "m"}),
+        "orientation": ((*of_block, "quaternion"), found.orientation[:frames]),
+        "velocity": ((*of_block, "velocity_component"), found.velocity[:frames], {"units": "m/s, rad/s"}),
+    }
+    units = {"opening": "m", "sliding": "m", "rotation": "rad", "contact_area": "m2", "normal_force": "N", "shear_force": "N"}
+    for name, unit in units.items():
+        made[name] = (of_joint, found.joint_history(name), {"units": unit})
+    if found.has_joint_history("force") and found.reaction is not None:
+        made["force"] = ((*of_joint, "axis"), found.joint_history("force"), {"units": "N"})
+        made["reaction"] = (("time", "support", "reaction_component"), found.reaction, {"units": "N, N m"})
+    return made

@@ -1,0 +1,144 @@
+"""What other programs take of a run and of a scene, and what a scene takes of theirs."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import masonry_cd as mc
+from masonry_cd.interface.run_exports import _variables
+
+WEIGHT = 0.4 * 0.4 * 0.8 * 2000.0 * 9.81  # of b2 [N]; b1 has half of it
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> mc.Run:
+    """Two blocks at rest."""
+    from two_blocks import two_blocks
+
+    tables = {key: value for key, value in two_blocks().items() if key != "loads"}
+    return mc.run(tables, tmp_path_factory.mktemp("rest") / "run", progress=False)
+
+
+def test_forces_and_reactions_are_vectors_that_carry_the_weight(run: mc.Run) -> None:
+    forces = run.joint_forces()
+    above = forces[forces["block_b"] == "b2"].iloc[0]
+    assert above["fz"] == pytest.approx(WEIGHT, rel=1e-6) and above["z"] == pytest.approx(0.4)
+    assert abs(above["fx"]) < 1e-6 * WEIGHT and forces.attrs["units"]["fz"] == "N"
+    base = run.reactions().loc["b0"]
+    assert base["fz"] == pytest.approx(1.5 * WEIGHT, rel=1e-6) and abs(base["mx"]) < 1e-4 * WEIGHT
+
+
+def test_the_line_of_thrust_goes_down_the_middle(run: mc.Run) -> None:
+    thrust = run.thrust()
+    assert thrust.lines.shape == (len(thrust.force), 2, 3) and len(thrust.force)
+    assert np.abs(thrust.lines[:, :, :2]).max() < 1e-3
+    assert set(thrust.block.tolist()) <= {1, 2}
+    assert thrust.force.max() == pytest.approx(1.5 * WEIGHT, rel=1e-6)
+
+
+def test_variables_of_a_dataset_fit_their_dimensions(run: mc.Run) -> None:
+    with run.results() as found:
+        size = {"time": found.frames, "block": 3, "joint": 2, "support": 1, "axis": 3, "quaternion": 4}
+        size |= {"velocity_component": 6, "reaction_component": 6}
+        made = _variables(found)
+    assert {"position", "force", "reaction", "opening"} <= set(made)
+    for name, (dims, values, *_) in made.items():
+        assert np.shape(values) == tuple(size[dim] for dim in dims), name
+
+
+def test_meshes_lie_where_the_blocks_are(run: mc.Run) -> None:
+    pytest.importorskip("pyvista")
+    mesh = run.mesh()
+    assert mesh.n_cells == 18 and np.allclose(mesh.bounds, (-2, 2, -1, 1, -0.5, 1.2), atol=1e-6)
+    trimesh = pytest.importorskip("trimesh")
+    scene = run.to_trimesh(0.0)
+    assert isinstance(scene, trimesh.Scene) and set(scene.geometry) == {"b0", "b1", "b2"}
+    assert scene.geometry["b2"].volume == pytest.approx(0.128)
+
+
+def test_a_block_becomes_traces_and_traces_a_motion(run: mc.Run, tables: dict[str, Any]) -> None:
+    obspy = pytest.importorskip("obspy")
+    stream = run.to_traces("b1")
+    assert [trace.stats.channel for trace in stream] == ["X", "Y", "Z"] and stream[0].stats.delta == pytest.approx(0.02)
+    time = np.arange(0.0, 0.4, 0.005)
+    east, up = np.sin(20.0 * time) * np.sin(math.pi * time / 0.4), 0.1 * np.cos(20.0 * time)
+    header = {"delta": 0.005}
+    both = obspy.Stream([obspy.Trace(east, {**header, "channel": "HNE"}), obspy.Trace(up, {**header, "channel": "HNZ"})])
+    table = mc.from_traces(both, scale=2.0, correction="none")
+    assert np.allclose(table["acceleration"], 2.0 * np.column_stack([east, 0.0 * east, up]))
+    assert "motion1.csv" in mc.scene(tables, loads=[table]).text
+    single = mc.from_traces(both[0], direction="y")
+    assert single["direction"] == "y" and single["acceleration"].shape == (80,)
+    for bad, words in (
+        (lambda: mc.from_traces(both[0]), "direction: missing"),
+        (lambda: mc.from_traces([both[0], both[0]]), "both along x"),
+        (lambda: mc.from_traces(obspy.Stream([both[0], both[1].copy().trim(endtime=both[1].stats.endtime - 0.1)])), "lengths"),
+        (lambda: mc.from_traces(both, axes={"HNE": "x"}), "channel HNZ is along x, y or z"),
+        (lambda: mc.from_traces([1.0]), "a Trace of obspy"),
+        (lambda: run.to_traces("b7"), 'no block is named "b7"'),
+        (lambda: run.to_traces("b1", "jerk"), '"jerk" is none'),
+    ):
+        with pytest.raises(mc.InputError, match=words):
+            bad()
+
+
+def test_compas_data_goes_round(tables: dict[str, Any], tmp_path: Path) -> None:
+    scene = mc.scene(tables)
+    path = tmp_path / "blocks.json"
+    path.write_text(json.dumps(scene.to_compas()), encoding="utf-8")
+    again = mc.scene(tables, structure={"kind": "file", "blocks": mc.from_compas(path)})
+    assert again.structure.names == scene.structure.names
+    for one, other in zip(scene.structure, again.structure, strict=True):
+        assert np.array_equal(one.vertices, other.vertices) and one.faces == other.faces
+        assert (one.fixed, one.group) == (other.fixed, other.group)
+
+
+def test_meshes_are_found_wherever_a_model_holds_them(tmp_path: Path) -> None:
+    corners, faces = mc.box((0, 0, 0), (1, 1, 1))
+    vertex = {str(10 + i): dict(zip("xyz", map(float, corner), strict=True)) for i, corner in enumerate(corners)}
+    data = {"attributes": {}, "vertex": vertex, "face": {str(i): [10 + v for v in loop] for i, loop in enumerate(faces)}}
+    element = {
+        "dtype": "compas_dem.elements/Block",
+        "data": {"is_support": True, "geometry": {"dtype": "compas.datastructures/Mesh", "data": data}},
+    }
+    found = mc.from_compas(
+        {"dtype": "compas_dem.models/BlockModel", "data": {"elements": [element, {"data": {"geometry": {"data": data}}}]}}
+    )
+    assert [(block["name"], block["fixed"]) for block in found] == [("b0", True), ("b1", False)]
+    assert np.array_equal(found[0]["vertices"], corners) and [tuple(loop) for loop in found[0]["faces"]] == list(faces)
+    data["face"]["0"] = [99, 10, 11]
+    with pytest.raises(mc.InputError, match='mesh 0, "b0": its vertices and faces do not fit'):
+        mc.from_compas(data)
+    with pytest.raises(mc.InputError, match="no mesh of COMPAS"):
+        mc.from_compas({"a": [1, 2]})
+    (tmp_path / "bad.json").write_text("{", encoding="utf-8")
+    with pytest.raises(mc.InputError, match=r"bad\.json: no JSON"):
+        mc.from_compas(tmp_path / "bad.json")
+
+
+def test_blocks_come_from_anything_with_vertices_and_faces(tables: dict[str, Any]) -> None:
+    corners, faces = mc.box((-0.2, -0.2, 0), (0.2, 0.2, 0.4))
+    row = np.concatenate([[len(loop), *loop] for loop in faces])
+    shapes = [
+        SimpleNamespace(name="stone", vertices=corners, faces=faces),
+        SimpleNamespace(points=corners, faces=row),
+        SimpleNamespace(to_vertices_and_faces=lambda: (corners.tolist(), [list(loop) for loop in faces])),
+    ]
+    for shape, name in zip(shapes, ("stone", "b1", "b1"), strict=True):
+        made = mc.scene(tables, structure={"blocks": [mc.box((-2, -1, -0.5), (2, 1, 0)), shape], "fixed": "b0"}).structure
+        assert made.names == ["b0", name] and np.array_equal(made[1].vertices, corners) and made[1].faces == faces
+
+
+def test_an_acceleration_may_be_a_function_of_time(tables: dict[str, Any]) -> None:
+    time = np.arange(0.0, 0.2, 0.01)
+    given = {"kind": "record", "time": time, "direction": "x", "correction": "none"}
+    by_function = mc.scene(tables, loads=[{**given, "acceleration": lambda t: math.sin(9.0 * t)}])
+    by_array = mc.scene(tables, loads=[{**given, "acceleration": [math.sin(9.0 * t) for t in time.tolist()]}])
+    assert by_function.portable()[1] == by_array.portable()[1]
