@@ -22,11 +22,12 @@ from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines
 from masonry_cd.app.limit_finite import unlimited_lines
 from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
 from masonry_cd.app.limit_search import search_numbers, search_words, ways
+from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force, in_words
-from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints, loose_contacts
-from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
+from masonry_cd.mechanics.contact.find_joints import built_gap, loose_contacts
+from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
@@ -92,19 +93,15 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
     Raises:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
     """
-    from masonry_cd.app.case import make_structures
-    from masonry_cd.app.static_loads import CurveTable, limit_table, static_loads
+    from masonry_cd.app.static_loads import CurveTable
 
     begin = time.perf_counter()
-    blocks, notes, bars = make_structures(scene)
+    structure = limit_structure(scene)
+    asked, assembly, joints, notes = structure.asked, structure.assembly, structure.joints, list(structure.made.notes)
     try:
-        refuse_spheres(blocks, "structure: limit analysis")
-        asked = limit_table(scene.limit)
-        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joint_laws)
-        loads = static_loads(scene.loads, asked, scene.run.gravity, scene.folder, assembly, [(bar.where, bar.load()) for bar in bars])
+        loads = structure.loads()
         if asked.check is not None:
             suits(loads, scene.run.gravity)
-        joints = find_joints(assembly)
         how = ways(assembly, joints, loads, asked, scene.run.seed)
         analysis, built = _analyse(assembly, joints, loads, how.analysis), (assembly, joints)
         if asked.begin is not None:

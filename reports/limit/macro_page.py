@@ -19,7 +19,7 @@ from reports.page.words import escaped, number
 CSV, PAGE, JSON, PICTURES = "macro_elements.csv", "macro_elements.html", "macro_elements.json", "macro_elements"
 COLUMNS = (
     "element", "kind", "push", "mechanism", "found", "height", "moving_blocks", "alpha0", "fraction", "acceleration", "demand", "ratio",
-    "state", "doubt", "undecided",
+    "state", "doubt", "undecided", "check", "last", "displacement", "displacement_demand", "displacement_ratio", "no_displacement",
 )  # fmt: skip
 HEADS = COLUMNS[:5] + (
     "height_m",
@@ -32,6 +32,12 @@ HEADS = COLUMNS[:5] + (
     "verdict",
     "e_star_is_one",
     "why",
+    "check",
+    "d0_m",
+    "displacement_m",
+    "displacement_demand_m",
+    "displacement_ratio",
+    "no_check_by_displacements",
 )
 
 
@@ -101,7 +107,10 @@ def _table(page: MacroPage) -> str:
     """The least mechanism of each part and push."""
     checked = bool(page.least) and page.least[0]["ratio"] is not None
     heads = ["part", "push", "mechanism", "held at [m]", "α0", "e*", "a0* [m/s²]"]
-    heads += ["asked for [m/s²]", "ratio", "verdict"] if checked else []
+    followed = any(row["displacement"] is not None for row in page.least)
+    heads += ["asked for [m/s²]"] if checked else []
+    heads += ["d0* [mm]", "borne [mm]", "asked for [mm]"] if followed else []
+    heads += ["ratio", "verdict"] if checked else []
     heads += ["damage in the run"] if page.damage else []
     rows = []
     for row in page.least:
@@ -112,9 +121,15 @@ def _table(page: MacroPage) -> str:
         ]  # fmt: skip
         if checked:
             state = f'<span class="verdict {VERDICTS[row["state"]]}">{row["state"]}</span>'
-            cells += [number(float(f"{row['demand']:.4g}")), number(float(f"{row['ratio']:.3g}")), state]
+            cells.append(number(float(f"{row['demand']:.4g}")))
+            cells += [_millimetres(row[name]) for name in ("last", "displacement", "displacement_demand")] if followed else []
+            cells += [number(float(f"{row['ratio']:.3g}")) + ("<sup>2</sup>" if row["check"] == "non-linear" else ""), state]
         rows.append(cells + ([escaped(page.damage.get(row["element"], ""))] if page.damage else []))
-    return table(heads, rows, (3, 4, 5, 6, 7, 8) if checked else (3, 4, 5, 6))
+    return table(heads, rows, tuple(range(3, heads.index("verdict") if checked else 7)))
+
+
+def _millimetres(value: float | None) -> str:
+    return "–" if value is None else number(float(f"{1e3 * value:.3g}"))
 
 
 def _more(summary: Mapping[str, Any], page: MacroPage) -> str:
@@ -122,6 +137,12 @@ def _more(summary: Mapping[str, Any], page: MacroPage) -> str:
     out = []
     if any(row["doubt"] for row in page.least):
         out.append("<sup>1</sup> e* = 1 is taken, the safe side: the mechanism dilates, spreads, or moves much that takes no part.")
+    if any(row["check"] == "non-linear" for row in page.least):
+        out.append("<sup>2</sup> the check by displacements decides; elsewhere that by accelerations.")
+    if any(row["displacement"] is not None for row in page.least):
+        why_not = dict.fromkeys(row["no_displacement"] for row in page.least if row["no_displacement"])
+        last = "The friction of interlock counts in α0 and not in d0*, since it does not last to collapse (C8.7.1.2.1.6)."
+        out.append(f"{last} {'No check by displacements: ' + escaped('; '.join(why_not)) + '.' if why_not else ''}")
     if page.held:
         out.append(f"Held, no mechanism below a factor of 5: {escaped(', '.join(page.held))}.")
     why = dict.fromkeys(row["undecided"] for row in page.least if row["undecided"])
