@@ -5,6 +5,8 @@ from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
+from masonry_cd.interface.macro import MacroElements as MacroElements
+from masonry_cd.interface.macro import macro_elements as macro_elements
 from masonry_cd.interface.modal import modal as modal
 from masonry_cd.interface.results import Run as Run
 from masonry_cd.interface.results import open_run as open
@@ -28,6 +30,7 @@ __all__ = [
     "Comparison",
     "InputError",
     "LimitAnalysis",
+    "MacroElements",
     "Run",
     "RunWarning",
     "Scene",
@@ -37,6 +40,7 @@ __all__ = [
     "box",
     "compare",
     "limit_analysis",
+    "macro_elements",
     "modal",
     "open",
     "open_study",
