@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.code_check.verdicts import Judgement, worst
+from masonry_cd.analysis.code_check.verdicts import Judgement
 from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, analyse_element
 from masonry_cd.analysis.limit.part import Whole
 from masonry_cd.app.limit_structure import limit_structure
@@ -48,14 +48,13 @@ class MacroCase:
     seconds: float
 
 
-def macro_case(scene: Scene, every: bool, jobs: int | None = None, whole: Judgement | None = None) -> MacroCase:
+def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
     """Analyse the macro-elements of a scene.
 
     Args:
         scene: what is analysed.
         every: those of its structure's kind, beside the chosen ones of ``[[limit.mechanism]]``.
         jobs: processes; as many as there are cores by default.
-        whole: verdict on the structure as a whole, where that was looked at.
 
     Raises:
         InputError: anything wrong with the scene, or a table that names no block.
@@ -85,7 +84,7 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None, whole: Judgem
     except InputError as error:
         raise scene.at_fault(error) from None
     notes = [*built.made.notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
-    verdict = None if asked.check is None else worst([one for one in (judged(rows, parts), whole) if one is not None])
+    verdict = None if asked.check is None else judged(rows, parts)
     return MacroCase(scene, assembly, joints, loads, tuple(parts), rows, verdict, tuple(notes), time.perf_counter() - begin)
 
 
