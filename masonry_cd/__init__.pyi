@@ -6,6 +6,8 @@ from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.compas import from_compas as from_compas
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
+from masonry_cd.interface.macro import MacroElements as MacroElements
+from masonry_cd.interface.macro import macro_elements as macro_elements
 from masonry_cd.interface.modal import modal as modal
 from masonry_cd.interface.results import Run as Run
 from masonry_cd.interface.results import open_run as open
@@ -31,6 +33,7 @@ __all__ = [
     "Comparison",
     "InputError",
     "LimitAnalysis",
+    "MacroElements",
     "Run",
     "RunWarning",
     "Scene",
@@ -43,6 +46,7 @@ __all__ = [
     "from_compas",
     "from_traces",
     "limit_analysis",
+    "macro_elements",
     "modal",
     "open",
     "open_study",

@@ -14,7 +14,7 @@ import numpy as np
 
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement, judgement, refused
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse
-from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
+from masonry_cd.analysis.limit.candidates import UNTIED, with_mechanisms, with_untied
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
@@ -22,15 +22,17 @@ from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines
 from masonry_cd.app.limit_finite import unlimited_lines
 from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
 from masonry_cd.app.limit_search import search_numbers, search_words, ways
+from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force, in_words
-from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints, loose_contacts
-from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
+from masonry_cd.mechanics.contact.find_joints import built_gap, loose_contacts
+from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
     from masonry_cd.analysis.code_check.steps import CodeCheck
+    from masonry_cd.analysis.limit.macro import PartMechanism
     from masonry_cd.app.static_loads import StaticLoads
     from reports.limit.ties import LimitTie
 
@@ -39,6 +41,8 @@ EVERY = (*OUTPUTS, *CURVE_OUTPUTS)  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
 SAME = 1e-4  # share of the factor by which the least and the associated one may differ and agree
+ALONG = 0.999  # cosine of the angle between two pushes up to which they are one
+BEGUN = 6  # mechanisms of parts at which the search begins, four cone programmes each
 NAMED = 6  # blocks that a line names
 
 
@@ -82,31 +86,30 @@ def limit_case(path: Path | str, changes: Sequence[str] = (), curve: bool = Fals
     return case_of(read_scene(path, changes), curve)
 
 
-def case_of(scene: Scene, curve: bool = False) -> LimitCase:
+def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = ()) -> LimitCase:
     """Analyse a scene.
 
     Args:
         scene: what is analysed.
         curve: follow the mechanism, also where the scene has no table ``[limit.curve]``.
+        parts: mechanisms of macro-elements, at which a search for the least factor begins as well where they go with the push.
 
     Raises:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
     """
-    from masonry_cd.app.case import make_structures
-    from masonry_cd.app.static_loads import CurveTable, limit_table, static_loads
+    from masonry_cd.app.static_loads import CurveTable
 
     begin = time.perf_counter()
-    blocks, notes, bars = make_structures(scene)
+    structure = limit_structure(scene)
+    asked, assembly, joints, notes = structure.asked, structure.assembly, structure.joints, list(structure.made.notes)
     try:
-        refuse_spheres(blocks, "structure: limit analysis")
-        asked = limit_table(scene.limit)
-        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joint_laws)
-        loads = static_loads(scene.loads, asked, scene.run.gravity, scene.folder, assembly, [(bar.where, bar.load()) for bar in bars])
+        loads = structure.loads()
         if asked.check is not None:
             suits(loads, scene.run.gravity)
-        joints = find_joints(assembly)
         how = ways(assembly, joints, loads, asked, scene.run.seed)
         analysis, built = _analyse(assembly, joints, loads, how.analysis), (assembly, joints)
+        if analysis.starts and analysis.problem.sections is None and loads.kind == "push":
+            analysis = with_mechanisms(analysis, assembly, joints, _along(parts, loads))
         if asked.begin is not None:
             left = left_state(asked, scene.folder, assembly, joints, loads)
             assembly, joints, loads, whole = left.assembly, left.joints, left.loads, analysis
@@ -144,6 +147,13 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         )
     seconds = time.perf_counter() - begin
     return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict)
+
+
+def _along(parts: Sequence[PartMechanism], loads: StaticLoads) -> list[np.ndarray]:
+    """Velocities (B, 6) of the mechanisms of least factor of parts that are pushed as the whole is."""
+    way = np.asarray(loads.direction)
+    some = sorted((one for one in parts if one.found and float(one.direction @ way) > ALONG), key=lambda one: one.oscillator.alpha)
+    return [one.found.mechanism.velocity for one in some[:BEGUN] if one.found]
 
 
 def _unchecked(analysis: Analysis) -> Judgement:

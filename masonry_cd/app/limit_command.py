@@ -5,9 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from masonry_cd.analysis.code_check.verdicts import worst
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
+
+if TYPE_CHECKING:
+    from masonry_cd.app.limit_case import LimitCase
+    from masonry_cd.app.limit_macro import MacroCase
 
 PATTERNS = ("push", "tilt", "live")  # keys of [limit] that multiply something
 KINDS = ("push", "tilt", "settlement", "spreading")  # loads that do
@@ -37,9 +43,8 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
     Raises:
         InputError: anything wrong with the scene or the folder of the run.
     """
-    from masonry_cd.app.limit_case import case_of, lines, write
+    from masonry_cd.app.limit_case import lines, write
     from masonry_cd.app.limit_macro import lines as macro_lines
-    from masonry_cd.app.limit_macro import macro_case
     from masonry_cd.app.macro_files import write_macro
 
     scene = read_scene(path, changes)
@@ -48,10 +53,7 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
         raise InputError("--run: stands beside macro-elements only; give --macro-elements")
     if asked.run is not None and not (asked.run / "damage.csv").exists():
         raise InputError(f"--run: {asked.run} has no damage.csv; a run writes it where [report] damage = true")
-    whole = case_of(scene, asked.curve) if not parts or has_pattern(scene) else None
-    found = macro_case(scene, asked.macro_elements, whole=None if whole is None else whole.verdict) if parts else None
-    if whole is not None and found is not None:
-        whole = replace(whole, verdict=found.verdict)  # the least of all that was looked at
+    whole, found = looked_at(scene, asked.macro_elements, asked.curve)
     written = []
     if whole is not None:
         say("\n".join(lines(whole)))
@@ -60,6 +62,30 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
         say("\n".join(macro_lines(found)))
         written += write_macro(found, asked.folder, asked.pictures, asked.view, asked.run)
     return written
+
+
+def looked_at(scene: Scene, every: bool = False, curve: bool = False, jobs: int | None = None) -> tuple[LimitCase | None, MacroCase | None]:
+    """The whole of a scene where it names a push or has no parts to look at, its macro-elements, and the one verdict in both.
+
+    Args:
+        scene: what is analysed.
+        every: look at the parts of the structure's kind as well as at those of ``[[limit.mechanism]]``.
+        curve: follow the mechanism of the whole.
+        jobs: processes for the parts; as many as there are cores by default.
+
+    Raises:
+        InputError: anything wrong with the scene.
+    """
+    from masonry_cd.app.limit_case import case_of
+    from masonry_cd.app.limit_macro import macro_case
+
+    found = macro_case(scene, every, jobs) if every or scene.limit.get("mechanism") else None
+    known = [] if found is None else [one.mechanisms[0] for one in found.parts if one.mechanisms]
+    whole = case_of(scene, curve, known) if found is None or has_pattern(scene) else None
+    verdicts = [one.verdict for one in (found, whole) if one is not None and one.verdict is not None]
+    if whole is not None and found is not None and verdicts:
+        whole, found = replace(whole, verdict=worst(verdicts)), replace(found, verdict=worst(verdicts))
+    return whole, found
 
 
 def has_pattern(scene: Scene) -> bool:

@@ -12,12 +12,11 @@ import numpy as np
 
 from masonry_cd.analysis.limit.analysis import Options
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.analysis.limit.problem import plane_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import in_words, length
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
-from masonry_cd.mechanics.model.materials import JointLaws
+from masonry_cd.mechanics.model.materials import joint_table
 
 if TYPE_CHECKING:
     from masonry_cd.app.limit_dynamics import Bracket
@@ -58,22 +57,8 @@ def follow(
     from masonry_cd.app.limit_dynamics import brackets
 
     assert loads.direction is not None
-    laws = _damped_laws(assembly, plane_of(assembly, loads.at()))
-    return FollowedCurve(curve, brackets(curve, laws, np.array(loads.direction), np.array(gravity)))
-
-
-def _damped_laws(assembly: Assembly, axis: int | None) -> JointLaws:
-    """The laws of the joints, with dashpots that are stated by the first elastic period, in space or in the plane normal to an axis.
-
-    Raises:
-        InputError: there is no such period.
-    """
-    laws = assembly.laws
-    if not laws.at_first_period[laws.elastic].any():  # a rigid joint does not vibrate
-        return laws
-    from masonry_cd.analysis.modal.first_period import damped_at_first_period
-
-    return damped_at_first_period(assembly, axis)[0].laws
+    rigid = joint_table({}, assembly.groups, assembly.friction)  # as the curve has them: elastic ones would first sink until they bear
+    return FollowedCurve(curve, brackets(curve, rigid, np.array(loads.direction), np.array(gravity)))
 
 
 def curve_lines(found: FollowedCurve, names: tuple[str, ...]) -> list[str]:

@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.code_check.verdicts import Judgement, worst
+from masonry_cd.analysis.code_check.verdicts import Judgement
 from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, analyse_element
 from masonry_cd.analysis.limit.part import Whole
+from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.macro_parts import elements_of
 from masonry_cd.app.macro_verdicts import MacroRow, judged, rows_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted
-from masonry_cd.mechanics.contact.find_joints import find_joints
-from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
+from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.solvers.options import cores
 
@@ -48,43 +48,43 @@ class MacroCase:
     seconds: float
 
 
-def macro_case(scene: Scene, every: bool, jobs: int | None = None, whole: Judgement | None = None) -> MacroCase:
+def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
     """Analyse the macro-elements of a scene.
 
     Args:
         scene: what is analysed.
         every: those of its structure's kind, beside the chosen ones of ``[[limit.mechanism]]``.
         jobs: processes; as many as there are cores by default.
-        whole: verdict on the structure as a whole, where that was looked at.
 
     Raises:
         InputError: anything wrong with the scene, or a table that names no block.
     """
-    from masonry_cd.app.case import make_structures
-    from masonry_cd.app.static_loads import limit_table
+    from loads.motion import parse_direction
     from structures.macro_elements import macro_elements
     from structures.macro_elements.by_kind import rests
 
     begin = time.perf_counter()
-    blocks, notes, bars = make_structures(scene)
+    built = limit_structure(scene)
+    asked, assembly, joints = built.asked, built.assembly, built.joints
     try:
-        refuse_spheres(blocks, "structure: limit analysis")
-        asked = limit_table(scene.limit)
         _suits(asked, scene)
-        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joint_laws)
-        named = macro_elements(str(scene.structure.get("kind", "")), blocks)
+        named = macro_elements(str(scene.structure.get("kind", "")), built.made.blocks)
         elements = elements_of(asked.mechanism, named, every, assembly)
-        loads = _loads(scene, asked, assembly, [(bar.where, bar.load()) for bar in bars])
-        joints = find_joints(assembly)
+        loads = built.loads(asked.model_copy(update={"push": parse_direction("x"), "tilt": None, "live": ()}))  # each part has its own push
         gravity = math.hypot(*scene.run.gravity)
-        structure = Whole(assembly, joints, loads.at().dead, loads.bars, gravity, rests, loads.masses)
-        effort = Effort(STARTS if asked.starts is None else asked.starts, SEARCHED if asked.starts is None else 2**62, scene.run.seed)
+        structure = Whole(assembly, joints, loads.at().dead, loads.bars, gravity, rests, loads.masses, loads.arms)
+        effort = Effort(
+            STARTS if asked.starts is None else asked.starts,
+            SEARCHED if asked.starts is None else 2**62,
+            scene.run.seed,
+            asked.check is not None and asked.check.by_displacements,
+        )
         parts = _analysed(structure, elements, effort, jobs or cores())
         rows = rows_of(parts, asked.check, scene.folder, (gravity, _ground(assembly)), effort)
     except InputError as error:
         raise scene.at_fault(error) from None
-    notes = [*notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
-    verdict = None if asked.check is None else worst([one for one in (judged(rows, parts), whole) if one is not None])
+    notes = [*built.made.notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
+    verdict = None if asked.check is None else judged(rows, parts)
     return MacroCase(scene, assembly, joints, loads, tuple(parts), rows, verdict, tuple(notes), time.perf_counter() - begin)
 
 
@@ -103,18 +103,11 @@ def _suits(asked: LimitTable, scene: Scene) -> None:
             "material.joints: joints of macro-elements do not crush; without compressive_strength they are those of rigid joints"
         )
     if asked.check is not None and asked.check.limit_state == "SLC":
-        raise InputError("limit.check.limit_state: SLC is checked by displacements only, and macro-elements are checked by accelerations")
+        raise InputError(
+            "limit.check.limit_state: SLC is checked by displacements only, and of macro-elements the least mechanism alone is followed"
+        )
     if abs(scene.run.gravity[0]) + abs(scene.run.gravity[1]) > 1e-9 * math.hypot(*scene.run.gravity):
         raise InputError("limit: macro-elements need gravity along -z")
-
-
-def _loads(scene: Scene, asked: LimitTable, assembly: Assembly, made: Sequence[tuple[str, Any]]) -> StaticLoads:
-    """Dead loads and ties of a scene; the push is that of each part."""
-    from loads.motion import parse_direction
-    from masonry_cd.app.static_loads import static_loads
-
-    pushed = asked.model_copy(update={"push": parse_direction("x"), "tilt": None, "live": ()})
-    return static_loads(scene.loads, pushed, scene.run.gravity, scene.folder, assembly, made)
 
 
 def _ground(assembly: Assembly) -> float:

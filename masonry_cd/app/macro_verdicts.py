@@ -6,17 +6,29 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.code_check.verdicts import MARGIN, NOT_DECIDED, Basis, Judgement, Looked, SearchNumbers, Verdict, worst
+from masonry_cd.analysis.code_check.verdicts import (
+    MARGIN,
+    NOT_DECIDED,
+    WORST_FIRST,
+    Basis,
+    Judgement,
+    Looked,
+    SearchNumbers,
+    Verdict,
+    worst,
+)
 from masonry_cd.analysis.limit.candidates import ASSOCIATED
 from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, PartMechanism
 from masonry_cd.analysis.limit.nonassociated import AGREE
+from masonry_cd.foundation.quantities import length
 
 if TYPE_CHECKING:
     from masonry_cd.analysis.code_check.ground import Ground
+    from masonry_cd.analysis.code_check.steps import CodeCheck
     from masonry_cd.analysis.code_check.table import CheckTable
 
 ON_THE_GROUND = 0.5  # height of the line about which a part turns up to which the motion of the ground is that of the part [m]
@@ -38,12 +50,18 @@ class MacroRow:
     fraction: float  # e* as taken
     acceleration: float  # a0*, over the confidence factor where there is a check [m/s2]
     demand: float | None  # [m/s2]
-    ratio: float | None
-    state: str  # empty without a check
+    ratio: float | None  # capacity over demand of the check that decides
+    state: str  # of it; empty without a check
     doubt: str  # why e* = 1 is taken, if it is
     undecided: str  # why "satisfied" does not follow, in words
     part: int  # which of the analyses of parts it is of
     number: int  # which of its mechanisms
+    check: str = ""  # linear, by accelerations, or non-linear, by displacements: the one that decides
+    last: float | None = None  # d0*, where the factor vanishes [m]; None where it is not known
+    displacement: float | None = None  # borne, the share of d0* of the limit state [m]
+    displacement_demand: float | None = None  # [m]
+    displacement_ratio: float | None = None
+    no_displacement: str = ""  # why there is no check by displacements, where one is asked for
 
     @property
     def words(self) -> str:
@@ -51,9 +69,11 @@ class MacroRow:
         a0 = f"alpha0 {self.alpha0:.4g}, e* {self.fraction:.3g}, a0* {self.acceleration:.4g} m/s2"
         if self.ratio is None:
             return f"{self.element}, push {self.push}: {a0}: {self.mechanism}"
-        return (
-            f"{self.element}, push {self.push}: {self.state}, ratio {self.ratio:.3g}: {a0}, {self.demand:.4g} asked for: {self.mechanism}"
-        )
+        asked = f"{self.demand:.4g} asked for"
+        if self.displacement is not None and self.displacement_demand is not None:
+            asked += f"; {length(self.displacement)} of d0* {length(self.last or 0.0)}, {length(self.displacement_demand)} asked for"
+        by = f" ({self.check})" if self.displacement is not None else ""
+        return f"{self.element}, push {self.push}: {self.state}{by}, ratio {self.ratio:.3g}: {a0}, {asked}: {self.mechanism}"
 
 
 def rows_of(
@@ -92,18 +112,35 @@ def _row(
     if table is None or ground is None:
         return MacroRow(*facts, made.alpha, made.fraction, made.acceleration(), None, None, "", made.doubt, "", *place)
     undecided = _undecided(part, table, height, effort)
-    verdict = _verdict(one, table, ground, height, undecided)
-    numbers = (verdict.capacity, verdict.demand, verdict.ratio)
-    return MacroRow(*facts, made.alpha, made.fraction, *numbers, verdict.state, made.doubt, undecided, *place)
+    checked = _checked(one, table, ground, height, undecided)
+    linear, decides = checked.verdicts[0], min(checked.verdicts, key=_gravity)
+    by_displacements: tuple[Any, ...] = (None, None, None, None, _no_displacement(one, part) if table.by_displacements else "")
+    if len(checked.verdicts) > 1:
+        other = checked.verdicts[1]
+        by_displacements = (made.last, other.capacity, other.demand, other.ratio, "")
+    numbers = (linear.capacity, linear.demand, decides.ratio)
+    doubts = (made.doubt, undecided)
+    return MacroRow(*facts, made.alpha, made.fraction, *numbers, decides.state, *doubts, *place, decides.check, *by_displacements)
 
 
-def _verdict(one: PartMechanism, table: CheckTable, ground: Ground, height: float, undecided: str) -> Verdict:
-    """The check by accelerations, at the height at which the mechanism is held where the building is known."""
+def _gravity(one: Verdict) -> tuple[int, float]:
+    """By which the gravest of the checks of a mechanism is found."""
+    return WORST_FIRST.index(one.state), max(one.ratio, one.unmoved)
+
+
+def _no_displacement(one: PartMechanism, part: ElementAnalysis) -> str:
+    """Why a mechanism has no check by displacements."""
+    if one is not part.mechanisms[0]:
+        return "followed is the mechanism of the least a0* of a part and a push only"
+    return one.oscillator.doubt or one.oscillator.end
+
+
+def _checked(one: PartMechanism, table: CheckTable, ground: Ground, height: float, undecided: str) -> CodeCheck:
+    """The checks, at the height at which the mechanism is held where the building is known."""
     from masonry_cd.analysis.code_check.check import CODES
 
     there = height if table.height and height > ON_THE_GROUND else 0.0
-    own = table.model_copy(update={"displacements": False, "height": there})
-    return CODES[table.code](own, one.oscillator, ground).resting_on(Basis(doubt=undecided)).verdicts[0]
+    return CODES[table.code](table.model_copy(update={"height": there}), one.oscillator, ground).resting_on(Basis(doubt=undecided))
 
 
 def _undecided(part: ElementAnalysis, table: CheckTable, height: float, effort: Effort) -> str:
@@ -133,17 +170,21 @@ def judged(rows: Sequence[MacroRow], parts: Sequence[ElementAnalysis]) -> Judgem
 def _judgement(row: MacroRow, part: ElementAnalysis) -> Judgement:
     """The verdict on one mechanism of a part."""
     assert row.ratio is not None and row.demand is not None
+    by_displacements = row.check == "non-linear"
+    capacity, demand, unit = (
+        (row.displacement, row.displacement_demand, "m") if by_displacements else (row.acceleration, row.demand, "m/s2")
+    )
     looked = Looked(row.found, row.moving_blocks, row.alpha0, row.fraction, row.acceleration, row.doubt)
     least, upper = part.least, [one.oscillator.alpha for one in part.mechanisms if one.source.startswith(ASSOCIATED)]
     numbers = None
     if least is not None:
         top = min(upper, default=math.inf)
         numbers = SearchNumbers(top, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)
-    sides = f"{row.acceleration:.4g} m/s2 borne, {row.demand:.4g} m/s2 asked for, ratio {row.ratio:.3g}"
-    reason = f"{row.element}, push {row.push}, {row.mechanism}: {sides}, alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}"
+    sides = f"{capacity:.4g} {unit} borne, {demand:.4g} {unit} asked for, ratio {row.ratio:.3g}"
+    reason = f"{row.element}, push {row.push}, {row.mechanism}: {row.check} check, {sides}, alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}"
     if row.state == NOT_DECIDED:
         reason += f"; {row.undecided or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
-    return Judgement(row.state, reason, "linear", row.demand, row.acceleration, "m/s2", row.ratio, MARGIN, looked, numbers)
+    return Judgement(row.state, reason, row.check, demand, capacity, unit, row.ratio, MARGIN, looked, numbers)
 
 
 def way_words(direction: np.ndarray) -> str:

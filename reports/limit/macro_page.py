@@ -19,7 +19,7 @@ from reports.page.words import number
 CSV, PAGE, JSON, PICTURES = "macro_elements.csv", "macro_elements.html", "macro_elements.json", "macro_elements"
 COLUMNS = (
     "element", "kind", "push", "mechanism", "found", "height", "moving_blocks", "alpha0", "fraction", "acceleration", "demand", "ratio",
-    "state", "doubt", "undecided",
+    "state", "doubt", "undecided", "check", "last", "displacement", "displacement_demand", "displacement_ratio", "no_displacement",
 )  # fmt: skip
 HEADS = COLUMNS[:5] + (
     "height_m",
@@ -32,6 +32,12 @@ HEADS = COLUMNS[:5] + (
     "verdict",
     "e_star_is_one",
     "why",
+    "check",
+    "d0_m",
+    "displacement_m",
+    "displacement_demand_m",
+    "displacement_ratio",
+    "no_check_by_displacements",
 )
 
 
@@ -77,6 +83,9 @@ def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> 
         rows=[_row(page, row) for row in least],
         numbers=numbers,
         any_doubt=any(row["doubt"] for row in least),
+        by_displacements=any(row["check"] == "non-linear" for row in least),
+        followed=_followed(page),
+        why_not=[*dict.fromkeys(row["no_displacement"] for row in least if row["no_displacement"])],
         held=page.held,
         undecided=[*dict.fromkeys(row["undecided"] for row in least if row["undecided"])],
         left_open=summary["left_open"],
@@ -104,8 +113,17 @@ def _columns(page: MacroPage) -> tuple[list[str], tuple[int, ...]]:
     """Headings of the table, and which of its columns are numbers."""
     checked = _checked(page)
     heads = ["part", "push", "mechanism", "held at [m]", "α0", "e*", "a0* [m/s²]"]
-    heads += ["asked for [m/s²]", "ratio", "verdict"] if checked else []
-    return heads + (["damage in the run"] if page.damage else []), (3, 4, 5, 6, 7, 8) if checked else (3, 4, 5, 6)
+    followed = _followed(page)
+    heads += ["asked for [m/s²]"] if checked else []
+    heads += ["d0* [mm]", "borne [mm]", "asked for [mm]"] if followed else []
+    heads += ["ratio", "verdict"] if checked else []
+    numbers = tuple(range(3, heads.index("verdict") if checked else len(heads)))
+    return heads + (["damage in the run"] if page.damage else []), numbers
+
+
+def _followed(page: MacroPage) -> bool:
+    """Whether a mechanism of the table has its check by displacements."""
+    return any(row["displacement"] is not None for row in page.least)
 
 
 def _row(page: MacroPage, row: Mapping[str, Any]) -> list[str | Badge]:
@@ -115,9 +133,15 @@ def _row(page: MacroPage, row: Mapping[str, Any]) -> list[str | Badge]:
         number(row["fraction"], digits=3) + ("¹" if row["doubt"] else ""), number(row["acceleration"]),
     ]  # fmt: skip
     if _checked(page):
-        state = Badge(f"verdict {VERDICTS[row['state']]}", row["state"])
-        cells += [number(row["demand"]), number(row["ratio"], digits=3), state]
+        cells.append(number(row["demand"]))
+        cells += [_millimetres(row[name]) for name in ("last", "displacement", "displacement_demand")] if _followed(page) else []
+        cells.append(number(row["ratio"], digits=3) + ("²" if row["check"] == "non-linear" else ""))
+        cells.append(Badge(f"verdict {VERDICTS[row['state']]}", row["state"]))
     return cells + ([page.damage.get(row["element"], "")] if page.damage else [])
+
+
+def _millimetres(value: float | None) -> str:
+    return "–" if value is None else number(1e3 * value, digits=3)
 
 
 def damage_by_group(folder: Path) -> dict[str, str]:

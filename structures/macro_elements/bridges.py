@@ -1,4 +1,4 @@
-"""Macro-elements of arches and bridges: spans in their plane, piers along and across, what stands free on top."""
+"""Macro-elements of arches, vaults and bridges: spans in their plane, webs, piers along and across, what stands free on top."""
 
 from __future__ import annotations
 
@@ -10,12 +10,33 @@ from structures.macro_elements.element import AROUND, EAST, HINGES, NORTH, OVERT
 from structures.macro_elements.layout import Layout
 
 SPAN, PIER = re.compile(r"(?:tier\d+_)?arch\d*$"), re.compile(r"(?:tier\d+_)?pier\d+$")
-FREE_ON_TOP = ("parapet", "parapets")
+FREE = re.compile(r"(?:^|_)parapets?(?:_|$)")  # groups of what stands free on top
 
 
 def arch(layout: Layout) -> list[MacroElement]:
     """An arch, or a vault of one span, in its plane."""
     return [MacroElement("arch", "span", np.flatnonzero(~layout.fixed), (EAST, WEST), (HINGES,))]
+
+
+def vault(layout: Layout) -> list[MacroElement]:
+    """A vault as a whole, and the webs of one that crosses; by hinges, towards all sides."""
+    own = np.flatnonzero(~layout.fixed)
+    webs = list(dict.fromkeys(str(name) for name in layout.group[own]))
+    found = [MacroElement("vault", "vault", own, AROUND, (HINGES,))]
+    if len(webs) < 2:
+        return found
+    return [*found, *(MacroElement(name.replace("_", " "), "web", layout.of_groups(name), AROUND, (HINGES,)) for name in webs)]
+
+
+def parapets(layout: Layout) -> list[MacroElement]:
+    """What stands free on top, by its group, out of its plane."""
+    found = []
+    for name in dict.fromkeys(str(name) for name in layout.group[~layout.fixed]):
+        if FREE.search(name):
+            own = layout.of_groups(name)
+            ways = (NORTH, SOUTH) if layout.axis(own) == 0 else (EAST, WEST)
+            found.append(MacroElement(name, "parapet", own, ways, (OVERTURNING,)))
+    return found
 
 
 def aqueduct(layout: Layout) -> list[MacroElement]:
@@ -35,6 +56,4 @@ def aqueduct(layout: Layout) -> list[MacroElement]:
             reach = layout.low[own, 0].min(), layout.high[own, 0].max()
             over = above[(layout.middle[above, 0] >= reach[0]) & (layout.middle[above, 0] <= reach[1])]
             found.append(MacroElement(f"{name} with what stands on it", "pier", np.union1d(own, over), AROUND, (OVERTURNING,)))
-        elif name in FREE_ON_TOP:
-            found.append(MacroElement(name, "parapet", own, (NORTH, SOUTH), (OVERTURNING,)))
     return found

@@ -18,7 +18,10 @@ FLOOR = "floor"
 def macro_elements(kind: str, blocks: Sequence[Block]) -> list[MacroElement]:
     """The parts of a structure of a kind that practice looks at; of a kind that names none, its groups."""
     layout = Layout.of(blocks)
-    return [one for one in KINDS.get(kind, _groups)(layout) if len(one.blocks)]
+    free = bridges.parapets(layout)
+    named = {one.name for one in free}
+    found = [one for one in KINDS.get(kind, _groups)(layout) if one.name not in named]
+    return [one for one in (*found, *free) if len(one.blocks)]
 
 
 def rests(group: str) -> bool:
@@ -70,6 +73,6 @@ def _groups(layout: Layout) -> list[MacroElement]:
 
 
 KINDS: Mapping[str, Callable[[Layout], list[MacroElement]]] = {
-    "church": church.parts, "wall": _wall, "tower": _tower, "arch": bridges.arch, "aqueduct": bridges.aqueduct,
+    "church": church.parts, "wall": _wall, "tower": _tower, "arch": bridges.arch, "aqueduct": bridges.aqueduct, "vault": bridges.vault,
     "column": _whole, "dome": _whole,
 }  # fmt: skip

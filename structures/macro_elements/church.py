@@ -10,7 +10,7 @@ from structures.macro_elements.layout import Layout
 
 
 def parts(layout: Layout) -> list[MacroElement]:
-    """Facade, side walls, arch, apse, tower, belfry, corners; what the church has of them."""
+    """Facade, side walls, arch, vault, apse, tower, belfry, corners; what the church has of them."""
     nave = layout.of_walls("nave_south", "nave_north")
     eaves = layout.top(nave)
     found = walls.out_of_plane(layout, "facade", layout.of_walls("facade"), (WEST,), eaves, "facade")
@@ -24,6 +24,9 @@ def parts(layout: Layout) -> list[MacroElement]:
         own = layout.of_walls(name)
         if len(own):
             found += _back(layout, name.replace("_", " "), own, eaves)
+    vault = layout.of_groups("vault")
+    if len(vault):
+        found.append(MacroElement("nave vault", "vault", vault, (NORTH, SOUTH), (HINGES,)))
     found += _apse(layout)
     found += _tower(layout)
     outer = layout.of_walls("facade", *(("aisle_south", "aisle_north") if "aisle_south" in layout.wall else ("nave_south", "nave_north")))

@@ -11,7 +11,9 @@ from models import GRAVITY, box, ground
 from test_limit_case import scene
 from typer.testing import CliRunner
 
+from masonry_cd.app.limit_case import limit_case
 from masonry_cd.app.limit_macro import MacroCase, least_rows, lines, macro_case
+from masonry_cd.app.macro_files import write_macro
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.mechanics.model.blocks import Block
@@ -107,3 +109,38 @@ def test_the_damage_of_a_run_stands_beside_macro_elements_only(tmp_path: Path) -
     done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--run", str(tmp_path), "--no-picture"])
     assert done.exit_code == 0, done.output
     assert "damage in the run" in (tmp_path / "out" / "macro_elements.html").read_text()
+
+
+def test_a_part_is_checked_by_displacements_as_the_whole_is(tmp_path: Path) -> None:
+    """The slab as a part and as the whole: one d0*, one demand, one verdict, in table and page as well."""
+    check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 0.9}\nground = "D"\n'
+    blocks = [ground(8.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0))]
+    path = scene(tmp_path, blocks, check + SLAB, mu=0.6)
+    part, whole = macro_case(read_scene(path), False, jobs=1), limit_case(path)
+    row, (linear, other) = part.rows[0], whole.check.verdicts if whole.check else (None, None)
+    assert linear is not None and other is not None and part.verdict is not None and whole.verdict is not None
+    assert row.last == pytest.approx(0.25, rel=1e-3) and row.displacement == pytest.approx(0.1, rel=1e-3)
+    assert row.displacement_demand == pytest.approx(other.demand, rel=1e-2) and row.demand == pytest.approx(linear.demand)
+    assert (part.verdict.state, part.verdict.check) == (whole.verdict.state, whole.verdict.check)
+    assert part.verdict.ratio == pytest.approx(whole.verdict.ratio, rel=1e-2) and row.ratio == part.verdict.ratio
+    folder = tmp_path / "out"
+    write_macro(part, folder, pictures=False)
+    with (folder / "macro_elements.csv").open() as file:
+        first, *others = csv.DictReader(file)
+    assert float(first["d0_m"]) == pytest.approx(0.25, rel=1e-3) and first["check"] == row.check
+    assert all(not other["d0_m"] and "least a0*" in other["no_check_by_displacements"] for other in others)
+    page = (folder / "macro_elements.html").read_text()
+    assert "d0* [mm]" in page and "does not last to collapse" in page
+
+
+def test_a_part_at_a_height_is_asked_for_the_displacement_of_its_floor(tmp_path: Path) -> None:
+    table = '[[limit.mechanism]]\nbox = [[-1.0, -2.0, 1.0], [1.0, 2.0, 4.0]]\ndirection = "x"\nmechanisms = ["overturning"]\n'
+    blocks = [ground(8.0), box("low", (0.0, -1.0, 0.0), (1.5, 1.0, 1.0)), box("high", (0.0, -1.0, 1.0), (0.5, 1.0, 3.0))]
+    building = "height = 1.0\nbuilding_height = 2.0\nbuilding_period = 1.4\nstoreys = 1\n"
+    asked = []
+    for more in ("", building):
+        case = macro_case(
+            read_scene(scene(tmp_path, blocks, f'[limit.check]\nspectrum = "EC8"\nag = 1.0\n{more}{table}', mu=0.8)), False, jobs=1
+        )
+        asked.append(case.rows[0].displacement_demand)
+    assert asked[0] is not None and asked[1] is not None and asked[1] > 1.2 * asked[0]  # in resonance with the building

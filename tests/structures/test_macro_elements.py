@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from masonry_cd.mechanics.model.blocks import Block
-from structures.kinds import church, tower, wall
+from structures.kinds import church, tower, vault, wall
 from structures.macro_elements import MacroElement, macro_elements
 from structures.macro_elements.layout import Layout
 
@@ -78,3 +79,16 @@ def test_a_tower_has_walls_corners_and_a_belfry() -> None:
 def test_a_kind_that_names_no_parts_has_its_groups() -> None:
     blocks = tower.build({"side": 4.0, "height": 6.0, "thickness": 0.8, "course_height": 0.5, "belfry_width": 0.0}, 1900.0, Path())
     assert {"south", "east", "north", "west"} == set(parts("file", blocks))
+
+
+def test_vaults_and_parapets_are_parts() -> None:
+    assert set(parts("vault", vault.build({"form": "barrel", "span": 3.0, "length": 2.0, "thickness": 0.4}, 1900.0, Path()))) == {"vault"}
+    cross = parts("vault", vault.build({"form": "cross", "span": 4.0, "thickness": 0.5}, 1900.0, Path()))
+    assert "vault" in cross and {one.kind for one in cross.values()} == {"vault", "web"}
+    assert "nave vault" in parts("church", church.build(CHURCH | {"roof": "vault"}, 1900.0, Path()))
+    walls = [  # the upper courses of a wall
+        replace(b, group="parapet" if b.vertices[:, 2].min() > 3.0 else b.group)
+        for b in wall.build({"length": 4.0, "height": 4.0}, 1900.0, Path())
+    ]
+    found = parts("file", walls)["parapet"]
+    assert found.kind == "parapet" and {way[0] for way in found.directions} == {0.0}

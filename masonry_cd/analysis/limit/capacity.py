@@ -58,6 +58,7 @@ class CurveOptions:
     steps: int = STEPS
     control: int | None = None  # block; None: whose centre moves fastest along the load when the mechanism begins
     limit: float = np.inf  # control displacement at which to stop [m]
+    mechanism: np.ndarray | None = None  # (B, 6) velocities of a mechanism without dilation that is followed; None: what is found
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +141,7 @@ class _Path:
 
     def __init__(self, assembly: Assembly, joints: Joints, loads: Loads, options: CurveOptions) -> None:
         self.begin, self.options, self.width = time.perf_counter(), options, assembly.width
-        self.make = Stages(assembly, joints, loads, options.analysis)
+        self.make = Stages(assembly, joints, loads, options.analysis, options.mechanism)
         try:
             first = self.make.at(assembly, loads, joints)
         except Unbounded as failure:

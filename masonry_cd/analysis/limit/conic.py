@@ -110,15 +110,15 @@ def _rows_of(points: np.ndarray) -> np.ndarray:
 
 def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray, of_bars: np.ndarray | None = None) -> ConeProgramme:
     """The programme of the least lambda + sum of prices (P, 3) times r' and ``of_bars`` (T,) times N; its cones must not be strips."""
-    matrix, right = programme.matrix.tolil(), programme.right.copy()
-    matrix[0, : problem.unknowns] = -matrix[0, : problem.unknowns]
+    matrix, right = programme.matrix.copy(), programme.right.copy()
+    matrix.data[: matrix.indptr[problem.unknowns]][matrix.indices[: matrix.indptr[problem.unknowns]] == 0] *= -1.0
     asked = prices[programme.cones].copy()
     asked[:, 0] /= problem.mu[programme.cones]
     right[1 : 1 + programme.edges.shape[1]] = programme.edges.T @ prices.ravel()
     right[1 + programme.lines :] = asked.ravel()
     if of_bars is not None:
         right[1 + programme.lines - len(of_bars) : 1 + programme.lines] = of_bars
-    return replace(programme, matrix=matrix.tocsc(), right=right, sense=-1.0)
+    return replace(programme, matrix=matrix, right=right, sense=-1.0)
 
 
 def least_unborne_in_space(problem: LimitProblem, sides: int = 0) -> Optimum:

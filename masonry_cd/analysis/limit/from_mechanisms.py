@@ -16,6 +16,9 @@ from masonry_cd.analysis.limit.mechanism import STILL
 from masonry_cd.analysis.limit.nonassociated import LeastFound, Pair
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Unbounded
+from masonry_cd.mechanics.model.blocks import Assembly
+
+CARRIED = 100  # rounds in which blocks at rest are taken along, a course or two each
 
 
 def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float) -> list[Pair]:
@@ -42,6 +45,30 @@ def _held(problem: LimitProblem, velocity: np.ndarray) -> bool:
     opening = (problem.jacobian @ velocity)[:: problem.directions]
     size = STILL * float(np.abs(velocity).max(initial=0.0))
     return bool((longer > size).any() or (opening < -size).any())
+
+
+def admitted(problem: LimitProblem, assembly: Assembly, velocity: np.ndarray) -> np.ndarray | None:
+    """The unknowns of a mechanism of some blocks (B, 6) that closes no joint: blocks at rest that it would lift or push go with it.
+
+    None where that leads to a support, to blocks that push one another, or to no end.
+    """
+    moved = velocity.copy()
+    ends = problem.points.bodies
+    for _ in range(CARRIED):
+        unknowns = problem.unknowns_of(moved)
+        opening = (problem.jacobian @ unknowns)[:: problem.directions]
+        closes = ends[opening < -STILL * float(np.abs(unknowns).max(initial=0.0))]
+        if not len(closes):
+            return unknowns
+        rests = ~moved[closes].any(axis=2)
+        some = rests[:, 0] != rests[:, 1]
+        still, goes = np.where(rests[:, 0], closes[:, 0], closes[:, 1])[some], np.where(rests[:, 0], closes[:, 1], closes[:, 0])[some]
+        if not len(still) or assembly.fixed[still].any():
+            return None
+        arm = assembly.centre[still] - assembly.centre[goes]
+        moved[still] = moved[goes]
+        moved[still, :3] += np.cross(moved[goes, 3:], arm)
+    return None
 
 
 def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | None:

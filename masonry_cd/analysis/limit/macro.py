@@ -10,6 +10,7 @@ import numpy as np
 from masonry_cd.analysis.limit.analysis import Options, by_solver, searched
 from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, Candidate, alike, dilation
 from masonry_cd.analysis.limit.from_mechanisms import ends_of, joined
+from masonry_cd.analysis.limit.linkage import with_displacements
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
 from masonry_cd.analysis.limit.nonassociated import LeastFound
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
@@ -34,6 +35,7 @@ class Effort:
     starts: int  # of the free search within a part, beside those at the mechanisms of practice
     most_points: int  # contact points of a part up to which it is made
     seed: int = 0
+    displacements: bool = False  # follow the least mechanism of each part and push until its factor vanishes
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +83,8 @@ def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[flo
     except Unbounded as failure:
         remarks.append(f"{FREE}: no answer, the part may not stand with all else held: {failure}")
     found.sort(key=lambda one: one.oscillator.acceleration())
+    if effort.displacements and found:
+        found[0] = _followed(whole, found[0], effort)
     found[1:] = [replace(one, found=None) for one in found[1:]]
     return ElementAnalysis(element, way, tuple(found), least, part.problem.points.count, part.interlock, tuple(remarks))
 
@@ -139,6 +143,15 @@ def _made(part: Part, element: MacroElement, way: np.ndarray, called: tuple[str,
     height = float(low.min()) if len(low) else 0.0
     made = oscillator(found, part.assembly, part.whole.joints, part.push, None, part.loads.live)
     return PartMechanism(element, way, *called, made, int(moves.moving.sum()), height, optimum.velocity, found)
+
+
+def _followed(whole: Whole, one: PartMechanism, effort: Effort) -> PartMechanism:
+    """A mechanism with the displacements of its oscillator, or why there are none."""
+    assert one.found is not None
+    moving = one.found.mechanism.moving
+    free = resting(whole, np.union1d(one.element.blocks, np.flatnonzero(moving & ~whole.assembly.fixed)))
+    part = part_of(whole, free, one.direction)
+    return replace(one, oscillator=with_displacements(part, one.found, one.oscillator, effort.seed))
 
 
 def _within(moves: Mechanism, part: Part) -> Mechanism:

@@ -97,14 +97,16 @@ def oscillator(
         live = np.concatenate([assembly.mass[:, None] * push, np.zeros((assembly.count, 3))], axis=1)
     weight = np.where(moving, live[:, :3] @ push / gravity, 0.0)
     power = np.where(moving, np.einsum("bi,bi->b", live, moves.velocity), 0.0)
-    body = _bodies(moves, joints, moving)
+    body = bodies_of(moves, joints, moving)
     whole, work = np.bincount(body, weight), np.bincount(body, power)
     second = float(np.sum(work[whole > 0.0] ** 2 / whole[whole > 0.0]))
     doubt = _doubt(found.dilation, whole, float(work.sum()) ** 2 / (float(whole.sum()) * second))
     unit, reach, factor = 1.0, np.zeros(0), np.zeros(0)
     end = _no_displacement(found, curve)
     if curve is not None and not doubt and not end:
-        unit = float(moves.velocity[curve.control.block, :3] @ curve.control.direction)
+        one = curve.control.block
+        there = moves.velocity[one, :3] + np.cross(moves.velocity[one, 3:], curve.control.point - assembly.centre[one])
+        unit = float(there @ curve.control.direction)
         reach, factor = curve.displacement, np.clip(curve.factor, 0.0, found.factor)
     return Oscillator(found.factor, gravity, float(weight.sum()), float(work.sum()) / unit, second / unit**2, reach, factor, end, doubt)
 
@@ -131,7 +133,7 @@ def _doubt(dilation: float, weight: np.ndarray, fraction: float) -> str:
     return ""
 
 
-def _bodies(moves: Mechanism, joints: Joints, moving: np.ndarray) -> np.ndarray:
+def bodies_of(moves: Mechanism, joints: Joints, moving: np.ndarray) -> np.ndarray:
     """(B,) which body each block is part of; blocks that do not move are bodies of their own."""
     held = (moves.state == STATES.index("still")) & moving[joints.block_a] & moving[joints.block_b]
     pairs = (np.ones(int(held.sum())), (joints.block_a[held], joints.block_b[held]))

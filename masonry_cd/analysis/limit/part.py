@@ -25,7 +25,7 @@ from functools import cached_property
 import numpy as np
 
 from masonry_cd.analysis.limit.interfaces import Interfaces, interfaces
-from masonry_cd.analysis.limit.problem import Bars, LimitProblem, Loads, PointMasses, plane_of, problem_at
+from masonry_cd.analysis.limit.problem import Arms, Bars, LimitProblem, Loads, PointMasses, plane_of, problem_at
 from masonry_cd.analysis.limit.rigid_groups import some_points
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -46,6 +46,7 @@ class Whole:
     gravity: float  # [m/s2], downwards
     rests: Callable[[str], bool]  # whether a group of blocks rests on walls, as a floor does, and is not bonded with them
     masses: PointMasses = field(default_factory=PointMasses.none)  # beside those of the blocks
+    arms: Arms = field(default_factory=Arms.none)  # of the point loads among the dead loads
 
     @cached_property
     def points(self) -> Interfaces:
@@ -99,7 +100,12 @@ class Part:
     problem: LimitProblem  # of the free blocks, block by block
     push: np.ndarray  # (3,) as large as gravity [m/s2]
     loads: Loads  # with what floors and bonded walls add
-    interlock: float  # friction in the beds of bonded walls [N]
+    beds: Bars  # friction in the beds of bonded walls, which are among the bars of the loads
+
+    @property
+    def interlock(self) -> float:
+        """Friction in the beds of bonded walls [N]."""
+        return float(self.beds.strength.sum())
 
 
 def resting(whole: Whole, blocks: np.ndarray) -> np.ndarray:
@@ -133,23 +139,26 @@ def part_of(whole: Whole, free: np.ndarray, direction: np.ndarray) -> Part:
     live = whole.masses.under(push, assembly.count)
     live[:, :3] += assembly.mass[:, None] * push
     live[~free] = 0.0
-    dead, bars, interlock = _held_above(whole, np.flatnonzero(above), live, np.asarray(direction, dtype=float))
+    way = np.asarray(direction, dtype=float)
+    dead, beds, floors = _held_above(whole, np.flatnonzero(above), live, way)
     keep = free[whole.bars.blocks].any(axis=1)
     ties = Bars(whole.bars.blocks[keep], whole.bars.points[keep], whole.bars.strength[keep])
-    loads = Loads(dead, live, _both(ties, bars))
+    own = replace(whole.arms, live=np.linalg.norm(whole.arms.live, axis=1, keepdims=True) * way)
+    loads = Loads(dead, live, _both(ties, beds), None, own.with_more(floors))
     axis = plane_of(assembly, loads)
     if axis is None:
         points = some_points(whole.points, touches[whole.points.joint])
     else:
         planar = interfaces(assembly, joints, axis)
         points = some_points(planar, touches[planar.joint])
-    return Part(whole, assembly, free, problem_at(assembly, points, loads, axis), push, loads, interlock)
+    return Part(whole, assembly, free, problem_at(assembly, points, loads, axis), push, loads, beds)
 
 
-def _held_above(whole: Whole, above: np.ndarray, live: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, Bars, float]:
-    """Dead loads (B, 6) with what floors add, friction as ties, and its sum [N]; what floors shake is added to ``live`` (B, 6)."""
+def _held_above(whole: Whole, above: np.ndarray, live: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, Bars, Arms]:
+    """Dead loads (B, 6) with what floors add, friction as ties, and the loads of floors; what floors shake is added to ``live`` (B, 6)."""
     dead, assembly = whole.dead.copy(), whole.assembly
     blocks, points, strength = [], [], []
+    loaded: list[tuple[int, np.ndarray, float]] = []
     for j in above:
         upper, lower, weight = int(whole.upper[j]), int(whole.lower[j]), whole.overburden(int(j))
         corners = whole.joints.polygon[whole.joints.polygon_start[j] : whole.joints.polygon_start[j + 1]]
@@ -157,15 +166,19 @@ def _held_above(whole: Whole, above: np.ndarray, live: np.ndarray, direction: np
         groups = assembly.group_of[[lower, upper]]
         if whole.rests(assembly.groups[groups[1]]):
             arm = place - assembly.centre[lower]
+            loaded.append((lower, arm, weight))
             for forces, pull in ((dead, np.array([0.0, 0.0, -weight])), (live, weight * direction)):
                 forces[lower] += np.concatenate([pull, np.cross(arm, pull)])
             continue
         blocks.append((lower, upper))
         points.append((place, place - direction))
         strength.append(INTERLOCK * float(assembly.friction[groups[0], groups[1]]) * weight)
-    if not blocks:
-        return dead, Bars.none(), 0.0
-    return dead, Bars(np.array(blocks), np.array(points), np.array(strength)), float(np.sum(strength))
+    weight = np.array([each[2] for each in loaded])[:, None]
+    floors = Arms(
+        np.array([each[0] for each in loaded], dtype=np.int64), np.array([each[1] for each in loaded]).reshape(-1, 3),
+        weight * [0.0, 0.0, -1.0], weight * direction,
+    )  # fmt: skip
+    return dead, Bars(np.array(blocks), np.array(points), np.array(strength)) if blocks else Bars.none(), floors
 
 
 def _both(one: Bars, other: Bars) -> Bars:

@@ -56,6 +56,15 @@ class Arms:
     dead: np.ndarray  # (N, 3) their part of the dead loads [N]
     live: np.ndarray  # (N, 3) and of the live ones
 
+    @classmethod
+    def none(cls) -> Arms:
+        """No point load."""
+        return cls(np.zeros(0, dtype=np.int64), *np.zeros((3, 0, 3)))
+
+    def with_more(self, more: Arms) -> Arms:
+        """These and more."""
+        return Arms(*(np.concatenate([getattr(self, name), getattr(more, name)]) for name in ("block", "arm", "dead", "live")))
+
 
 @dataclass(frozen=True, eq=False)
 class PointMasses:
@@ -165,6 +174,12 @@ class LimitProblem:
         part[:, columns >= 3] /= self.length
         out[self.free[:, None], columns] = part
         return out
+
+    def unknowns_of(self, velocity: np.ndarray) -> np.ndarray:
+        """The unknowns of velocities (B, 6) of blocks, without supports that move and joints that crush."""
+        part = velocity[self.free].copy()
+        part[:, 3:] *= self.length
+        return np.asarray(part[:, self.columns].ravel())
 
     @property
     def columns(self) -> np.ndarray:

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Collapse, Options, collapse_of, largest_factor
+from masonry_cd.analysis.limit.analysis import CAP, Collapse, Options, by_solver, collapse_of, largest_factor
 from masonry_cd.analysis.limit.conic import least_unborne_in_space
 from masonry_cd.analysis.limit.following import LOCKED, Motion, motion
+from masonry_cd.analysis.limit.from_mechanisms import ends_of
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.linear import least_unborne
 from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism, mechanism
@@ -22,6 +23,7 @@ from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
+HELD = 5.0  # load factor at which a mechanism that is followed counts as held where it may dilate
 FIRST = 0.01  # displacement of the fastest corner in a first step, as a share of the smallest width of a block
 LONGEST = 0.25  # and in any step
 SHORTEST = 1e-9  # and the one below which blocks cannot go on
@@ -80,10 +82,11 @@ class Moved:
 class Stages:
     """Makes the stages of one structure, and remembers what their joints and ties have lost on the way."""
 
-    def __init__(self, assembly: Assembly, joints: Joints, loads: Loads, options: Options) -> None:
+    def __init__(self, assembly: Assembly, joints: Joints, loads: Loads, options: Options, mechanism: np.ndarray | None = None) -> None:
         self.options, self.axis, self.gap = options, plane_of(assembly, loads), touching_gap(assembly)
         self._bonded = {(int(a), int(b)) for a, b in zip(joints.block_a, joints.block_b, strict=True)}
         self._rest = _lengths(loads.bars)
+        self._follows = None if mechanism is None else (assembly.centre, mechanism)  # where blocks had these velocities (B, 6)
         self._slid: dict[frozenset[int], float] = {}  # normal forces between two blocks at the stage before, if it slid
         self.unsettled = 0  # searches for the factor without dilation that came to no end
         self.stopped = 0  # programmes whose solver ended before its tolerance
@@ -97,6 +100,11 @@ class Stages:
             Unbounded: no factor is borne.
         """
         pulling, problem = self._problem(placed, loads, joints)
+        if self._follows is not None:
+            known = self._followed(problem, placed)
+            if known is not None:
+                moves = mechanism(problem, placed, joints, known.velocity)
+                return Stage(placed, loads, pulling, joints, problem, known, moves, known.factor, deepest)
         best, _ = largest_factor(problem, self.options)
         self.stopped += bool(best.stopped)
         associated, moves = best.factor, mechanism(problem, placed, joints, best.velocity)
@@ -105,6 +113,25 @@ class Stages:
             if least is not None:
                 best, moves = least, mechanism(problem, placed, joints, least.velocity)
         return Stage(placed, loads, pulling, joints, problem, best, moves, associated, deepest)
+
+    def _followed(self, problem: LimitProblem, placed: Assembly) -> Optimum | None:
+        """The answer without dilation to which the mechanism of the stage before leads, None where it closes joints by now."""
+        assert self._follows is not None
+        centre, velocity = self._follows
+        turned = velocity.copy()
+        turned[:, :3] += np.cross(velocity[:, 3:], placed.centre - centre)
+        ends = ends_of(problem, [problem.unknowns_of(turned)], CAP)
+        return ends[0][0] if ends else self._from_held(problem)
+
+    def _from_held(self, problem: LimitProblem) -> Optimum | None:
+        """The answer without dilation of a problem whose associated factor is not finite, None where there is none or it is."""
+        best = by_solver(problem, problem.dead, problem.live, HELD, self.options)
+        if best.factor < 0.99 * HELD:
+            return None
+        least = (least_factor_in_space if self.axis is None else least_factor)(problem, best, 1, self.options.seed)
+        if least is None:
+            raise Unbounded("no mechanism without dilation is found")
+        return least.optimum
 
     def _without_dilation(self, problem: LimitProblem, associated: Optimum, slides: bool) -> Optimum | None:
         """The answer without dilation, None where there is none beside the associated one, whose mechanism ``slides`` or does not.
@@ -159,6 +186,8 @@ class Stages:
     def accept(self, stage: Stage) -> None:
         """Take a stage into the curve: ties that have yielded stay as long as they are, and where it slides, so may the next."""
         self._rest = np.maximum(self._rest, _lengths(stage.loads.bars))
+        if self._follows is not None:
+            self._follows = stage.assembly.centre, stage.mechanism.velocity
         self._slid = {}
         if (stage.mechanism.sliding > STILL).any():
             for pair, force in zip(stage.problem.points.bodies, stage.best.force[:, 0] + stage.problem.apex, strict=True):

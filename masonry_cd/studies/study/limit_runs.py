@@ -27,15 +27,10 @@ def limit_row(scene: Scene) -> dict[str, Any]:
     Raises:
         InputError: a limit analysis without an answer.
     """
-    from masonry_cd.app.limit_case import case_of
-    from masonry_cd.app.limit_command import has_pattern
-    from masonry_cd.app.limit_macro import macro_case
+    from masonry_cd.app.limit_command import looked_at
 
-    parts = bool(scene.limit.get("mechanism"))
-    whole = case_of(scene) if has_pattern(scene) or not parts else None
-    verdict = None if whole is None else whole.verdict
-    if parts:
-        verdict = macro_case(scene, False, jobs=1, whole=verdict).verdict
+    whole, parts = looked_at(scene, jobs=1)
+    verdict = next((one.verdict for one in (whole, parts) if one is not None), None)
     found: dict[str, Any] = dict.fromkeys(COLUMNS)
     if whole is not None:
         analysis, least = whole.analysis, whole.analysis.least

@@ -1,0 +1,57 @@
+"""What a limit analysis begins with, of the whole or of parts: the blocks of a scene, their joints, what its table ``[limit]`` asks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
+from masonry_cd.mechanics.model.joints import Joints
+
+if TYPE_CHECKING:
+    from masonry_cd.app.scene import Scene
+    from masonry_cd.app.static_loads import LimitTable, StaticLoads
+    from structures import Made
+
+
+@dataclass(frozen=True, eq=False)
+class LimitStructure:
+    """The structure of a scene."""
+
+    scene: Scene
+    made: Made  # blocks, notes on them, and ties
+    asked: LimitTable
+    assembly: Assembly
+    joints: Joints
+
+    def loads(self, asked: LimitTable | None = None) -> StaticLoads:
+        """What acts on it, as its own table or another one asks for it.
+
+        Raises:
+            InputError: a bad table, or no pattern.
+        """
+        from masonry_cd.app.static_loads import static_loads
+
+        scene, ties = self.scene, [(bar.where, bar.load()) for bar in self.made.ties]
+        return static_loads(scene.loads, asked or self.asked, scene.run.gravity, scene.folder, self.assembly, ties)
+
+
+def limit_structure(scene: Scene) -> LimitStructure:
+    """The structure of a scene; joints have no stiffness of the masonry's moduli, since limit analysis is of rigid blocks.
+
+    Raises:
+        InputError: with file and line of the scene where a key is at fault.
+    """
+    from masonry_cd.app.case import make_structures
+    from masonry_cd.app.static_loads import limit_table
+
+    made, material = make_structures(scene), scene.material
+    try:
+        refuse_spheres(made.blocks, "structure: limit analysis")
+        asked = limit_table(scene.limit)
+        assembly = Assembly.from_blocks(made.blocks, material.friction, material.joint_laws)
+        return LimitStructure(scene, made, asked, assembly, find_joints(assembly))
+    except InputError as error:
+        raise scene.at_fault(error) from None
