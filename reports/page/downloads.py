@@ -45,4 +45,4 @@ def downloads(context: PageContext) -> Mapping[str, Any]:
     return {"files": [(name, MEANING[name]) for name in (name.removeprefix(PREFIX) for name in context.carried)]}
 
 
-TABLES = Section("tables", "Tables", downloads)
+SECTIONS = {"tables": Section("Tables", downloads, 40)}
