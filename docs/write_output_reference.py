@@ -1,13 +1,16 @@
-"""Writes docs/outputs.md: every number that a run comes to, as its declaration says."""
+"""Writes docs/outputs.md: every number that a run comes to and every file that it may leave, as declared."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from masonry_cd.analysis.outputs import FORMATS, NUMBERS
+from reports.files import known_files
 
 PAGE = Path(__file__).parent / "outputs.md"
-HEAD = """# Numbers of a run
+HEAD = """# Outputs of a run
+
+## Numbers
 
 Written by `docs/write_output_reference.py` from the declarations in `masonry_cd/analysis/outputs`, which all that shows a number
 reads: a file there with an entry in `NUMBERS` adds one everywhere. The files are described in [Results](results.md).
@@ -15,6 +18,12 @@ reads: a file there with an entry in `NUMBERS` adds one everywhere. The files ar
 | number | key | unit | what it is | in |
 |---|---|---|---|---|
 """
+
+FILES = """
+## Files
+
+| file | what it holds |
+|---|---|"""
 
 
 def reference() -> str:
@@ -25,7 +34,8 @@ def reference() -> str:
         keys = " ".join(f"`{name}`" for name in (key, *others))
         shown = ", ".join(place for place in FORMATS if place in number.places)
         rows.append(f"| {number.name} | {keys} | {number.unit} | {number.meaning} | {shown} |")
-    return HEAD + "\n".join(rows) + "\n"
+    files = [f"| `{name}` | {meaning} |" for name, meaning in known_files().items()]
+    return HEAD + "\n".join([*rows, FILES, *files]) + "\n"
 
 
 if __name__ == "__main__":
