@@ -16,7 +16,7 @@ from masonry_cd.foundation.extras import require
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from reports.damage.joint_files import damage_settings, thresholds_of
-from reports.damage.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
+from reports.damage.part_files import in_short, write_part_damage
 from reports.extra import EXTRA
 from reports.maps.crack_map import sheet_of
 from reports.maps.framing import MapStyle, framing, view_and_cut
@@ -26,7 +26,6 @@ from reports.settings import Report
 ANIMATION = "crack_map.gif"
 PAGE = "report.html"
 PRINT = "report.pdf"
-FILES = (*NAMES_OF_FILES, BY_SHOCK, ANIMATION, PAGE, PRINT)  # beside joints.csv and the crack maps
 
 
 def style_of(settings: Report) -> MapStyle:

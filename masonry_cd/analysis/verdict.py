@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 GOOD, LOOK, DOUBTFUL = "good", "look", "doubtful"
 UNKNOWN = "unknown"  # of a result that has left no numbers of its own
 RANKS = (GOOD, LOOK, DOUBTFUL)
+NOT_GRADED = "not graded"  # stands for the grade of a run that is doubtful
 
 
 @dataclass(frozen=True)

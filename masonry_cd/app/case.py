@@ -13,8 +13,6 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.crushing_checks import refuse_crushing_in_a_run
 from masonry_cd.app.doubts import doubts
@@ -147,12 +145,11 @@ def make_structures(scene: Scene) -> Made:
     import structures
 
     try:
-        with np.errstate(all="ignore"):  # blocks that are not finite are refused by name
-            if not scene.structures:
-                return structures.make(scene.structure, scene.material.block_density, scene.folder)
-            from structures import site
+        if not scene.structures:
+            return structures.make(scene.structure, scene.material.block_density, scene.folder)
+        from structures import site
 
-            return site.build(scene.structures, scene.material.block_density, scene.folder)
+        return site.build(scene.structures, scene.material.block_density, scene.folder)
     except InputError as error:
         raise scene.at_fault(error) from None
 

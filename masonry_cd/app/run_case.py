@@ -36,20 +36,15 @@ from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import NAME as SUMMARY
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from reports.extra import EXTRA
+from reports.files import known_files
 
 RESULTS = "result.h5"
 FIRST = ("format", "title", "verdict")  # keys of summary.json
-OUTPUTS = (
-    "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
-    "damage_shocks.csv", "ties.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
-    "stress.csv", "joint_stress.csv", "element_stress.csv", "stress_map.png", "stress_map.svg", "stress_map.pdf",
-)  # fmt: skip
 
 
 def file_names() -> tuple[str, ...]:
     """Names of all files that a run may leave in its folder, crack maps at times and problems apart."""
-    return (*OUTPUTS, *(name for report in EXTRA.values() for name in report.files))
+    return tuple(known_files())
 
 
 def run_case(

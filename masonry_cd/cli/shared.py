@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -45,18 +45,37 @@ def same_command() -> str:
 
 
 @contextmanager
+def _numeric_warnings() -> Iterator[list[str]]:
+    """Collect what numpy and its like say of numbers, once for each place; other warnings pass."""
+    met: list[str] = []
+    with warnings.catch_warnings():
+        warnings.filterwarnings("default", category=RuntimeWarning)
+        passed = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], filename: str, lineno: int, *more: Any) -> None:
+            if issubclass(category, RuntimeWarning):
+                met.append(f"{message} ({Path(filename).name}, line {lineno}): results may be affected, please report it")
+            else:
+                passed(message, category, filename, lineno, *more)
+
+        warnings.showwarning = show  # type: ignore[assignment]
+        yield met
+
+
+@contextmanager
 def errors_reported() -> Iterator[None]:
     """Report errors of the body in one line and set the exit code.
 
-    Numbers beyond their range are refused, or reported by name: what numpy says of them besides, by line of this program, helps no user.
+    What numpy says of numbers that the body then refuses helps no user beside that line. Of a body that is done each such warning has a
+    line: it was not expected, or it were named where it comes up.
     """
     from masonry_cd.foundation.errors import InputError, in_plain_words
     from masonry_cd.foundation.extras import missing
 
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)
+        with _numeric_warnings() as met:
             yield
+        warn(met)
     except InputError as error:
         typer.echo(f"masonry-cd: error: {error}", err=True)
         raise typer.Exit(2) from None

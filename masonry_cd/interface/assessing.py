@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from masonry_cd.analysis.assessment.assessment import read_assessment
 from masonry_cd.analysis.assessment.verdict import heading, lines_of, to_pin_down, verdict, warnings_of
+from masonry_cd.analysis.outputs import ASSESS, numbers_in, units_in
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.closing import closing_as_html
@@ -26,11 +27,8 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from PIL.Image import Image
 
-COLUMNS = (
-    "status", "reason", "displacement_max", "max_opening", "residual_opening", "grade", "collapsed_blocks", "load_factor", "steps",
-    "steps_missed", "error_max", "provisional", "remark", "seconds",
-)  # fmt: skip
-UNITS = {"displacement_max": "m", "max_opening": "m", "residual_opening": "m", "seconds": "s"}
+COLUMNS = ("status", "reason", *numbers_in(ASSESS), "remark", "seconds")
+UNITS = {**units_in(ASSESS), "seconds": "s"}
 
 
 class Assessment:

@@ -13,9 +13,10 @@ import numpy as np
 
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import joint_damage
-from masonry_cd.analysis.damage.numbers import damage_numbers
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.analysis.deformed import solids_of
+from masonry_cd.analysis.outputs.measured import Measured
+from masonry_cd.analysis.outputs.summary import damage_numbers
 from masonry_cd.analysis.stress.peaks import principal, require_stress, stress_peaks
 from masonry_cd.app.summary import closing_lines, damage_line
 from masonry_cd.foundation.errors import InputError, suggest
@@ -102,11 +103,9 @@ class Run(RunExports):
             written = read_summary(self.folder) or found.closing
             if "joints_opened" in written:
                 return written
-            thresholds = thresholds_of(self._report)
-            end, table = end_state(found, thresholds), joint_damage(found, thresholds)
-            return (
-                {"title": self.title, "stopped": end.stopped} | written | damage_numbers(found, table, end, damage_settings(self._report))
-            )
+            end = end_state(found, thresholds_of(self._report))
+            numbers = damage_numbers(Measured(found, damage_settings(self._report)), end)
+            return {"title": self.title, "stopped": end.stopped} | written | numbers
 
     @property
     def stopped(self) -> str:

@@ -18,6 +18,7 @@ from masonry_cd.analysis.fragility.fits import Fits, fit_study
 from masonry_cd.analysis.fragility.folder import read_study
 from masonry_cd.analysis.fragility.measures import unit
 from masonry_cd.analysis.fragility.sensitivity import COLUMNS, Correlation, correlations
+from masonry_cd.analysis.outputs import STUDY, numbers_in, units_in
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.closing import closing_as_html
@@ -35,11 +36,8 @@ if TYPE_CHECKING:
 
     from masonry_cd.studies.study.study_case import Plan
 
-COUNTS = ("seed", "collapsed_blocks", "grade_number", "steps", "steps_missed")  # columns of whole numbers
-UNITS = {
-    "level": "", "max_opening": "m", "max_sliding": "m", "displacement_max": "m", "residual_opening": "m", "collapse_time": "s",
-    "seconds": "s",
-}  # fmt: skip
+COUNTS = ("seed", *(key for key, number in numbers_in(STUDY).items() if number.whole))  # columns of whole numbers
+UNITS = {"level": "", **units_in(STUDY), "seconds": "s"}
 
 
 class Study:

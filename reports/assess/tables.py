@@ -7,17 +7,12 @@ from pathlib import Path
 
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, Answer, Assessment, Member
 from masonry_cd.analysis.assessment.verdict import between, heading, shown
+from masonry_cd.analysis.outputs import ANSWER, ASSESS, numbers_in
 from masonry_cd.foundation.csv_files import write_csv
 
 CSV = "assess.csv"
-NUMBERS = (
-    "displacement_max", "max_opening", "residual_opening", "grade", "collapsed_blocks", "load_factor", "steps", "steps_missed", "error_max",
-    "provisional", "remark", "seconds",
-)  # fmt: skip
-SHORT = {
-    "displacement_max": "displ.", "max_opening": "opening", "residual_opening": "residual", "grade_number": "grade",
-    "collapsed_blocks": "fallen", "load_factor": "factor",
-}  # fmt: skip
+NUMBERS = (*numbers_in(ASSESS), "remark", "seconds")
+SHORT = {key: number.short or number.name for key, number in numbers_in(ANSWER).items()}
 NO_GRADE = "none"
 MISSED, WAITS = "*", "not run yet"
 WIDEST = 44  # characters of a reason in the terminal

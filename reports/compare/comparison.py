@@ -20,14 +20,15 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.damage.joint_damage import displacement_max
 from masonry_cd.analysis.damage.macro_elements import WHOLE
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.damage.verdict import NOT_GRADED
-from masonry_cd.analysis.deformed import base_shift, solids_of
+from masonry_cd.analysis.outputs import COMPARE, numbers_in, values_in
+from masonry_cd.analysis.outputs.measured import Measured
+from masonry_cd.analysis.verdict import NOT_GRADED
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
+from reports.damage.joint_files import damage_settings
 from reports.outputs import damage_of
 from reports.settings import Report, report_of
 
@@ -41,7 +42,7 @@ class Run:
     damage: PartDamage
     time: np.ndarray  # (F,) [s]
     top: np.ndarray  # (F,) horizontal displacement of the highest free block relative to the base, signed along its largest [m]
-    displacement: float  # largest of any block [m]
+    numbers: dict[str, Any]  # of the response, by their keys
     height: float  # of the structure [m]
     summary: dict[str, Any]
 
@@ -93,20 +94,15 @@ def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comp
 
 def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
     """Read what is compared."""
-    solids = solids_of(results.blocks)
-    free = np.flatnonzero(~solids.fixed)
-    highest = int(free[np.argmax(solids.centre[free, 2])])
-    shift = base_shift(results, solids, np.asarray(results.position[: results.frames], dtype=float)) if solids.fixed.any() else 0.0
-    moved = np.asarray(results.position[: results.frames, highest], dtype=float) - solids.centre[highest] - shift
-    farthest = moved[np.argmax(np.hypot(*moved[:, :2].T)), :2]
-    along = farthest / max(float(np.hypot(*farthest)), 1e-300)
+    run = Measured(results, damage_settings(settings), known=damage_of(results, settings))
+    solids = run.solids
     return Run(
         name=name,
         scene=flat(tomllib.loads(results.scene)),
-        damage=damage_of(results, settings),
+        damage=run.damage,
         time=results.time,
-        top=moved[:, :2] @ (along * (np.sign(along[np.argmax(np.abs(along))]) or 1.0)),
-        displacement=displacement_max(results),
+        top=run.top,
+        numbers=values_in(COMPARE, run),
         height=float(np.ptp(solids.vertices[~solids.fixed[solids.vertex_block], 2])),
         summary=read_summary(folder),
     )
@@ -185,14 +181,7 @@ def _part_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
 
 def _response_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
     """Displacements relative to the base, and drift."""
-    return [
-        ("largest displacement", "m", [run.displacement for run in runs]),
-        ("highest block, largest", "m", [float(np.abs(run.top).max()) for run in runs]),
-        ("highest block, residual", "m", [float(run.top[-1]) for run in runs]),
-        ("largest drift", "", [run.damage.parts[-1]["max_drift"] for run in runs]),
-        ("residual drift", "", [run.damage.parts[-1]["residual_drift"] for run in runs]),
-        ("end of the run", "s", [float(run.time[-1]) for run in runs]),
-    ]
+    return [(number.name, number.unit, [run.numbers[key] for run in runs]) for key, number in numbers_in(COMPARE).items()]
 
 
 def _solver_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.damage.grades import NAMES
-from masonry_cd.analysis.damage.verdict import NOT_GRADED
+from masonry_cd.analysis.verdict import NOT_GRADED
 from reports.compare.comparison import Comparison, Run
 from reports.drawing.figure import COLOURS, FAINT, INK, save
 

@@ -11,9 +11,10 @@ import numpy as np
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.grades import read_grades
-from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
-from masonry_cd.analysis.damage.numbers import damage_numbers
+from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import Settings
+from masonry_cd.analysis.outputs.measured import Measured
+from masonry_cd.analysis.outputs.summary import damage_numbers
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.layout import BONDED
 from masonry_cd.io.results import Results
@@ -33,12 +34,10 @@ def damage_settings(settings: Report) -> Settings:
 
 def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
     """Write joints.csv, and ties.csv where there are ties; return the numbers of damage for the summary, see :func:`damage_numbers`."""
-    thresholds = thresholds_of(settings)
-    table = joint_damage(results, thresholds)
-    end = end_state(results, thresholds)
-    write_joints_csv(table, folder / "joints.csv", end.provisional)
+    run, end = Measured(results, damage_settings(settings)), end_state(results, thresholds_of(settings))
+    write_joints_csv(run.table, folder / "joints.csv", end.provisional)
     write_ties(results, folder)
-    return damage_numbers(results, table, end, damage_settings(settings))
+    return damage_numbers(run, end)
 
 
 def write_joints_csv(table: JointDamage, path: Path, provisional: str = "") -> None:

@@ -21,7 +21,7 @@ import numpy as np
 
 from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.damage.part_damage import PartDamage, Row
-from masonry_cd.analysis.damage.verdict import NOT_GRADED
+from masonry_cd.analysis.verdict import NOT_GRADED
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 

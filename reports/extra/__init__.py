@@ -21,6 +21,7 @@ class ExtraReport(NamedTuple):
 
     files: tuple[str, ...]  # what it writes into the folder of a run, by name
     write: Callable[[Results, Path], None]  # from results, into a folder
+    meaning: str = ""  # what they hold: their line of the reference
 
 
 EXTRA: Entries[ExtraReport] = Entries("reports.extra", "REPORTS")

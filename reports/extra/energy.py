@@ -119,4 +119,4 @@ def _write(results: Results, folder: Path) -> None:
 
 
 FILE = "energy.png"
-REPORTS = {"energy": ExtraReport((FILE,), _write)}
+REPORTS = {"energy": ExtraReport((FILE,), _write, "what was put in over time, where it went, and how well the account closes")}

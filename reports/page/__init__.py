@@ -3,11 +3,13 @@
     pack.py      arrays -> one deflated, base64 text
     motion.py    how blocks and joints move over the frames, in whole numbers
     series.py    plots over time: base motion, energy, solver error, cost
-    words.py     the case in words and numbers, as HTML
-    document.py  what stands around the body of every page: head, style, script
-    build.py     all of it into page.html
+    words.py     the case in words and numbers
+    section.py   a section of the page: what fills its template; findings, loads, stress, limits, trust, downloads list theirs
+    templates.py how a template of reports/templates is filled
+    document.py  what all pages of the program share
+    build.py     all of it into run.html
 
-The browser's part is in page.html, style.css and the scripts beside them; it uses WebGL 2 and ``DecompressionStream`` (browsers since
+The browser's part is in the templates and in the scripts beside this file; it uses WebGL 2 and ``DecompressionStream`` (browsers since
 2023) and nothing from outside: a content policy in the page forbids it any request.
 """
 

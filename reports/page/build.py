@@ -6,7 +6,7 @@ The file stays below ``LIMIT``: where all frames would not fit, fewer of them ar
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +25,10 @@ from masonry_cd.io.results import Results
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of, within_sight
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
 from reports.maps.framing import COLLAPSE, MOST, SEEN
-from reports.page import downloads, findings, limits, loads, motion, series, stress, title_block, trust, words
+from reports.page import downloads, motion, series, stress, title_block, words
 from reports.page.document import script_of, write_document
 from reports.page.pack import packed, packed_length
-from reports.page.section import Section
+from reports.page.section import KNOWN
 from reports.ties import tie_lines, tie_tensions
 
 LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the page stays below 15 MB
@@ -36,8 +36,6 @@ FRAMES = 600  # sent at most
 PLOTTED = 6  # motions of supports that are plotted, those that go farthest; the page has a table of all
 LARGEST = 0.05  # where the last class of the colour scales begins, as in the crack map [m]
 SCRIPTS = ("unpack.js", "motion.js", "camera.js", "shaders.js", "viewer.js", "plots.js", "charts.js", "table.js", "main.js")
-HEAD = (findings.PARTS, loads.LOADS, findings.CAPACITY, findings.TIES, stress.STRESS)  # sections above the model
-FOOT = (limits.LIMITS, trust.TRUST, limits.GRADES, downloads.TABLES)  # and below it
 COLUMNS = (
     "max_opening", "residual_opening", "max_sliding", "residual_sliding", "max_rotation", "contact_area_loss", "first_opening_time", "area",
 )  # fmt: skip
@@ -263,8 +261,8 @@ def _values(context: words.PageContext, facts: Mapping[str, Any], text: str) -> 
         "outcome": words.outcome(context),
         "context": context,
         "tiles": words.tiles(context),
-        "head": _filled(HEAD, context),
-        "foot": _filled(FOOT, context),
+        "head": _sections(context, above=True),
+        "foot": _sections(context, above=False),
         "settings": words.settings(context),
         "scene": context.results.scene or "The result keeps no scene.",
         "facts": json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),
@@ -273,6 +271,7 @@ def _values(context: words.PageContext, facts: Mapping[str, Any], text: str) -> 
     }
 
 
-def _filled(sections: Sequence[Section], context: words.PageContext) -> list[tuple[Section, Mapping[str, Any]]]:
-    """Those sections that the page has, with their values."""
-    return [(section, data) for section in sections if (data := section.data(context))]
+def _sections(context: words.PageContext, above: bool) -> list[tuple[str, str, str]]:
+    """The sections above the model or below it that the page has, in their order: name, title and HTML."""
+    own = sorted((item for item in KNOWN.items() if (item[1].place < 0) == above), key=lambda item: item[1].place)
+    return [(name, section.title, section.html(name, data)) for name, section in own if (data := section.data(context))]

@@ -14,19 +14,13 @@ from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.io.results import Results
 from reports.damage.joint_files import write_joints_csv
-from reports.damage.part_files import write_part_damage
+from reports.damage.part_files import BY_SHOCK, write_part_damage
+from reports.files import FILES
 from reports.page.section import Section
 from reports.page.words import PageContext
 
 JOINTS = "joints.csv"
-MEANING = {
-    JOINTS: "every joint: largest and last opening and sliding, rotation, contact lost, state",
-    "damage.csv": "every part: counts, largest and last values, drift, mechanism, grade with its reason",
-    "damage_history.csv": "every part over time",
-    "hinges.csv": "joints that were hinges, and where they touched",
-    "drift.csv": "displacement and drift of every part, level by level",
-    "damage_shocks.csv": "every part after each shock",
-}
+CARRIED = (JOINTS, "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", BY_SHOCK)
 PREFIX = "file/"  # of their names among the packed arrays
 
 
@@ -37,12 +31,12 @@ def tables(results: Results, table: JointDamage, parts: PartDamage | None) -> di
         write_joints_csv(table, here / JOINTS, end_state(results, parts.settings.thresholds if parts else None).provisional)
         if parts is not None:
             write_part_damage(parts, here)
-        return {PREFIX + name: np.frombuffer((here / name).read_bytes(), np.uint8) for name in MEANING if (here / name).exists()}
+        return {PREFIX + name: np.frombuffer((here / name).read_bytes(), np.uint8) for name in CARRIED if (here / name).exists()}
 
 
 def downloads(context: PageContext) -> Mapping[str, Any]:
     """The tables that the page carries, and what each holds."""
-    return {"files": [(name, MEANING[name]) for name in (name.removeprefix(PREFIX) for name in context.carried)]}
+    return {"files": [(name, FILES[name]) for name in (name.removeprefix(PREFIX) for name in context.carried)]}
 
 
-TABLES = Section("tables", "Tables", downloads)
+SECTIONS = {"tables": Section("Tables", downloads, 40)}

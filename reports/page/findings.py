@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from masonry_cd.analysis.damage.verdict import NOT_GRADED
+from masonry_cd.analysis.verdict import NOT_GRADED
 from masonry_cd.foundation.quantities import force
 from reports.drawing.figure import in_metres
 from reports.page.section import Section
@@ -123,6 +123,8 @@ def ties(context: PageContext) -> Mapping[str, Any]:
     return {"rows": rows} if rows else {}
 
 
-PARTS = Section("parts", "Damage by part", parts)
-CAPACITY = Section("capacity", "Loads and capacity", capacity)
-TIES = Section("ties", "Ties", ties)
+SECTIONS = {
+    "parts": Section("Damage by part", parts, -50),
+    "capacity": Section("Loads and capacity", capacity, -30),
+    "ties": Section("Ties", ties, -20),
+}

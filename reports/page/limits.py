@@ -249,5 +249,4 @@ def _bound(values: Sequence[float], text: Callable[[float], str], grade: int) ->
     return "any" if values[grade - 1] <= 1e-6 else text(values[grade - 1])
 
 
-LIMITS = Section("limits", "Assumptions and limits", limits)
-GRADES = Section("grades", "Grades of damage", grades)
+SECTIONS = {"limits": Section("Assumptions and limits", limits, 10), "grades": Section("Grades of damage", grades, 30)}

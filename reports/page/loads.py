@@ -106,4 +106,4 @@ def _along(direction: object) -> str:
 
 ROWS = {"point": _point, "settlement": _ground, "spreading": _ground, "push": _body, "tilt": _body, "tie": _tie}
 
-LOADS = Section("loads", "Loads in the model", loads)
+SECTIONS = {"loads": Section("Loads in the model", loads, -40)}

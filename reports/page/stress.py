@@ -105,4 +105,4 @@ def _joints(results: Results, peaks: StressPeaks) -> Rows:
     return columns, rows
 
 
-STRESS = Section("stress", "Stress", stress)
+SECTIONS = {"stress": Section("Stress", stress, -10)}

@@ -23,9 +23,10 @@ class Badge:
     text: str
 
 
-def filled(template: str, **values: Any) -> str:
-    """A template of ``reports/templates`` with its values."""
-    return str(_environment().get_template(template).render(values))
+def filled(template: str, text: str = "", **values: Any) -> str:
+    """A template of ``reports/templates``, or a ``text`` that stands for it, with its values."""
+    made = _environment().from_string(text) if text else _environment().get_template(template)
+    return made.render(values)
 
 
 @cache

@@ -150,4 +150,4 @@ def _two(value: float | None) -> str:
     return number(value, digits=2) if value is not None else "unknown"
 
 
-TRUST = Section("trust", "How far the numbers can be trusted", trust)
+SECTIONS = {"trust": Section("How far the numbers can be trusted", trust, 20)}

@@ -12,9 +12,11 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.joint_damage import JointDamage
-from masonry_cd.analysis.damage.part_damage import PartDamage
+from masonry_cd.analysis.damage.part_damage import PartDamage, Settings
 from masonry_cd.analysis.damage.verdict import Checks
 from masonry_cd.analysis.deformed import Solids
+from masonry_cd.analysis.outputs import PAGE, Number, numbers_in
+from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.io.results import Results
 from reports.drawing.figure import in_metres
@@ -51,6 +53,12 @@ class PageContext:
     def motions(self) -> tuple[SupportMotion, ...]:
         """How the supports move, each motion by its own."""
         return support_motions(self.results, self.solids)
+
+    @cached_property
+    def measured(self) -> Measured:
+        """The run, for its numbers."""
+        settings = self.parts.settings if self.parts is not None else Settings(self.thresholds)
+        return Measured(self.results, settings, self.summary, self.parts)
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -151,17 +159,15 @@ def outcome(context: PageContext) -> str:
 
 def tiles(context: PageContext) -> list[tuple[str, str, str]]:
     """The headline numbers: what each is, the number, and small print behind it."""
-    of_joints, seconds, table = f" of {context.results.joints.count}", context.summary.get("stepping_seconds"), context.table
+    of_joints, seconds = f" of {context.results.joints.count}", context.summary.get("stepping_seconds")
     rows = [("grade of the structure", context.verdict.grade, "")] if context.parts is not None else []
     rows += [
         ("joints opened", str(context.only("opened")), of_joints),
         ("joints slid", str(context.only("slid")), of_joints),
-        ("joints opened and slid", str(int(table.both.sum())), of_joints),
+        ("joints opened and slid", str(int(context.table.both.sum())), of_joints),
         ("joints separated", str(context.count("separated")), of_joints),
         *((f"{kind} fallen", str(fell), f" of {free}") for kind, fell, free in context.fallen_of_kinds()),
-        ("largest opening", in_metres(_most(table.max_opening)), ""),
-        ("largest sliding", in_metres(_most(table.max_sliding)), ""),
-        ("largest displacement", in_metres(context.displacement_max), ""),
+        *((one.name, _shown(one, context), "") for one in numbers_in(PAGE).values()),
         (
             "steps that missed the tolerance",
             str(context.missed) if context.steps else "unknown",
@@ -171,6 +177,14 @@ def tiles(context: PageContext) -> list[tuple[str, str, str]]:
     if seconds and context.summary.get("steps"):
         rows.append(("per step", number(1e3 * seconds / context.summary["steps"], "ms", 3), ""))
     return rows
+
+
+def _shown(one: Number, context: PageContext) -> str:
+    """A number as the page has it; lengths in the unit that suits their size."""
+    value = one.compute(context.measured)
+    if value is None:
+        return "unknown"
+    return in_metres(value) if one.unit == "m" else number(one.shown[1] * value, one.shown[0], digits=3)
 
 
 def settings(context: PageContext) -> list[tuple[str, list[tuple[str, str]]]]:

@@ -15,6 +15,7 @@ from typing import Any
 from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.folder import FIRST, Study
 from masonry_cd.analysis.fragility.measures import unit
+from masonry_cd.analysis.outputs import STUDY_PAGE, numbers_in
 from reports.page.document import Head, pictures, script_of, write_document
 from reports.study import words
 from reports.study.fragility_picture import METHODS
@@ -22,17 +23,7 @@ from reports.study.fragility_picture import METHODS
 PAGE = "study.html"
 ROWS = 3000  # of the table of runs; all are in runs.csv
 PRINTED = 40
-RESULTS = (
-    "max_opening",
-    "max_sliding",
-    "displacement_max",
-    "drift",
-    "collapsed_blocks",
-    "collapse_time",
-    "grade",
-    "steps_missed",
-    "error_max",
-)
+RESULTS = tuple(numbers_in(STUDY_PAGE))
 CAPTIONS = {
     "fragility.png": "The probability that a limit state is exceeded, given the intensity. Points are what was counted, lines what was "
     "fitted; inside its band a line could as well lie with other records of the same kind. Where a curve leaves the points, trust those.",

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.fragility.limits import LimitState
+from masonry_cd.analysis.outputs import NUMBERS
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from reports.drawing.figure import COLOURS, FAINT, INK
@@ -15,27 +16,16 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 STROKES = ("-", "--", ":", "-.")
 PALE = "#b8bec4"
 PANELS = 3  # side by side at most
-LENGTHS = ("max_opening", "max_sliding", "displacement_max", "residual_opening")  # columns in metres, drawn in millimetres
-WORDS = {
-    "max_opening": "largest opening",
-    "max_sliding": "largest sliding",
-    "displacement_max": "largest displacement",
-    "residual_opening": "residual opening",
-    "drift": "drift",
-    "collapsed_blocks": "number of fallen blocks",
-    "grade_number": "number of the grade",
-    "load_factor": "load factor",
-}
 
 
 def quantity(column: str) -> tuple[str, float]:
     """How an axis names a column, with its unit, and the factor into that unit."""
     part, _, name = column.rpartition(".")
-    words = WORDS.get(name or column, name or column)
-    where = f" of {part}" if part else ""
-    if (name or column) in LENGTHS:
-        return f"{words}{where} [mm]", 1e3
-    return (f"{words}{where} [%]", 100.0) if (name or column) == "drift" else (f"{words}{where}", 1.0)
+    known, where = NUMBERS.get(name or column), f" of {part}" if part else ""
+    if known is None:
+        return f"{name or column}{where}", 1.0
+    unit, factor = known.shown
+    return f"{known.name}{where}{f' [{unit}]' if unit else ''}", factor
 
 
 def colour(k: int) -> str:

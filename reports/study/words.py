@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.damage.verdict import NOT_GRADED
 from masonry_cd.analysis.fragility.bootstrap import LEVEL
 from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.measures import with_unit
 from masonry_cd.analysis.fragility.sensitivity import SIGNIFICANT, Correlation
+from masonry_cd.analysis.verdict import NOT_GRADED
 from reports.study.plots import quantity
 from reports.study.run_pictures import quantities_of
 from reports.study.tables import first_fits

@@ -131,7 +131,7 @@ def read_vtm(path: Path) -> Answer:
     """
     import pyvista
 
-    with warnings.catch_warnings(action="ignore"):
+    with warnings.catch_warnings(action="ignore", category=UserWarning):  # of files that it refers to, each of which is looked for below
         whole: Any = pyvista.read(path)
     if not isinstance(whole, pyvista.MultiBlock):
         raise Refused(f"{path.name}: no multi-block data in it")

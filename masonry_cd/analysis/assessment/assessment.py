@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from masonry_cd.analysis.outputs import ANSWER, numbers_in
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
 
@@ -41,16 +42,10 @@ class Answer(NamedTuple):
     whole: bool = False  # a grade or a count
 
 
-ANSWERS = (
-    Answer("displacement_max", "largest displacement", "mm", 1e3),
-    Answer("max_opening", "largest opening", "mm", 1e3),
-    Answer("residual_opening", "residual opening", "mm", 1e3),
-    Answer("grade_number", "damage grade", "", 1.0, whole=True),
-    Answer("collapsed_blocks", "collapsed blocks", "", 1.0, whole=True),
-    Answer("load_factor", "load factor", "", 1.0),
+ANSWERS = tuple(Answer(key, one.name, *one.shown, one.whole) for key, one in numbers_in(ANSWER).items())
+DISPLACEMENT, GRADE, FACTOR = (
+    next(one for one in ANSWERS if one.key == key) for key in ("displacement_max", "grade_number", "load_factor")
 )
-GRADE = ANSWERS[3]
-FACTOR = ANSWERS[5]
 
 
 @dataclass(frozen=True)

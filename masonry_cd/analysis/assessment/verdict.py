@@ -8,8 +8,7 @@ import numpy as np
 
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FACTOR, GRADE, LEVEL, UNSETTLED, Answer, Assessment, Known, Member
 from masonry_cd.analysis.damage.grades import NAMES
-from masonry_cd.analysis.damage.verdict import NOT_GRADED
-from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, UNKNOWN, Verdict
+from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, UNKNOWN, Verdict
 
 MOST = 0.5  # share of the largest weight from which an assumption decides beside it
 NOTHING = 5e-4  # in the unit of an answer: half of the last digit that anybody reads [mm]

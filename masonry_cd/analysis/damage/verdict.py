@@ -14,13 +14,12 @@ from typing import Any
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import EndState
 from masonry_cd.analysis.damage.joint_damage import collapsed_blocks, displacement_max
-from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, RANKS, UNKNOWN, Verdict
+from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, RANKS, UNKNOWN, Verdict
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
 
 END, FORCES, FALSE_MOTION = "End of the run", "Contact forces", "Motion against the contact laws"
 ENERGY, OVERLAP, TIME_STEP = "Energy balance", "Overlap of blocks", "Time step"
-NOT_GRADED = "not graded"  # stands for the grade of a run that is doubtful
 WORDS = {
     GOOD: "all checks of the computation are good",
     LOOK: "read this before you rely on the run",

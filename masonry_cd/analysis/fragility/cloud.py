@@ -48,7 +48,7 @@ class Line(NamedTuple):
     def fragility(self, limit: float) -> Lognormal:
         """Of exceeding a limit."""
         rising = self.b > 1e-6
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # of lines that do not rise, which are left out
             theta = np.where(rising, np.exp((np.log(limit) - self.a) / self.b), np.nan)
             beta = np.where(rising, self.s / self.b, np.nan)
         return Lognormal(theta, beta, np.where(rising, FITTED, FALLING).astype(object))

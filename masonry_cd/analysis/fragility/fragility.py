@@ -36,7 +36,7 @@ class Lognormal(NamedTuple):
 
     def probability(self, intensity: np.ndarray) -> np.ndarray:
         """(R, G) probabilities at intensities (G,)."""
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):  # medians of 0, infinity and nan are seen to below
             ratio = np.log(intensity)[None, :] - np.log(self.theta)[:, None]
             out = ndtr(ratio / np.maximum(np.where(np.isnan(self.beta), 0.0, self.beta), 1e-9)[:, None])
         out[np.isposinf(self.theta)] = 0.0
@@ -67,7 +67,7 @@ def fit_counts(intensity: np.ndarray, exceeded: np.ndarray, runs: np.ndarray) ->
         weights = Weights(np.zeros((len(rows), len(logs))), exceeded[rows].astype(float), below[rows].astype(float))
         a, b = maximise(design, weights, np.zeros((len(rows), 2)), scaled=False).T
         rising = b > 1e-6
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # of fits that do not rise, which are left out
             theta[rows], beta[rows] = np.where(rising, np.exp(middle - a / b), np.nan), np.where(rising, 1.0 / b, np.nan)
         state[rows[~rising]] = FALLING
     return Lognormal(theta, beta, state)

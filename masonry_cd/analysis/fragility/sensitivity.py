@@ -103,6 +103,6 @@ def _weighted(x: np.ndarray, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
         centred = rank[:, place.reshape(-1)] - 0.5 * total
         ranks.append(centred)
     a, b = ranks
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):  # 0 / 0 of a quantity that is the same in all runs
         below = np.sqrt((weights * a * a).sum(axis=1) * (weights * b * b).sum(axis=1))
         return np.asarray(np.where(below > 0, (weights * a * b).sum(axis=1) / below, np.nan))

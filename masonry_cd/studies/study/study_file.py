@@ -22,6 +22,7 @@ from pydantic import Field, field_validator, model_validator
 
 from loads.signal.directions import RULES
 from masonry_cd.analysis.damage.grades import NAMES as GRADES
+from masonry_cd.analysis.outputs import STUDY, numbers_in
 from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
 from masonry_cd.app.scene_units import scene_in_si, unit_of_key
@@ -35,10 +36,7 @@ from masonry_cd.studies.study.study_units import study_in_si
 from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
 
 FORMAT = 1
-QUANTITIES = (
-    "max_opening", "max_sliding", "displacement_max", "residual_opening", "drift", "collapsed_blocks", "collapse_time", "grade",
-    "grade_number", "load_factor", "steps_missed", "error_max",
-)  # fmt: skip
+QUANTITIES = tuple(key for key, number in numbers_in(STUDY).items() if number.judges)
 OF_PARTS = (".grade_number", ".drift")
 MOST_SECONDS = 1e8  # of a run: three years
 Positive = Annotated[Number, Field(gt=0)]

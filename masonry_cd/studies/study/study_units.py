@@ -11,9 +11,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from masonry_cd.analysis.fragility import measures
+from masonry_cd.analysis.outputs import STUDY, units_in
 from masonry_cd.foundation.errors import values_in_si
 
-UNITS = {"max_opening": "m", "max_sliding": "m", "displacement_max": "m", "residual_opening": "m", "collapse_time": "s"}
+UNITS = units_in(STUDY)
 """Of the columns of runs.csv that have one."""
 PURE = ("distribution", "beta", "count")  # keys of what varies that are no values of its key
 ROTATE = "records.rotate"  # varies as keys of the scene do

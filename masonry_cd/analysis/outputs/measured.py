@@ -1,0 +1,100 @@
+"""A run that is measured: what numbers follow from, each computed once and only where it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.analysis.damage.joint_damage import JointDamage, collapsed_blocks, displacement_max, displacements, fallen, joint_damage
+from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
+from masonry_cd.analysis.deformed import Solids, base_shift, solids_of
+from masonry_cd.io.results import Results
+
+FARTHEST, EVENLY = 20, 20  # frames at which drifts are looked at: all of them would take a fifth of the time of a run of 30 blocks
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A run, and what counts as damage."""
+
+    results: Results
+    settings: Settings = field(default_factory=Settings)
+    summary: Mapping[str, Any] = field(default_factory=dict)  # as in summary.json, as far as it is known
+    known: PartDamage | None = None  # the damage by part with a history of its own, where that is there already
+
+    @cached_property
+    def table(self) -> JointDamage:
+        """The damage joint by joint."""
+        return joint_damage(self.results, self.settings.thresholds)
+
+    @cached_property
+    def damage(self) -> PartDamage:
+        """The damage by part, at the frames that tell of drifts."""
+        return self.known or part_damage(self.results, self.settings, self._telling_frames())
+
+    @property
+    def whole(self) -> Row:
+        """The damage of the structure as a whole."""
+        return self.damage.parts[-1]
+
+    @cached_property
+    def solids(self) -> Solids:
+        """The blocks as built."""
+        return solids_of(self.results.blocks)
+
+    @cached_property
+    def fallen(self) -> tuple[str, ...]:
+        """Names of the blocks that have fallen."""
+        return tuple(collapsed_blocks(self.results, self.settings.thresholds))
+
+    @cached_property
+    def displacement_max(self) -> float:
+        """Of a block, relative to the base, over all steps [m]."""
+        return displacement_max(self.results)
+
+    @cached_property
+    def highest(self) -> int:
+        """The free block with the highest centre; -1 where none is free."""
+        free = np.flatnonzero(~self.solids.fixed)
+        return int(free[np.argmax(self.solids.centre[free, 2])]) if len(free) else -1
+
+    def moved(self, block: int) -> np.ndarray:
+        """(F, 3) how a block has moved relative to the base, over the frames [m]."""
+        results, solids = self.results, self.solids
+        shift = base_shift(results, solids, np.asarray(results.position[: results.frames], dtype=float)) if solids.fixed.any() else 0.0
+        return np.asarray(np.asarray(results.position[: results.frames, block], dtype=float) - solids.centre[block] - shift)
+
+    @cached_property
+    def top(self) -> np.ndarray:
+        """(F,) displacement of the highest block along the horizontal direction in which it goes farthest [m]; empty of none."""
+        if self.highest < 0:
+            return np.zeros(0)
+        moved = self.moved(self.highest)[:, :2]
+        farthest = moved[np.argmax(np.hypot(*moved.T))]
+        along = farthest / max(float(np.hypot(*farthest)), 1e-300)
+        return np.asarray(moved @ (along * (np.sign(along[np.argmax(np.abs(along))]) or 1.0)))
+
+    def first_fall(self) -> float | None:
+        """Time of the first frame in which a block has fallen, where one has at the end [s]; a fallen block stays one."""
+        if not self.fallen:
+            return None
+        low, high = 0, self.results.frames - 1
+        while low < high:
+            middle = (low + high) // 2
+            low, high = (low, middle) if fallen(self.results, self.settings.thresholds, middle).any() else (middle + 1, high)
+        return float(self.results.time[high])
+
+    def _telling_frames(self) -> np.ndarray:
+        """Frames at which damage is looked at: the last where drifts are known over all steps.
+
+        Else those in which a block is farthest from its place and some evenly between as well.
+        """
+        if self.results.peaks_of_steps:
+            return np.array([self.results.frames - 1])
+        moved = displacements(self.results)
+        evenly = np.linspace(0, len(moved) - 1, min(len(moved), EVENLY)).round().astype(int)
+        return np.unique([*np.argsort(-moved, kind="stable")[:FARTHEST], *evenly, len(moved) - 1])
