@@ -22,6 +22,7 @@ from masonry_cd.analysis.deformed import Solids, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
+from reports.drawing import palette
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of, within_sight
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
 from reports.maps.framing import COLLAPSE, MOST, SEEN
@@ -35,6 +36,9 @@ LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the pag
 FRAMES = 600  # sent at most
 PLOTTED = 6  # motions of supports that are plotted, those that go farthest; the page has a table of all
 LARGEST = 0.05  # where the last class of the colour scales begins, as in the crack map [m]
+COLOURS = {
+    "stone": STONE, "support": SUPPORT, "fallen": FALLEN, "parted": PARTED, "edge": EDGE, "axes": palette.AXES, "tie": palette.PULLING,
+}  # of the model  # fmt: skip
 SCRIPTS = ("unpack.js", "motion.js", "camera.js", "shaders.js", "viewer.js", "plots.js", "charts.js", "table.js", "main.js")
 COLUMNS = (
     "max_opening", "residual_opening", "max_sliding", "residual_sliding", "max_rotation", "contact_area_loss", "first_opening_time", "area",
@@ -221,7 +225,7 @@ def _still(results: Results, solids: Solids, table: JointDamage, thresholds: Thr
         "top": top,
         "states": STATES,
         "meaning": thresholds.in_words(),
-        "colours": {"stone": STONE, "support": SUPPORT, "fallen": FALLEN, "parted": PARTED, "edge": EDGE},
+        "colours": COLOURS,
         "scene": results.scene,
         "energies": series.ENERGIES,
     }
