@@ -11,10 +11,10 @@ from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.verdict import NOT_GRADED
 from reports.compare.comparison import Comparison, Run
 from reports.drawing.figure import COLOURS, FAINT, INK, save
+from reports.drawing.palette import DARK, GRADES
 
 STROKES = ("-", "--", ":", "-.")
 HATCHES = ("", "///", "...", "xxx")
-GRADE_COLOURS = ("#ffffff", "#fde9c8", "#fdbb84", "#ef6548", "#b30000", "#4d0000")
 SHOWN = 0.1  # displacements up to this share of the height are shown
 HEAD: dict[str, Any] = {"loc": "left", "fontsize": 13, "fontweight": "bold", "color": INK}
 WITHOUT_GRADE = {-1: "no such part", -2: NOT_GRADED}
@@ -99,6 +99,7 @@ def _states(axes: Any, runs: list[Run]) -> None:
             axes.bar_label(bars, fontsize=9, color=INK)
     axes.set_xticks(np.arange(len(labels)), [text for _, text in labels])
     axes.set_title("Damage of the structure", **HEAD)
+    axes.yaxis.get_major_locator().set_params(integer=True)
     _plain(axes)
 
 
@@ -113,6 +114,7 @@ def _widths(axes: Any, runs: list[Run]) -> None:
     axes.set_xticks(np.arange(len(bounds)), [f"{1000 * bound:.3g}" for bound in bounds])
     axes.set_xlabel("residual opening of joints, from ... mm to the next class")
     axes.set_ylabel("joints")
+    axes.yaxis.get_major_locator().set_params(integer=True)
     axes.set_title("Crack widths", **HEAD)
     axes.yaxis.get_major_locator().set_params(integer=True)
     _plain(axes)
@@ -139,11 +141,13 @@ def _grade_table(axes: Any, runs: list[Run], names: list[str], grid: np.ndarray)
     for i in range(len(names)):
         for k in range(len(runs)):
             grade = int(grid[i, k])
-            colour = GRADE_COLOURS[grade] if grade >= 0 else "white"
+            colour, ink = "white", INK
+            if grade >= 0:
+                colour, ink = GRADES[NAMES[grade]], "white" if NAMES[grade] in DARK else INK
             axes.add_patch(Rectangle((k, i), 1, 1, facecolor=colour, edgecolor="#c9cdd1", linewidth=1.0))
             text = f"{NAMES[grade]}  {_mechanism(runs[k], names[i])}" if grade >= 0 else WITHOUT_GRADE[grade]
             text += ", provisional" if grade >= 0 and runs[k].damage.provisional else ""
-            axes.text(k + 0.03, i + 0.5, text, va="center", fontsize=10, color="white" if grade >= 4 else INK, clip_on=True)
+            axes.text(k + 0.03, i + 0.5, text, va="center", fontsize=10, color=ink, clip_on=True)
     axes.set_xlim(0, len(runs))
     axes.set_ylim(len(names), 0)
     axes.set_xticks(np.arange(len(runs)) + 0.5, [run.name for run in runs])

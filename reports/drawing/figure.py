@@ -18,6 +18,7 @@ import numpy as np
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import nice
+from reports.drawing import palette
 from reports.drawing.render import View
 
 WIDTH = 1800  # of the sheet
@@ -28,18 +29,7 @@ STRIP = 220  # height of the keys below, with their margins
 COLUMN = 430  # width of the keys beside
 TRIAD = 80.0  # width of the axes beside a scale bar
 SEEN = 0.05  # share of its length that an axis must show in a picture to be drawn
-INK = "#23272b"
-FAINT = "#5f666d"
-# Okabe & Ito (2008): distinguishable by colour-blind readers
-COLOURS = (
-    "#0072b2",
-    "#d55e00",
-    "#009e73",
-    "#cc79a7",
-    "#e69f00",
-    "#56b4e9",
-    "#000000",
-)
+INK, FAINT, COLOURS = palette.INK, palette.FAINT, palette.CURVES
 
 Box = tuple[float, float, float, float]  # left, bottom, width, height
 Paint = Callable[[Any, Box], None]  # paints the sign of a key's row into a box of some axes
@@ -187,7 +177,7 @@ class Sheet:
 
     def triad(self, axes: Any, view: View, place: tuple[float, float], size: float = 26.0) -> None:
         """The axes x, y, z as a view shows them, from a place in pixels."""
-        for name, colour, right, up in zip("xyz", ("#b2382c", "#2f7d3b", "#2b5fa8"), view.right, view.up, strict=True):
+        for name, colour, right, up in zip("xyz", palette.AXES.values(), view.right, view.up, strict=True):
             x, y = size * float(right), size * float(up)
             if math.hypot(x, y) < SEEN * size:  # it points at the reader
                 continue

@@ -13,14 +13,14 @@ import numpy as np
 
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.mechanics.model.blocks import Block
+from reports.drawing import palette
 from reports.drawing.figure import TRIAD, Box, Paint, Sheet, in_metres, layout
 from reports.drawing.render import Lines, Surface, View, Window, render, view_named
 from reports.drawing.tie_lines import PULLING, ties_as_built
 
 # light enough for black edges, apart in hue and in grey; supports are always the grey one
-SUPPORT = "#a9adb0"
+SUPPORT, EDGE = palette.SUPPORT, palette.EDGE
 PALETTE = ("#e6d9bd", "#9fc3dd", "#e9a77c", "#b9d3a4", "#cbb3d9", "#f3dc84", "#8fb8b0", "#dba3ad", "#b7a58a", "#c6d9ea")
-EDGE = "#4a4640"
 AROUND = 0.35  # of the structure's largest extent: how far a level ground is drawn around it
 FAR = 1.25  # of the size of a structure: how far from it blocks still draw a wide ground out, a block across the end of a picture too
 MOTTLE = 0.025  # blocks of one colour differ by this share, as stones do

@@ -13,9 +13,10 @@ from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.analysis.ties import histories
 from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
+from reports.drawing import palette
 from reports.drawing.render import Lines, View, Window
 
-PULLING, SLACK = "#6a1b7a", "#8d8d8d"  # unlike openings, slidings and forces
+PULLING, SLACK = palette.PULLING, palette.SLACK
 WIDTH = 5.0  # of a line [pixels of the sampled image]
 LABELLED = 12  # ties; of more, those that pull most
 LETTERS = 17  # height of a label [pixels]

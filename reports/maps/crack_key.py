@@ -11,13 +11,14 @@ import numpy as np
 
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.foundation.quantities import classes, force
+from reports.drawing import palette
 from reports.drawing.figure import FAINT, INK, TRIAD, Box, Paint, Sheet
 from reports.drawing.render import View
 from reports.drawing.structure_picture import box_swatch, no_swatch, rgb, tie_swatch
 from reports.drawing.tie_lines import LABELLED
 from reports.maps.thrust import COLOUR as THRUST
 
-STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
+STONE, FALLEN, PARTED, SHADOW = palette.STONE, palette.FALLEN, palette.PARTED, palette.SHADOW
 OPENING_COLOURS, SLIDING_COLOURS = ("YlGnBu", 0.4, 1.0), ("OrRd", 0.4, 1.0)  # colour map and the part of it in use
 
 

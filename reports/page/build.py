@@ -12,16 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.damage import joint_damage
 from masonry_cd.analysis.damage.definitions import STATES, Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
-from masonry_cd.analysis.damage.joint_damage import JointDamage
+from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.damage.verdict import checks_of
-from masonry_cd.analysis.deformed import Solids, solids_of
+from masonry_cd.analysis.deformed import Solids
+from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
+from reports.drawing import palette
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of, within_sight
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
 from reports.maps.framing import COLLAPSE, MOST, SEEN
@@ -35,6 +35,9 @@ LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the pag
 FRAMES = 600  # sent at most
 PLOTTED = 6  # motions of supports that are plotted, those that go farthest; the page has a table of all
 LARGEST = 0.05  # where the last class of the colour scales begins, as in the crack map [m]
+COLOURS = {
+    "stone": STONE, "support": SUPPORT, "fallen": FALLEN, "parted": PARTED, "edge": EDGE, "axes": palette.AXES, "tie": palette.PULLING,
+}  # of the model  # fmt: skip
 SCRIPTS = ("unpack.js", "motion.js", "camera.js", "shaders.js", "viewer.js", "plots.js", "charts.js", "table.js", "main.js")
 COLUMNS = (
     "max_opening", "residual_opening", "max_sliding", "residual_sliding", "max_rotation", "contact_area_loss", "first_opening_time", "area",
@@ -69,33 +72,15 @@ def write_page(
     thresholds, summary = thresholds or Thresholds(), summary or {}
     if scale is not None and not (np.isfinite(scale) and scale > 0):
         raise InputError(f"scale: must be positive, got {scale!r}")
-    solids = solids_of(results.blocks)
-    table = joint_damage.joint_damage(results, thresholds)
     tolerance = _tolerance(results, summary)
     missed, steps, missed_times = series.steps_missed(results, tolerance)
-    end, fallen = end_state(results, thresholds), joint_damage.collapsed_blocks(results, thresholds)
-    moved = joint_damage.displacement_max(results)
-    context = words.PageContext(
-        results=results,
-        solids=solids,
-        table=table,
-        fallen=fallen,
-        displacement_max=moved,
-        missed=missed,
-        steps=steps,
-        tolerance=tolerance,
-        summary=summary,
-        parts=parts,
-        provisional=end.provisional,
-        thresholds=thresholds,
-        carried=downloads.tables(results, table, parts),
-        checks=checks_of({**summary, "collapsed_blocks": len(fallen), "displacement_max": moved}, thresholds, end),
-    )
-    facts, text = _data(context, largest, {**context.carried, "missed": missed_times}, limit)
+    carried = downloads.tables(results, joint_damage(results, thresholds), parts)
+    context = words.PageContext(results, thresholds, end_state(results, thresholds), missed, steps, tolerance, summary, parts, carried)
+    facts, text = _data(context, largest, {**carried, "missed": missed_times}, limit)
     asked = context.report.get("view", "auto")
     facts |= {"view": asked} if asked != "auto" else {}
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
-    facts["factor"] = scale if scale is not None else _amplification(solids, context.displacement_max, bool(context.fallen))
+    facts["factor"] = scale if scale is not None else _amplification(context.measured)
     write_document(path, "run.html", **_values(context, facts, text))
 
 
@@ -111,11 +96,12 @@ def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
     return float(given if given is not None else Run.model_fields["tolerance"].default)
 
 
-def _amplification(solids: Solids, largest: float, any_fallen: bool) -> float:
+def _amplification(run: Measured) -> float:
     """As the crack map picks it, for the run as a whole."""
+    solids, largest = run.solids, run.displacement_max
     free = solids.vertices[~solids.fixed[solids.vertex_block]]
     size = float(np.ptp(free, axis=0).max()) if len(free) else 1.0
-    if any_fallen or MOST * largest < SEEN / 10 * size:
+    if run.fallen or MOST * largest < SEEN / 10 * size:
         return 1.0
     return float(np.clip(nice(SEEN * size / largest), 1.0, MOST))
 
@@ -221,7 +207,7 @@ def _still(results: Results, solids: Solids, table: JointDamage, thresholds: Thr
         "top": top,
         "states": STATES,
         "meaning": thresholds.in_words(),
-        "colours": {"stone": STONE, "support": SUPPORT, "fallen": FALLEN, "parted": PARTED, "edge": EDGE},
+        "colours": COLOURS,
         "scene": results.scene,
         "energies": series.ENERGIES,
     }

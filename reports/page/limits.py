@@ -236,7 +236,12 @@ def grades(context: PageContext) -> Mapping[str, Any]:
     settings = context.parts.settings.grades if context.parts is not None else Grades()
     measures = ((settings.width, in_metres), (settings.drift, percent), (settings.lost, percent))
     rows = [
-        [Badge(f"grade {name}", name), label, DESCRIPTIONS[k] if label == LABELS[k] else "", *(_bound(values, text, k) for values, text in measures)]
+        [
+            Badge(f"grade {name}", name),
+            label,
+            DESCRIPTIONS[k] if label == LABELS[k] else "",
+            *(_bound(values, text, k) for values, text in measures),
+        ]
         for k, (name, label) in enumerate(zip(NAMES, settings.labels, strict=True))
     ]
     return {"rows": rows, "reference": REFERENCE}

@@ -113,7 +113,7 @@ function overlay() {
   const few = facts.frames < facts.frames_written ? ` · ${facts.frames} of ${facts.frames_written} frames` : "";
   by("facts").textContent = `t = ${short(state.time, 4)} s · ${shape}, relative to the base${few}`;
   by("facts").textContent += state.jointsBy === "none" ? "" : state.jointsWhen === "most" ? " · joints: largest so far" : " · joints: now";
-  const axes = [["x", "#b2382c"], ["y", "#2f7d3b"], ["z", "#2b5fa8"]].map(([name, hue], k) => {
+  const axes = Object.entries(facts.colours.axes).map(([name, hue], k) => {
     const [x, y] = [24 * camera.right[k], -24 * camera.up[k]];
     return Math.hypot(x, y) < 4 ? "" : `<line x2="${x}" y2="${y}" stroke="${hue}"></line><text x="${1.4 * x}" y="${1.4 * y + 4}" fill="${hue}">${name}</text>`;
   });

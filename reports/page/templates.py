@@ -35,6 +35,7 @@ def _environment() -> Environment:
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
+    from reports.drawing import palette
     from reports.page.words import capital, number, sensible
 
     def as_text(value: Any) -> Any:
@@ -43,5 +44,6 @@ def _environment() -> Environment:
     found = Environment(
         loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, finalize=as_text, trim_blocks=True, lstrip_blocks=True
     )
+    found.globals |= {"colours": palette}
     found.filters |= {"number": number, "capital": capital, "sensible": sensible}
     return found

@@ -12,6 +12,7 @@ class Viewer {
     this.blocks = data.fixed.length;
     this.joints = data.state.length;
     this.smallest = facts.smallest;
+    this.tieInk = [1, 3, 5].map((i) => parseInt(facts.colours.tie.slice(i, i + 2), 16) / 255).concat(1);
     this.faces = this.program(FACES);
     this.lines = this.program(EDGES);
     this.bands = this.program(BANDS);
@@ -203,7 +204,7 @@ class Viewer {
   /* Ties show through the walls that hide them; lines of WebGL are a pixel wide, so they are drawn side by side. */
   drawTies(camera, factor) {
     const gl = this.gl, places = this.use(this.lines, camera, factor, 2e-5), { width, height } = this.canvas;
-    gl.uniform4fv(places.ink, [0.416, 0.106, 0.478, 1]);
+    gl.uniform4fv(places.ink, this.tieInk);
     gl.bindVertexArray(this.meshes.ties);
     gl.disable(gl.DEPTH_TEST);
     for (const [x, y] of [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]]) {

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.end_state import EndState
 from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage, Settings
-from masonry_cd.analysis.damage.verdict import Checks
+from masonry_cd.analysis.damage.verdict import Checks, checks_of
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.outputs import PAGE, Number, numbers_in
 from masonry_cd.analysis.outputs.measured import Measured
@@ -30,19 +31,40 @@ class PageContext:
     """What the words are made of."""
 
     results: Results
-    solids: Solids
-    table: JointDamage
-    fallen: Sequence[str]  # names of fallen blocks
-    displacement_max: float  # [m]
+    thresholds: Thresholds
+    end: EndState  # how the run ended
     missed: int  # steps above the tolerance
     steps: int  # steps whose error is known
     tolerance: float
     summary: Mapping[str, Any]  # as in summary.json; empty where there is none
-    parts: PartDamage | None = None
-    provisional: str = ""  # why residual values are not the last, in words
-    thresholds: Thresholds = field(default_factory=Thresholds)
-    carried: Mapping[str, np.ndarray] = field(default_factory=dict)  # files that the page carries, bytes by their names
-    checks: Checks = field(default_factory=Checks)  # that the run made of itself
+    parts: PartDamage | None  # the damage by part, for a table of its own
+    carried: Mapping[str, np.ndarray]  # files that the page carries, bytes by their names
+
+    @cached_property
+    def measured(self) -> Measured:
+        """The run, for its numbers."""
+        return Measured(self.results, Settings(self.thresholds), self.summary, self.parts)
+
+    @property
+    def solids(self) -> Solids:
+        """The blocks as built."""
+        return self.measured.solids
+
+    @property
+    def table(self) -> JointDamage:
+        """The damage joint by joint."""
+        return self.measured.table
+
+    @property
+    def provisional(self) -> str:
+        """Why residual values are not the last, in words."""
+        return self.end.provisional
+
+    @cached_property
+    def checks(self) -> Checks:
+        """What the run checked of itself."""
+        found = {"collapsed_blocks": len(self.measured.fallen), "displacement_max": self.measured.displacement_max}
+        return checks_of({**self.summary, **found}, self.thresholds, self.end)
 
     @cached_property
     def tables(self) -> dict[str, Any]:
@@ -53,12 +75,6 @@ class PageContext:
     def motions(self) -> tuple[SupportMotion, ...]:
         """How the supports move, each motion by its own."""
         return support_motions(self.results, self.solids)
-
-    @cached_property
-    def measured(self) -> Measured:
-        """The run, for its numbers."""
-        settings = self.parts.settings if self.parts is not None else Settings(self.thresholds)
-        return Measured(self.results, settings, self.summary, self.parts)
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -73,7 +89,8 @@ class PageContext:
 
     def fallen_of_kinds(self) -> list[tuple[str, int, int]]:
         """Of blocks and of spheres, where there are free ones: how many fell, and of how many."""
-        down, free = set(self.fallen), [block for block, fixed in zip(self.results.blocks, self.solids.fixed, strict=True) if not fixed]
+        down, fixed = set(self.measured.fallen), self.solids.fixed
+        free = [block for block, held in zip(self.results.blocks, fixed, strict=True) if not held]
         kinds = {"blocks": [b for b in free if not b.radius], "spheres": [b for b in free if b.radius]}
         return [(kind, sum(b.name in down for b in those), len(those)) for kind, those in kinds.items() if those]
 
@@ -149,11 +166,11 @@ def outcome(context: PageContext) -> str:
     ]
     widest = f"the widest opening was {in_metres(_most(table.max_opening))}, the farthest sliding {in_metres(_most(table.max_sliding))}"
     kinds = context.fallen_of_kinds()
-    if context.fallen:
+    if context.measured.fallen:
         down = " and ".join(f"{fell or 'none'} of {free} {kind}" for kind, fell, free in kinds)
     else:
         down = " and ".join(f"no {kind.removesuffix('s')}" for kind, *_ in kinds) or "no block"
-    farthest = f"The largest displacement relative to the base is {in_metres(context.displacement_max)}."
+    farthest = f"The largest displacement relative to the base is {in_metres(context.measured.displacement_max)}."
     return f"{', '.join(counts)}; {widest}; {down} fell. {farthest}"
 
 

@@ -11,7 +11,9 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.foundation.errors import InputError
-from reports.compare import comparison, comparison_files
+from reports.compare import comparison, comparison_files, comparison_picture
+from reports.drawing.palette import GRADES
+from reports.page.templates import filled
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, *(box(f"p{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1), "pier") for k in range(2))]
@@ -118,3 +120,17 @@ def test_bad_folders_are_one_line(tmp_path: Path) -> None:
     (other / "summary.json").write_text('{"steps": 1')
     with pytest.raises(InputError, match=r"summary\.json: not a summary, or one that was cut off$"):
         comparison.compare([good, other])
+
+
+def test_counts_have_whole_ticks_and_grades_the_colours_of_the_page(tmp_path):
+    from matplotlib.figure import Figure
+
+    folders = [tmp_path / "one", tmp_path / "two"]
+    blocks = [box("base", (0, 0, -0.2), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 0.5), "pier")]
+    for folder in folders:
+        folder.mkdir()
+        write_run(folder / "result.h5", blocks, [at_rest(blocks), shifted(at_rest(blocks), 1, (0.01, 0, 0))])
+    axes = Figure().subplots()
+    comparison_picture._states(axes, comparison.compare(folders).runs)
+    assert all(tick == round(tick) for tick in axes.get_yticks())
+    assert f".grade.D3 {{ background: {GRADES['D3']}; }}" in filled("style.css")
