@@ -11,7 +11,6 @@
 4. Proximal points, by pivoting in a plane and by Newton's method in space, continue from the best so far: they solve what slides or rocks
    as a whole. Pivoting is not asked where friction is ROUGH.
 5. The interior point method begins near the impulses of the last step, not where the others got stuck, and ends nearly all that is left.
-   What it does not end ADMM continues from the best so far: churches that slide are a few iterations from the tolerance there.
 6. A problem without a step before, which is solved once, may take what each method takes by itself.
 
 ``python -m benchmarks.constants`` shows what each constant gains.
@@ -84,7 +83,7 @@ def _finish(search: _Search, cold: bool) -> int:
     spent = search.iterations - before
     if cold:  # nor is it left worse than by ADMM alone
         search.memory = replace(search.memory, learnt=Learnt())
-    search.turn("admm", admm.LIMIT if cold else MOST, search.last if cold else search.best)
+        search.turn("admm", admm.LIMIT, search.last)
     return spent
 
 

@@ -113,9 +113,11 @@ def test_groups_have_the_operators_of_the_rows(name: str) -> None:
     """u = H v, H^T p, d and the blocks of M + H^T R H, each summed up from the rows of H in numpy."""
     problem = PROBLEMS[name]()
     given, pattern, groups = grouped(problem)
+    found = pattern.locate(given.bodies, given.bodies)
+    assert found is not None
     assert (len(groups.s) == 6) == (name in ("rigid", "coupled"))
     kept = tuple(np.empty(0, dtype=np.float32) for _ in range(2))
-    work = allocate_workspace(given, pattern, groups, (*kept, np.empty(problem.contacts)))
+    work = allocate_workspace(given, pattern, groups, found[0], (*kept, np.empty(problem.contacts)))
     generator, (blocks, n), m = np.random.default_rng(1), problem.v_free.shape, problem.dimension
     v, impulse = generator.normal(size=(blocks, n)), generator.normal(size=(problem.contacts, m))
     v_sorted, p, u = (

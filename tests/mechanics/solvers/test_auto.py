@@ -100,7 +100,7 @@ def test_admm_has_all_its_iterations_after_a_step_that_nothing_solved(monkeypatc
     asked = instead(monkeypatch, admm=stuck, newton=stuck, interior=stuck)
     few = Solution(np.zeros((problem.contacts, 3)), None, 1, memory=SolverState(learnt=Learnt(budget=auto.FEWEST)))
     found = solve(problem, options, few)
-    assert [name for name, *_ in asked] == ["admm", "newton", "interior", "admm"]
+    assert [name for name, *_ in asked] == ["admm", "newton", "interior"]
     assert "missed" in found.reason and found.memory.learnt.budget == auto.MOST
 
 
@@ -110,22 +110,6 @@ def test_admm_has_at_least_as_many_iterations_as_the_others_took_factorisations(
     instead(monkeypatch, admm=stuck, newton=stuck, interior=ends)
     begin = Solution(np.zeros((problem.contacts, 3)), None, 1, memory=SolverState(learnt=Learnt(budget=auto.FEWEST)))
     assert solve(problem, options, begin).memory.learnt.budget == auto.CENTRES + 3
-
-
-def test_what_interior_points_leave_goes_to_admm_from_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
-    """ADMM may be a few iterations from the tolerance there."""
-    problem = thrown(0.3)
-    near = SOLVERS["interior"](problem, Options(tolerance=1e-6), None)
-    solves = iter((stuck, ends))
-    asked = instead(
-        monkeypatch,
-        admm=lambda *given: next(solves)(*given),
-        newton=stuck,
-        interior=lambda problem, options, start: replace(near, memory=start.memory),
-    )
-    found = solve(problem, Options(tolerance=1e-9), Solution(np.zeros((problem.contacts, 3)), None, 1))
-    assert found.reason == "admm + newton + interior + admm: converged"
-    np.testing.assert_array_equal(asked[-1][2], near.impulse)
 
 
 def test_the_interior_point_method_has_its_first_start_on_any_structure(monkeypatch: pytest.MonkeyPatch) -> None:
