@@ -150,7 +150,8 @@ def _made(part: Part, element: MacroElement, way: np.ndarray, called: tuple[str,
 
 def _grave(found: Sequence[PartMechanism]) -> list[int]:
     """Which mechanisms, the least acceleration first, may have the least ratio: one that is held higher is asked for more."""
-    out, highest = [], -math.inf
+    out: list[int] = []
+    highest = -math.inf
     for k, one in enumerate(found):
         if one.height > highest + SAME_HEIGHT:
             out.append(k)
