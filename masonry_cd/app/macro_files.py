@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.analysis.limit.analysis import Collapse
-from masonry_cd.analysis.limit.macro import PartMechanism
+from masonry_cd.analysis.limit.macro import FREE, PartMechanism
+from masonry_cd.analysis.limit.mechanism import Mechanism
+from masonry_cd.analysis.limit.part import BED
 from masonry_cd.app.limit_macro import MacroCase, least_rows, lines
 from masonry_cd.app.macro_verdicts import MacroRow, way_words
 from masonry_cd.mechanics.model.joints import Joints
@@ -123,19 +125,37 @@ def _draw(case: MacroCase, least: list[MacroRow], folder: Path, view: str) -> Ma
         path = folder / f"{len(seen):02d}_{re.sub('[^a-z0-9]+', '_', row.element.lower()).strip('_')}.png"
         subject = _subject(case, one)
         mechanism_picture(
-            subject, path, f"{case.scene.title}: {row.element}", f"push {row.push} · {row.mechanism} · α0 {row.alpha0:.4g}", view
+            subject, path, f"{case.scene.title}: {row.element}", f"push {row.push} · {_named(row.mechanism)} · α0 {row.alpha0:.4g}", view
         )
         drawn[path] = row.words
     return drawn
 
 
+def _named(mechanism: str) -> str:
+    """A mechanism without the counts of its joints, of which a picture shows some only and counts those."""
+    return FREE if mechanism.startswith(FREE) else mechanism
+
+
+def _under(case: MacroCase, moves: Mechanism) -> np.ndarray:
+    """Blocks at rest under joints at work, whose hinges and slips would not be seen without them."""
+    joints = case.joints
+    works, up = moves.state > 0, joints.normal[:, 2]
+    lower = np.where(up > BED, joints.block_a, np.where(up < -BED, joints.block_b, -1))
+    upper = joints.block_a + joints.block_b - lower
+    some = np.flatnonzero(works & (lower >= 0))
+    return np.unique(lower[some][moves.moving[upper[some]] & ~moves.moving[lower[some]]])
+
+
 def _subject(case: MacroCase, one: PartMechanism) -> Subject:
-    """The blocks of a part and those that move with it, in their mechanism; what is held would hide them. Without forces."""
+    """The blocks of a part, those that move with it and those on which they stand, in their mechanism; what else is held would hide them.
+
+    Without forces.
+    """
     from reports.limit.picture import Subject
 
     assert one.found is not None
     moves, joints = one.found.mechanism, case.joints
-    shown = np.union1d(one.element.blocks, np.flatnonzero(moves.moving))
+    shown = np.union1d(np.union1d(one.element.blocks, np.flatnonzero(moves.moving)), _under(case, moves))
     number = np.full(case.assembly.count, -1)
     number[shown] = np.arange(len(shown))
     between = np.flatnonzero((number[joints.block_a] >= 0) & (number[joints.block_b] >= 0))

@@ -114,7 +114,7 @@ def _row(
     undecided = _undecided(part, table, height, effort)
     checked = _checked(one, table, ground, height, undecided)
     linear, decides = checked.verdicts[0], min(checked.verdicts, key=_gravity)
-    by_displacements: tuple[Any, ...] = (None, None, None, None, _no_displacement(one, part) if table.by_displacements else "")
+    by_displacements: tuple[Any, ...] = (None, None, None, None, _no_displacement(one) if table.by_displacements else "")
     if len(checked.verdicts) > 1:
         other = checked.verdicts[1]
         by_displacements = (made.last, other.capacity, other.demand, other.ratio, "")
@@ -128,10 +128,10 @@ def _gravity(one: Verdict) -> tuple[int, float]:
     return WORST_FIRST.index(one.state), max(one.ratio, one.unmoved)
 
 
-def _no_displacement(one: PartMechanism, part: ElementAnalysis) -> str:
+def _no_displacement(one: PartMechanism) -> str:
     """Why a mechanism has no check by displacements."""
-    if one is not part.mechanisms[0]:
-        return "followed is the mechanism of the least a0* of a part and a push only"
+    if one.found is None:
+        return "another mechanism of this part and push has a smaller a0* and is held as high: that one is followed"
     return one.oscillator.doubt or one.oscillator.end
 
 

@@ -168,7 +168,7 @@ def static_loads(
     ties = [part.forces[0] for part in (*parts.values(), *bars) if isinstance(part.forces[0], Tie)]
     used = (PointTable, TieTable, PushTable, TiltTable) if support is None else (PointTable, TieTable)
     left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]
-    notes = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
+    notes: tuple[str, ...] = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
     if limit.check is not None:
         notes += _without_mass({i: force for i, force in forces.items() if i not in limit.live}, down)
     vector = None if direction is None else direction.vector

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -24,6 +25,7 @@ MOST = 5.0  # load factor, in g, beyond which nothing is looked for: a part that
 HELD = 0.99  # share of it from which on a part counts as held
 FREE = "free least mechanism"
 BEGIN_AT = 3  # mechanisms of practice of least factor from which the free search begins as well
+SAME_HEIGHT = 1e-6  # [m]
 STARTS = 2  # of the search of a mechanism of practice
 SLIDES = 0.5  # speed of the foot of a body over that of its top, or its own, from which on it slides rather than turns over
 
@@ -35,7 +37,7 @@ class Effort:
     starts: int  # of the free search within a part, beside those at the mechanisms of practice
     most_points: int  # contact points of a part up to which it is made
     seed: int = 0
-    displacements: bool = False  # follow the least mechanism of each part and push until its factor vanishes
+    displacements: bool = False  # follow the gravest mechanisms of each part and push until its factor vanishes
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,7 @@ class PartMechanism:
     moving: int  # blocks that move
     height: float  # of the lowest point that moves [m]
     velocity: np.ndarray  # in the unknowns of the part's blocks
-    found: Candidate | None  # of the least mechanism of a part and a push only: a large structure has a megabyte of joints
+    found: Candidate | None  # of the gravest mechanisms of a part and a push only: a large structure has a megabyte of joints
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +85,10 @@ def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[flo
     except Unbounded as failure:
         remarks.append(f"{FREE}: no answer, the part may not stand with all else held: {failure}")
     found.sort(key=lambda one: one.oscillator.acceleration())
-    if effort.displacements and found:
-        found[0] = _followed(whole, found[0], effort)
-    found[1:] = [replace(one, found=None) for one in found[1:]]
+    grave = _grave(found)
+    if effort.displacements:
+        found = [_followed(whole, one, effort) if k in grave else one for k, one in enumerate(found)]
+    found = [one if k in grave else replace(one, found=None) for k, one in enumerate(found)]
     return ElementAnalysis(element, way, tuple(found), least, part.problem.points.count, part.interlock, tuple(remarks))
 
 
@@ -143,6 +146,17 @@ def _made(part: Part, element: MacroElement, way: np.ndarray, called: tuple[str,
     height = float(low.min()) if len(low) else 0.0
     made = oscillator(found, part.assembly, part.whole.joints, part.push, None, part.loads.live)
     return PartMechanism(element, way, *called, made, int(moves.moving.sum()), height, optimum.velocity, found)
+
+
+def _grave(found: Sequence[PartMechanism]) -> list[int]:
+    """Which mechanisms, the least acceleration first, may have the least ratio: one that is held higher is asked for more."""
+    out: list[int] = []
+    highest = -math.inf
+    for k, one in enumerate(found):
+        if one.height > highest + SAME_HEIGHT:
+            out.append(k)
+            highest = one.height
+    return out
 
 
 def _followed(whole: Whole, one: PartMechanism, effort: Effort) -> PartMechanism:

@@ -173,10 +173,10 @@ def _held_above(whole: Whole, above: np.ndarray, live: np.ndarray, direction: np
         blocks.append((lower, upper))
         points.append((place, place - direction))
         strength.append(INTERLOCK * float(assembly.friction[groups[0], groups[1]]) * weight)
-    weight = np.array([each[2] for each in loaded])[:, None]
+    heavy = np.array([each[2] for each in loaded])[:, None]
     floors = Arms(
         np.array([each[0] for each in loaded], dtype=np.int64), np.array([each[1] for each in loaded]).reshape(-1, 3),
-        weight * [0.0, 0.0, -1.0], weight * direction,
+        heavy * np.array([0.0, 0.0, -1.0]), heavy * direction,
     )  # fmt: skip
     return dead, Bars(np.array(blocks), np.array(points), np.array(strength)) if blocks else Bars.none(), floors
 
