@@ -59,6 +59,6 @@ def blocks(nursery: Path) -> Iterator[tuple[str, str, dict[str, bytes]]]:
     beside = {"boxes.gltf": ("boxes.bin",), "BODIES.DAT": ("DRV_DOF.DAT", "BULK_BEHAV.DAT")}
     for name in (*made, "boxes.gltf", "boxes.glb", "boxes.3mf", "BODIES.DAT"):
         files = {own: (folder / own).read_bytes() for own in (name, *beside.get(name, ()))}
-        stated = "" if name.endswith("3mf") else 'units = "m"\nup = "z"\n'
+        stated = "" if name.endswith(("3mf", "gltf", "glb")) else 'units = "m"\nup = "z"\n'
         scene = texts.scene(structure=f'kind = "file"\npath = "{name}"\n{stated}fixed = {{ below = 0.9 }}\nrepair = true')
         yield f"block file {name.rpartition('.')[2].upper()}", name, {"scene.toml": scene.encode(), **files}

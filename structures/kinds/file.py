@@ -20,6 +20,7 @@ from structures.geometry.checks import Unsound, check, check_shells, deepest_ove
 from structures.geometry.flatten import flattened
 from structures.geometry.gaps import close_gaps
 from structures.geometry.merge_coplanar import merge_coplanar
+from structures.geometry.warped_faces import in_triangles
 from structures.kinds.solid import SUFFIXES
 from structures.schema import Height, Length
 
@@ -62,6 +63,9 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     blocks = with_supports(blocks, keys.fixed, "structure.fixed", "base" if is_mesh else None)
     blocks, moved, uneven = flattened(blocks, keys.flatness)
     notes += [f"{path.name}: faces of {uneven} blocks made flat, corners moved by at most {length(moved)}"] if uneven else []
+    if keys.repair:
+        blocks, warped = in_triangles(blocks)
+        notes += [f"{path.name}: {warped} warped faces cut into triangles"] if warped else []
     overlap = keys.overlap or 0.0
     if keys.gaps is not None:
         refuse_spheres(blocks, "structure.gaps: closing gaps between faces")
