@@ -113,7 +113,7 @@ def _meshes(nursery: Path) -> Iterator[Subject]:
     ascii_stl = "import trimesh; m = trimesh.load('meshes/blocks.stl'); open('meshes/text.stl', 'w').write(m.export(file_type='stl_ascii'))"
     _made(nursery, "-c", ascii_stl)
     for name, weight in (("blocks.obj", 5.0), ("blocks.stl", 0.6), ("text.stl", 0.4), ("blocks.vtu", 0.8), ("blocks.vtm", 0.5)):
-        supports = '"b0", "b3"' if name.endswith(("stl", "vtu")) else '"plate*"'
+        supports = '"b0", "b3"' if name.endswith("stl") else '"plate*"'
         scene = texts.scene(structure=f'kind = "file"\npath = "{name}"\nunits = "m"\nup = "z"\nfixed = [{supports}]\nrepair = true')
         files = {"scene.toml": scene.encode(), **_below(nursery / "meshes", Path(name).stem if name.endswith("vtm") else name)}
         changes = TEXT_CHANGES if name.endswith((".obj", ".vtm")) else (BYTES, BYTES, TOKENS, LINES)
