@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.fuzz import study_texts, texts
+from benchmarks.fuzz import formats, study_texts, texts
 
 BYTES, LINES, TOKENS, TOML, JSON, NPZ, HDF5, SET = "bytes", "lines", "tokens", "toml", "json", "npz", "hdf5", "set"
 
@@ -52,7 +52,7 @@ def subjects(nursery: Path) -> list[Subject]:
     found.append(
         Subject("block file JSON", RUN, "blocks.json", {"scene.toml": texts.scene().encode(), **blocks}, (JSON, JSON, TOKENS, BYTES), 8)
     )
-    return [*found, *_meshes(nursery), *_solids(nursery), *_problems(nursery), *_former_runs(nursery)]
+    return [*found, *_formats(nursery), *_meshes(nursery), *_solids(nursery), *_problems(nursery), *_former_runs(nursery)]
 
 
 def _scenes(blocks: dict[str, bytes]) -> Iterator[Subject]:
@@ -88,6 +88,15 @@ def _records(blocks: dict[str, bytes]) -> Iterator[Subject]:
         yield Subject(f"record {name}", ("record", quake, "-o", "OUT.png", *words), quake, {quake: text.encode()}, TEXT_CHANGES, 0.5)
 
 
+def _formats(nursery: Path) -> Iterator[Subject]:
+    """Records and blocks in the formats of networks and of other programs."""
+    for kind, command, name, content in formats.records():
+        yield Subject(kind, command, name, {name: content}, TEXT_CHANGES if b"\0" not in content else (BYTES,), 2)
+    for kind, name, files in formats.blocks(nursery):
+        binary = name.endswith(("glb", "3mf")) or name == "binary.ply"
+        yield Subject(kind, BUILD, name, files, (BYTES,) if binary else TEXT_CHANGES, 0.8, apart=True)
+
+
 def _measured(blocks: dict[str, bytes]) -> Iterator[Subject]:
     """A file of measured modes, read before the modes are computed."""
     command = ("modal", "scene.toml", "-o", "OUT", "--method", "joints", "--young", "3e9", "--modes", "2", "--pictures", "0")
@@ -104,7 +113,7 @@ def _meshes(nursery: Path) -> Iterator[Subject]:
     ascii_stl = "import trimesh; m = trimesh.load('meshes/blocks.stl'); open('meshes/text.stl', 'w').write(m.export(file_type='stl_ascii'))"
     _made(nursery, "-c", ascii_stl)
     for name, weight in (("blocks.obj", 5.0), ("blocks.stl", 0.6), ("text.stl", 0.4), ("blocks.vtu", 0.8), ("blocks.vtm", 0.5)):
-        supports = '"b0", "b3"' if name.endswith(("stl", "vtu")) else '"plate*"'
+        supports = '"b0", "b3"' if name.endswith("stl") else '"plate*"'
         scene = texts.scene(structure=f'kind = "file"\npath = "{name}"\nunits = "m"\nup = "z"\nfixed = [{supports}]\nrepair = true')
         files = {"scene.toml": scene.encode(), **_below(nursery / "meshes", Path(name).stem if name.endswith("vtm") else name)}
         changes = TEXT_CHANGES if name.endswith((".obj", ".vtm")) else (BYTES, BYTES, TOKENS, LINES)

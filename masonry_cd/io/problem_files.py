@@ -1,15 +1,14 @@
 r"""Friction problems in files: the field's FCLIB format (HDF5) and a plain .npz, read, checked and written.
 
-A local problem holds W, q and mu: u = W r + q. A global one holds M, H, f, w and mu: M v = H r + f, u = H^T v + w, so that
-W = H^T M^-1 H and q = H^T M^-1 f + w. Rows come as (n, t1, t2) per contact; the impulses are called r there, p elsewhere in this
-program. ContactBench's own .npz (G, g, mus) holds W and q by rows (t1, t2, n). Format and collection: Acary, Bremond, Huber & Perignon,
-"FCLIB: a collection of discrete 3D frictional contact problems", 2014.
+A local problem holds W, q and mu: u = W r + q. A global one holds M, H, f, w and mu: M v = H r + f, u = H^T v + w, so that W = H^T M^-1 H
+and q = H^T M^-1 f + w. Rows come as (n, t1, t2) per contact; the impulses are called r there, p elsewhere in this program. ContactBench's
+own .npz (G, g, mus) holds W and q by rows (t1, t2, n). Format and collection: Acary, Bremond, Huber & Perignon, "FCLIB: a collection of
+discrete 3D frictional contact problems", 2014.
 
-A global problem whose M has one block per body, and whose contacts touch two bodies at most, is read as a problem over bodies.
-
-Elastic contacts: a global problem in .npz holds the diagonal C of their compliance as well, u = H^T v + C r + w; the W beside it, as that
-of every local problem, contains it. FCLIB has a place for it in local problems only. Sparse matrices in FCLIB follow CSparse: ``nz``
-counts the entries of a list of triplets, -1 says compressed columns, -2 compressed rows.
+A global problem whose M has one block per body, and whose contacts touch two bodies at most, is read as a problem over bodies. Elastic
+contacts: a global problem in .npz holds the diagonal C of their compliance as well, u = H^T v + C r + w; the W beside it, as that of
+every local problem, contains it. FCLIB has a place for it in local problems only. Sparse matrices in FCLIB follow CSparse: ``nz`` counts
+the entries of a list of triplets, -1 says compressed columns, -2 compressed rows.
 """
 
 from __future__ import annotations
@@ -73,9 +72,6 @@ def write_problem(path: Path | str, problem: Problem, title: str = "") -> None:
         raise InputError(f'{path}: unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
 
 
-# --- .npz -----------------------------------------------------------------------------------------------------------------------
-
-
 def _read_npz(path: Path) -> Problem:
     """Read the plain format."""
     arrays = npz_arrays(path)
@@ -97,8 +93,8 @@ def _read_contactbench(path: Path, arrays: Mapping[str, np.ndarray]) -> LocalPro
         raise InputError(
             f"{path}: {len(w)} entries of G and {len(q)} of g do not fit {len(mu)} of mus: 9 for each pair, 3 for each contact"
         )
-    order = np.arange(len(q)).reshape(-1, 3)[:, [2, 0, 1]].ravel()
-    return _local(path, sparse.csr_matrix(w.reshape(len(q), len(q))[order][:, order]), q[order], mu)
+    order = np.roll(np.arange(len(q)).reshape(-1, 3), 1, axis=1).ravel()
+    return _local(path, sparse.csr_matrix(w.reshape(len(q), -1)[order][:, order]), q[order], mu)
 
 
 def _write_npz(path: Path, problem: Problem) -> None:

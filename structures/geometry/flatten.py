@@ -47,24 +47,25 @@ def flattened(blocks: Sequence[Block], flatness: float | None) -> tuple[list[Blo
     out, most, changed = [], 0.0, 0
     for block in blocks:
         within = SHARE * size_of(block) if flatness is None else flatness
-        needed = 0.0 if block.radius or block.parts else _tolerance(block, within)
+        needed = 0.0 if block.radius or block.parts else _tolerance(block, within, flatness or 0.0)
         new, far = _flat(block, needed) if needed else (block, 0.0)
         out.append(new)
         most, changed = max(most, far), changed + (new is not block)
     return out, most, changed
 
 
-def _tolerance(block: Block, within: float) -> float:
+def _tolerance(block: Block, within: float, asked: float) -> float:
     """Within what the faces of a block are to be made flat [m]: zero where they need not, or are farther off.
 
-    One that is sound, of single precision for example, is only brought to what counts as flat: a slight ridge of its own stays.
+    A ridge that is higher than those of noise stays, unless the scene asks for as much. One that is sound, of single precision for example,
+    is only brought to what counts as flat: a slight ridge of its own stays.
     """
     if within <= 0.0 or not 4 <= len(block.faces) <= MOST:
         return 0.0
     size, off = size_of(block), _off_their_planes(block)
     if off > FLATNESS * size:
         return within if off <= LIMIT * within else 0.0
-    uneven = ROUNDING * size < warp(block) < WARPED * size
+    uneven = ROUNDING * size < warp(block) < max(WARPED * size, LIMIT * asked)
     if excess(block) <= FLATNESS * size:
         return min(within, FLATNESS * size) if uneven else 0.0
     return within if uneven or not _stands(block) else 0.0

@@ -20,6 +20,7 @@ from structures.geometry.checks import Unsound, check, check_shells, deepest_ove
 from structures.geometry.flatten import flattened
 from structures.geometry.gaps import close_gaps
 from structures.geometry.merge_coplanar import merge_coplanar
+from structures.geometry.warped_faces import in_triangles
 from structures.kinds.solid import SUFFIXES
 from structures.schema import Height, Length
 
@@ -52,8 +53,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     format_ = format_of(path)
     if format_ is None:
         raise InputError(
-            f'structure.path: {path.name} is no file of blocks by its ending or its content; kind = "file" reads {endings()}, '
-            f'and kind = "solid" {", ".join(SUFFIXES)}'
+            f'structure.path: {path.name} is no file of blocks; kind = "file" reads {endings()}, and kind = "solid" {", ".join(SUFFIXES)}'
         )
     is_mesh = format_ != "json"
     for key in () if is_mesh else ("units", "up", "repair"):
@@ -63,6 +63,10 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     blocks = with_supports(blocks, keys.fixed, "structure.fixed", "base" if is_mesh else None)
     blocks, moved, uneven = flattened(blocks, keys.flatness)
     notes += [f"{path.name}: faces of {uneven} blocks made flat, corners moved by at most {length(moved)}"] if uneven else []
+    if keys.repair:
+        blocks, warped = in_triangles(blocks)
+        notes += [f"{path.name}: {warped} warped faces cut into triangles"] if warped else []
+    overlap = keys.overlap or 0.0
     if keys.gaps is not None:
         refuse_spheres(blocks, "structure.gaps: closing gaps between faces")
         check_shells(blocks, path.name)
@@ -70,12 +74,8 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
             blocks, moved, pairs = close_gaps(blocks, keys.gaps)
         except Unsound as failure:
             raise Unsound(f"{path.name}: {failure}", failure.faulty, failure.blocks) from None
-        return sound(blocks, path.name, keys.overlap or 0.0), [
-            *notes,
-            f"{path.name}: {pairs} pairs of faces brought together, corners moved by at most {moved:.3g} m",
-        ]
-    overlap = keys.overlap or 0.0
-    if is_mesh:
+        notes.append(f"{path.name}: {pairs} pairs of faces brought together, corners moved by at most {moved:.3g} m")
+    if is_mesh or keys.gaps is not None:
         blocks = sound(blocks, path.name, overlap)
     else:
         check(blocks, path.name, overlap)

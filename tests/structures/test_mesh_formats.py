@@ -127,7 +127,7 @@ def test_obj_groups_and_materials(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("a.xyz", "1 2 3\n", r"structure\.path: a\.xyz is no file of blocks by its ending or its content; .* \.dxf, "),
+        ("a.xyz", "1 2 3\n", r"structure\.path: a\.xyz is no file of blocks; .* \.dxf, "),
         ("a.dat", "ISO-10303-21;\n", r'structure\.path: a\.dat is a STEP file by its content; kind = "solid" cuts it into stones'),
         ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n0\nEOF\n", r"a\.dxf: no 3DFACE and no polyface mesh in it; lines,"),
         ("a.off", "OFF\n3 1 0\n0 0 0\n", r"a\.off: not the counts, corners and faces of an OFF file"),

@@ -123,20 +123,20 @@ def test_a_face_of_too_few_corners_is_named_by_its_line(face: str, tmp_path: Pat
 
 
 def test_a_file_of_unknown_ending_is_named_with_those_that_are_read(tmp_path: Path) -> None:
-    (tmp_path / "plan.dxf").write_text("0\nSECTION\n")
-    with pytest.raises(InputError, match=r"plan\.dxf is no file of blocks; kind = \"file\" reads \.json, \.obj, .*\.step"):
-        structures.build({"kind": "file", "path": "plan.dxf", "units": "mm", "up": "z"}, 2000.0, tmp_path)
+    (tmp_path / "plan.xyz").write_text("a plan\n")
+    with pytest.raises(InputError, match=r"plan\.xyz is no file of blocks; kind = \"file\" reads \.json, \.obj, .*\.step"):
+        structures.build({"kind": "file", "path": "plan.xyz", "units": "mm", "up": "z"}, 2000.0, tmp_path)
 
 
 def test_a_file_of_unknown_ending_that_cannot_be_read_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "plan.dxf").write_text("0\nSECTION\n")
+    (tmp_path / "plan.xyz").write_text("a plan\n")
 
     def refuse(*_: object) -> None:
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(Path, "open", refuse)
-    with pytest.raises(InputError, match=r"structure\.path: plan\.dxf: cannot be read, Permission denied"):
-        structures.build({"kind": "file", "path": "plan.dxf"}, 2000.0, tmp_path)
+    with pytest.raises(InputError, match=r"structure\.path: plan\.xyz: cannot be read, Permission denied"):
+        structures.build({"kind": "file", "path": "plan.xyz"}, 2000.0, tmp_path)
 
 
 def test_far_too_large_coordinates_are_refused() -> None:

@@ -1,0 +1,64 @@
+"""Good inputs in the formats of networks and of other programs, as the tests make them: records by ``record``, blocks by ``build``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks.fuzz import texts
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+
+import mesh_files
+import record_files
+
+USC, RENADIC = "FILE     1 OF UNCORRECTED ACCELEROGRAM DATA OF VOLUME I:", "RENADIC"
+CDMG, BHRC = "UNCORRECTED ACCELEROGRAM DATA              PROCESSED: 02/08/94", "* VOL1DS FILE:  5528/01"
+RECORDS: dict[str, tuple[str | bytes, str]] = {  # and the key that they need
+    "cosmos": (record_files.cosmos(), ""),
+    "csmip 2": (record_files.csmip2(), ""),
+    "csmip 1": (record_files.csmip1(), ""),
+    "csmip pairs": (record_files.volume(CDMG, "CHAN  1:  90 DEG"), ""),
+    "usc": (record_files.volume(USC, "COMP  UP          9", lead=" "), ""),
+    "renadic": (record_files.volume(RENADIC, "COMP NS"), ""),
+    "bhrc": (record_files.volume(BHRC, "COMP L1", pairs=False), ""),
+    "geonet": (record_files.geonet(), "column=0"),
+    "smc": (record_files.smc(), ""),
+    "afad": (record_files.afad(), "column=0"),
+    "unam": (record_files.unam(), "column=1"),
+    "cwb": (record_files.cwb(), "column=1"),
+    "sac": (record_files.sac(), "units=m/s2"),
+    "itaca": (record_files.itaca(), ""),
+    "counted": (record_files.counted(), "units=m/s2"),
+}
+
+
+def records() -> Iterator[tuple[str, tuple[str, ...], str, bytes]]:
+    """Kind, command, name and content of a record in each format."""
+    for kind, (content, key) in RECORDS.items():
+        data = content.encode() if isinstance(content, str) else content
+        yield f"record {kind}", ("record", "quake.dat", *(("--set", key) if key else ())), "quake.dat", data
+
+
+def blocks(nursery: Path) -> Iterator[tuple[str, str, dict[str, bytes]]]:
+    """Kind, name of the file that is changed, and all files, of two boxes in each format."""
+    folder = nursery / "formats"
+    folder.mkdir()
+    mesh_files.gltf(folder / "boxes.gltf")
+    mesh_files.gltf(folder / "boxes.glb", glb=True)
+    mesh_files.threemf(folder / "boxes.3mf")
+    mesh_files.lmgc90(folder)
+    made: dict[str, str | bytes] = {
+        "boxes.off": mesh_files.off(), "boxes.ply": mesh_files.ply(), "binary.ply": mesh_files.ply("binary_little_endian"),
+        "boxes.dxf": mesh_files.dxf(), "polyface.dxf": mesh_files.dxf(polyface=True), "boxes.compas": mesh_files.compas(),
+        "boxes.3dec": mesh_files.threedec(), "prism.3dec": mesh_files.PRISM,
+    }  # fmt: skip
+    for name, content in made.items():
+        (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    beside = {"boxes.gltf": ("boxes.bin",), "BODIES.DAT": ("DRV_DOF.DAT", "BULK_BEHAV.DAT")}
+    for name in (*made, "boxes.gltf", "boxes.glb", "boxes.3mf", "BODIES.DAT"):
+        files = {own: (folder / own).read_bytes() for own in (name, *beside.get(name, ()))}
+        stated = "" if name.endswith(("3mf", "gltf", "glb")) else 'units = "m"\nup = "z"\n'
+        scene = texts.scene(structure=f'kind = "file"\npath = "{name}"\n{stated}fixed = {{ below = 0.9 }}\nrepair = true')
+        yield f"block file {name.rpartition('.')[2].upper()}", name, {"scene.toml": scene.encode(), **files}
