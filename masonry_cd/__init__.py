@@ -38,10 +38,12 @@ NAMES = {
     "modal": "masonry_cd.interface.modal:modal",
     "open": "masonry_cd.interface.results:open_run",
     "open_study": "masonry_cd.interface.studies:open_study",
+    "plugins": "masonry_cd.foundation.plugins:plugins",
     "resume": "masonry_cd.interface.running:resume",
     "run": "masonry_cd.interface.running:run",
     "scene": "masonry_cd.interface.scenes:scene",
     "study": "masonry_cd.interface.studies:study",
+    "trust": "masonry_cd.foundation.trust:trust",
 }
 
 __all__ = [*NAMES]

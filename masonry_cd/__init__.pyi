@@ -1,4 +1,6 @@
 from masonry_cd.foundation.errors import InputError as InputError
+from masonry_cd.foundation.plugins import plugins as plugins
+from masonry_cd.foundation.trust import trust as trust
 from masonry_cd.interface.assessing import Assessment as Assessment
 from masonry_cd.interface.assessing import assess as assess
 from masonry_cd.interface.comparison import Comparison as Comparison
@@ -46,8 +48,10 @@ __all__ = [
     "modal",
     "open",
     "open_study",
+    "plugins",
     "resume",
     "run",
     "scene",
     "study",
+    "trust",
 ]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, warn
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust, errors_reported, warn
 
 if TYPE_CHECKING:
     from structures.geometry.checks import Unsound
@@ -27,6 +27,7 @@ def build(
         list[str] | None, typer.Option(metavar="WHAT", help="Of a file: shells, or gaps=0.002 [m] to close gaps up to that width.")
     ] = None,
     force: Force = False,
+    trust: Trust = False,
 ) -> None:
     """Build the structure of a scene alone.
 
