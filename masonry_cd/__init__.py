@@ -22,6 +22,7 @@ NAMES = {
     "Block": "masonry_cd.mechanics.model.blocks:Block",
     "Comparison": "masonry_cd.interface.comparison:Comparison",
     "InputError": "masonry_cd.foundation.errors:InputError",
+    "JointLaw": "masonry_cd.interface.joint_law:JointLaw",
     "LimitAnalysis": "masonry_cd.interface.limit:LimitAnalysis",
     "Run": "masonry_cd.interface.results:Run",
     "RunWarning": "masonry_cd.interface.running:RunWarning",

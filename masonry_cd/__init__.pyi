@@ -6,6 +6,7 @@ from masonry_cd.interface.assessing import assess as assess
 from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.compas import from_compas as from_compas
+from masonry_cd.interface.joint_law import JointLaw as JointLaw
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
 from masonry_cd.interface.modal import modal as modal
@@ -32,6 +33,7 @@ __all__ = [
     "Block",
     "Comparison",
     "InputError",
+    "JointLaw",
     "LimitAnalysis",
     "Run",
     "RunWarning",
