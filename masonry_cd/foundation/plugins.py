@@ -17,13 +17,15 @@ import importlib.util
 import re
 from collections.abc import Iterable
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.files import is_file
 from masonry_cd.foundation.trust import require_trust
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUPS = ("structures", "loads", "readers", "reports")
 OWN_FILE = re.compile(r"(?P<path>.+\.py):(?P<name>[A-Za-z_]\w*)")
@@ -42,6 +44,8 @@ class Plugin(NamedTuple):
 @cache
 def _entries(group: str) -> dict[str, EntryPoint]:
     """The entries of a group by name; of two of one name the first package by name."""
+    from importlib.metadata import entry_points  # where a name asks for it: it takes its time
+
     found = sorted(entry_points(group=f"masonry_cd.{group}"), key=lambda entry: (_package(entry), entry.name), reverse=True)
     return {entry.name: entry for entry in found}
 
