@@ -67,10 +67,10 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     if "kind" not in table:
         raise InputError(f"structure.kind: missing; one of {', '.join(KINDS)}")
     kind = str(table["kind"])
-    own = None if kind in KINDS else _own_kind(kind, folder)
+    added = None if kind in KINDS else _own_kind(kind, folder)
     rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FLOORS, FOUNDATIONS, GROUND, NOISE, TIES)}
     with size.limited(table.get(size.KEY, size.MOST)):
-        made = (own or KINDS[kind])(rest, math.nan if density is None else density, folder)
+        made = (added or KINDS[kind])(rest, math.nan if density is None else density, folder)
     blocks, notes = made if isinstance(made, tuple) else (made, [])
     from structures.layout.ground import needs_ground, with_ground
 
