@@ -19,7 +19,7 @@ from loads.kinds.gravity import GravityTable
 from loads.kinds.sequence import Pause, Shock
 from loads.kinds.tilt import TiltTable, load_factors
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
-from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.extensions import Entries
 from masonry_cd.mechanics.model.blocks import Assembly
 
@@ -90,9 +90,9 @@ def build(
         InputError: an unknown kind, a bad key, or a bad record file.
     """
     grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly, longest)
-    asked = [parse_load(table, f"loads[{i}]") for i, table in enumerate(tables)]
+    asked = [parse_load(table, f"loads[{i}]", grid.folder) for i, table in enumerate(tables)]
     falls = _gravity_tables(asked)
-    parts = [KINDS[table.kind].part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
+    parts = [load_kind(table.kind, f"loads[{i}]", grid.folder).part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
     parts += own
     if not falls:
         parts.append(KINDS["gravity"].part(GravityTable(), grid, "gravity"))
@@ -124,7 +124,7 @@ def build(
     )
 
 
-def parse_load(table: Mapping[str, Any], where: str) -> LoadTable:
+def parse_load(table: Mapping[str, Any], where: str, folder: Path | None = None) -> LoadTable:
     """Validate one table by the model of its kind.
 
     Raises:
@@ -133,9 +133,23 @@ def parse_load(table: Mapping[str, Any], where: str) -> LoadTable:
     kind = table.get("kind")
     if kind is None:
         raise InputError(f"{where}.kind: missing; kinds: {', '.join(KINDS)}")
-    if not isinstance(kind, str) or kind not in KINDS:
-        raise InputError(f'{where}.kind: unknown kind "{kind}"{suggest(str(kind), KINDS)}; kinds: {", ".join(KINDS)}')
-    return parse_table(KINDS[kind].table, table, where)
+    return parse_table(load_kind(str(kind), where, folder).table, table, where)
+
+
+def load_kind(kind: str, where: str, folder: Path | None = None) -> LoadKind:
+    """A kind of load: ours, or one that a package adds, or a file in the folder of the scene.
+
+    Raises:
+        InputError: no such kind, or something else than a kind.
+    """
+    if kind in KINDS:
+        return KINDS[kind]
+    from masonry_cd.foundation.plugins import find
+
+    found = find("loads", kind, f"{where}.kind", KINDS, folder)
+    if not (callable(getattr(found, "part", None)) and isinstance(getattr(found, "table", None), type)):
+        raise InputError(f'{where}.kind: "{kind}" is no LoadKind(table, part)')
+    return LoadKind(found.table, found.part)
 
 
 def _nothing_changes(pause: Pause, velocity: np.ndarray, acceleration: np.ndarray) -> bool:

@@ -22,6 +22,7 @@ NAMES = {
     "Block": "masonry_cd.mechanics.model.blocks:Block",
     "Comparison": "masonry_cd.interface.comparison:Comparison",
     "InputError": "masonry_cd.foundation.errors:InputError",
+    "JointLaw": "masonry_cd.interface.joint_law:JointLaw",
     "LimitAnalysis": "masonry_cd.interface.limit:LimitAnalysis",
     "MacroElements": "masonry_cd.interface.macro:MacroElements",
     "Run": "masonry_cd.interface.results:Run",
@@ -40,10 +41,12 @@ NAMES = {
     "modal": "masonry_cd.interface.modal:modal",
     "open": "masonry_cd.interface.results:open_run",
     "open_study": "masonry_cd.interface.studies:open_study",
+    "plugins": "masonry_cd.foundation.plugins:plugins",
     "resume": "masonry_cd.interface.running:resume",
     "run": "masonry_cd.interface.running:run",
     "scene": "masonry_cd.interface.scenes:scene",
     "study": "masonry_cd.interface.studies:study",
+    "trust": "masonry_cd.foundation.trust:trust",
 }
 
 __all__ = [*NAMES]

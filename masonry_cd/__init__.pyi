@@ -1,9 +1,12 @@
 from masonry_cd.foundation.errors import InputError as InputError
+from masonry_cd.foundation.plugins import plugins as plugins
+from masonry_cd.foundation.trust import trust as trust
 from masonry_cd.interface.assessing import Assessment as Assessment
 from masonry_cd.interface.assessing import assess as assess
 from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.compas import from_compas as from_compas
+from masonry_cd.interface.joint_law import JointLaw as JointLaw
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
 from masonry_cd.interface.macro import MacroElements as MacroElements
@@ -32,6 +35,7 @@ __all__ = [
     "Block",
     "Comparison",
     "InputError",
+    "JointLaw",
     "LimitAnalysis",
     "MacroElements",
     "Run",
@@ -50,8 +54,10 @@ __all__ = [
     "modal",
     "open",
     "open_study",
+    "plugins",
     "resume",
     "run",
     "scene",
     "study",
+    "trust",
 ]

@@ -17,7 +17,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from reports.damage.joint_files import damage_settings, thresholds_of
 from reports.damage.part_files import in_short, write_part_damage
-from reports.extra import EXTRA
+from reports.extra import extra_report
 from reports.maps.crack_map import sheet_of
 from reports.maps.framing import MapStyle, framing, view_and_cut
 from reports.maps.sequence import animation, crack_maps, frames_at, slack, times_within
@@ -155,11 +155,12 @@ def draw_stress_map(results: Results, folder: Path, settings: Report, time: floa
 
 
 def write_extra(results: Results, folder: Path, names: Sequence[str]) -> list[Path]:
-    """Write further reports by their names in :data:`reports.extra.EXTRA`; return the files."""
+    """Write further reports by their names in :func:`reports.extra.extra_report`; return the files."""
     written: list[Path] = []
     for name in dict.fromkeys(names):
-        EXTRA[name].write(results, folder)
-        written += [folder / file for file in EXTRA[name].files if (folder / file).exists()]
+        report = extra_report(name)
+        report.write(results, folder)
+        written += [folder / file for file in report.files if (folder / file).exists()]
     return written
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from masonry_cd.analysis.damage.grades import Grades
+from masonry_cd.foundation import plugins
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.fields import Flag, Number, Table
 from masonry_cd.foundation.table_schema import table_of_its_own
@@ -25,9 +26,10 @@ def _list_of_numbers(value: object) -> object:
 def _names_of_extra(value: object) -> object:
     """Names of further reports, as a tuple."""
     names = tuple(value) if isinstance(value, list) else ("",)
-    unknown = next((name for name in names if name not in EXTRA), None)
+    unknown = next((name for name in names if name not in EXTRA and name not in plugins.names("reports")), None)
     if unknown is not None:
-        raise ValueError(f"should be a list of names of {', '.join(EXTRA)}" + (f', "{unknown}" is none' if unknown else ""))
+        known = ", ".join([*EXTRA, *plugins.names("reports")])
+        raise ValueError(f"should be a list of names of {known}" + (f', "{unknown}" is none' if unknown else ""))
     return names
 
 

@@ -61,19 +61,16 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     Raises:
         InputError: an unknown kind, a key of that kind that is wrong, or blocks that are unsound.
     """
-    from masonry_cd.foundation.errors import InputError, suggest
+    from masonry_cd.foundation.errors import InputError
     from structures import size
 
-    kinds = ", ".join(KINDS)
     if "kind" not in table:
-        raise InputError(f"structure.kind: missing; one of {kinds}")
+        raise InputError(f"structure.kind: missing; one of {', '.join(KINDS)}")
     kind = str(table["kind"])
-    if kind not in KINDS:
-        hint = suggest(kind, KINDS)
-        raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
+    added = None if kind in KINDS else _own_kind(kind, folder)
     rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FLOORS, FOUNDATIONS, GROUND, NOISE, TIES)}
     with size.limited(table.get(size.KEY, size.MOST)):
-        made = KINDS[kind](rest, math.nan if density is None else density, folder)
+        made = (added or KINDS[kind])(rest, math.nan if density is None else density, folder)
     blocks, notes = made if isinstance(made, tuple) else (made, [])
     from structures.layout.ground import needs_ground, with_ground
 
@@ -103,6 +100,30 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
         blocks, more = noise.with_noise(blocks, table[NOISE])
         notes = [*notes, *more]
     return Made(blocks, notes, bars)
+
+
+def _own_kind(kind: str, folder: Path) -> Build:
+    """A kind that a package or a file of the user's adds; its blocks are checked as ours are.
+
+    Raises:
+        InputError: no such kind, or one that is no function.
+    """
+    from masonry_cd.foundation.errors import InputError
+    from masonry_cd.foundation.plugins import find
+    from structures.geometry.checks import check
+
+    found = find("structures", kind, "structure.kind", KINDS, folder)
+    build = getattr(found, "build", found)
+    if not callable(build):
+        raise InputError(f'structure.kind: "{kind}" is no function build(table, density, folder)')
+
+    def checked(table: Mapping[str, Any], density: float, folder: Path) -> list[Block] | tuple[list[Block], list[str]]:
+        made = build(table, density, folder)
+        blocks, notes = made if isinstance(made, tuple) else (made, [])
+        check(blocks)
+        return list(blocks), list(notes)
+
+    return checked
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:

@@ -20,6 +20,8 @@ from tiers import (  # noqa: F401  hooks of pytest
     pytest_terminal_summary,
 )
 
+from masonry_cd.foundation.trust import VARIABLE
+
 settings.register_profile("steady", derandomize=True, deadline=None, max_examples=50, database=None)  # the same examples in every run
 settings.register_profile("search", deadline=None, max_examples=2000, database=None)  # pytest tests/properties --hypothesis-profile search
 settings.load_profile("steady")
@@ -32,6 +34,12 @@ def shared() -> Path:
     if not folder.is_dir():
         pytest.skip("the reference data are not beside this checkout")
     return folder
+
+
+@pytest.fixture
+def trusting(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Code that scenes name may run, as by --trust."""
+    monkeypatch.setenv(VARIABLE, "1")
 
 
 @pytest.fixture

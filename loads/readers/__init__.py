@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Literal
 
 from loads.readers.source import RawRecord, Reader, Request, Source
+from masonry_cd.foundation import plugins
 from masonry_cd.foundation.extensions import Entries
 
 __all__ = ["READERS", "FormatName", "RawRecord", "Request", "Source", "formats", "read"]
@@ -37,16 +38,32 @@ def read(source: Source, name: str, request: Request) -> tuple[str, RawRecord]:
         InputError: a file that no reader recognises, or a bad one, named with its line.
     """
     if name == "auto":
-        strict_first = sorted(READERS.items(), key=lambda item: item[1].loose)
-        found = next((key for key, reader in strict_first if reader.recognises(source)), None)
+        own = [key for key, reader in READERS.items() if not reader.loose]
+        found = next((key for key in own if READERS[key].recognises(source)), None)
+        if found is None:  # formats of packages have a heading of their own, unlike those of ours that recognise much
+            found = next((key for key in plugins.names("readers") if reader_of(key).recognises(source)), None)
+        if found is None:
+            found = next((key for key in READERS if key not in own and READERS[key].recognises(source)), None)
         if found is None and not source.lines:
             raise source.error("not a text file, nor a binary one of a format that is read")
         if found is None:
             raise source.error(f"not recognised as one of {', '.join(sorted(READERS))}; name the format by the key format")
         name = found
-    return name, READERS[name].read(source, request)
+    return name, reader_of(name).read(source, request)
 
 
 def formats() -> list[tuple[str, str, str]]:
     """All formats by name: what is read of each, and who publishes it."""
     return [(name, reader.about, reader.by) for name, reader in sorted(READERS.items())]
+
+
+def reader_of(name: str) -> Reader:
+    """The reader of a format: ours, or one that a package adds.
+
+    Raises:
+        InputError: no such format, or a package that cannot be used.
+    """
+    if name in READERS:
+        return READERS[name]
+    found: Reader = plugins.find("readers", name, "format", READERS)
+    return found

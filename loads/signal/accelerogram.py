@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from loads.motion import describe, strict
 from loads.readers import FormatName, RawRecord, Request, Source, read
@@ -22,6 +22,7 @@ from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.filters import band_pass, resample, taper_factors
 from loads.signal.intensity import arias, in_words, intensity
 from loads.signal.series import Keys, accelerations
+from masonry_cd.foundation import plugins
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, is_number
 from masonry_cd.foundation.units import Unit
@@ -29,6 +30,16 @@ from masonry_cd.foundation.units import Unit
 FEWEST = 8  # samples
 LEVEL = 1e-9  # of the largest sample: a record that varies by less is an offset and rounding
 OFFSET = 0.02  # of the PGA: means of sound records stay below, also of windows with some shaking left at their ends
+
+FORMATS: tuple[str, ...] = get_args(FormatName)  # our own; packages may add others
+
+
+def _known_format(value: str) -> str:
+    """A format that there is a reader for."""
+    if value not in FORMATS and value not in plugins.names("readers"):
+        raise ValueError(f"should be one of {', '.join([*FORMATS, *plugins.names('readers')])}; given: {value}")
+    return value
+
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -80,7 +91,7 @@ class Accelerogram(BaseModel):
 
     path: str
     """Of the record, relative to the scene file."""
-    format: FormatName = "auto"
+    format: Annotated[str, AfterValidator(_known_format), WithJsonSchema({"enum": [*FORMATS], "type": "string"})] = "auto"
     """Recognised by the content of the file when "auto"."""
     column: Column = None
     """Of a file with several: its heading, or its place counted from 0; the channel or component of other formats."""

@@ -31,4 +31,6 @@ def _shaken(case: Case) -> bool:
     from loads.supports import ShakingTable
 
     kinds = {str(table.get("kind")) for table in case.scene.loads}
-    return bool(case.loading.support_velocity.any()) and any(issubclass(KINDS[kind].table, ShakingTable) for kind in kinds)
+    return bool(case.loading.support_velocity.any()) and any(
+        kind in KINDS and issubclass(KINDS[kind].table, ShakingTable) for kind in kinds
+    )

@@ -33,7 +33,7 @@ FIRST: dict[str, dict[str, Any]] = {
     "church": {"block_length": 1.5, "length": 24.0, "width": 9.0, "height": 10.0},
     "packing": {"diameters": [0.1, 0.06], "fill": 0.3},
     "file": {"path": "blocks.json"},
-    "solid": {"path": "solid.geo", "units": "m", "course_height": 0.5, "trusted": True},
+    "solid": {"path": "solid.geo", "units": "m", "course_height": 0.5},
 }
 """What is set of the keys of a kind."""
 MATERIAL = {"density": 2200.0, "friction": 0.6}

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, errors_reported, exclude
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, Trust, errors_reported, exclude
 from masonry_cd.mechanics.solvers import SOLVERS
 
 
@@ -29,6 +29,7 @@ def accuracy(
     workers: Annotated[int, typer.Option(metavar="N", min=1, help="Runs of an ensemble at a time.")] = 1,
     force: Force = False,
     quiet: Quiet = False,
+    trust: Trust = False,
 ) -> None:
     """Measure error against run time: of the solvers on a friction problem, or of a whole scene over time step and tolerance.
 

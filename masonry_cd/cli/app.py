@@ -19,6 +19,7 @@ from masonry_cd.cli.export import export
 from masonry_cd.cli.init import init
 from masonry_cd.cli.limit import limit
 from masonry_cd.cli.modal import modal
+from masonry_cd.cli.plugins import plugins
 from masonry_cd.cli.record import record
 from masonry_cd.cli.report import report
 from masonry_cd.cli.run import run
@@ -71,5 +72,6 @@ for command in (
     study,
     assess,
     schema,
+    plugins,
 ):  # in the order of the help text
     app.command()(command)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, same_command, warn
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust, errors_reported, same_command, warn
 
 
 def assess(
@@ -22,6 +22,7 @@ def assess(
     report: Annotated[bool, typer.Option("--report", help="Write again what follows from the runs in DIR; make none.")] = False,
     force: Force = False,
     quiet: Quiet = False,
+    trust: Trust = False,
 ) -> None:
     """Vary each assumption of a scene by itself: which of them decides the answer, and which do not.
 

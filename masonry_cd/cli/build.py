@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, warn
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust, errors_reported, warn
 
 if TYPE_CHECKING:
     from structures.geometry.checks import Unsound
@@ -39,6 +39,7 @@ def build(
     list_formats: Annotated[
         bool, typer.Option("--formats", help="List the formats of blocks that are read and written.", is_eager=True, callback=_list_formats)
     ] = False,
+    trust: Trust = False,
 ) -> None:
     """Build the structure of a scene alone.
 

@@ -29,7 +29,7 @@ def init(
     """Write a starter scene of a kind of structure, which runs as it is.
 
     It names every key with its unit and default; those that a first scene needs are set. masonry-cd.schema.json beside it is for
-    editors, and the kinds file and solid get a small file of blocks.
+    editors, and the kinds file and solid get a small file of blocks. That of solid is a program of gmsh, so its scene runs with --trust.
 
     \b
     Examples:
@@ -41,3 +41,5 @@ def init(
 
         path = output or Path(f"{kind}.toml")
         typer.echo(f"written: {', '.join(map(str, write_starter(kind, path, force)))}")
+        if kind == "solid":
+            typer.echo("its solid.geo is a program of gmsh: the commands that read this scene take --trust")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust, errors_reported
 
 
 def limit(
@@ -23,6 +23,7 @@ def limit(
     ] = False,
     run: Annotated[Path | None, typer.Option(metavar="DIR", help="Of a run, whose damage stands beside the macro-elements.")] = None,
     force: Force = False,
+    trust: Trust = False,
 ) -> None:
     """Find the largest load factor of a scene by limit analysis, and the mechanism.
 

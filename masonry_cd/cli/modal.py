@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, warn
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust, errors_reported, warn
 
 
 def modal(
@@ -32,6 +32,7 @@ def modal(
     sweep: Annotated[str | None, typer.Option(metavar="x|y|z", help="With --nscd: amplitudes over the frequency of the base.")] = None,
     velocity: Annotated[float | None, typer.Option(metavar="C", help="Of the sweep [m/s].", show_default="1/1000 g")] = None,
     force: Force = False,
+    trust: Trust = False,
 ) -> None:
     """Check modal frequencies: the bonded elastic continuum, and rigid blocks on elastic joints, on the blocks of a scene.
 

@@ -12,7 +12,7 @@ import typer
 
 from masonry_cd.app.folders import RUN, free_folder
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, exclude
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust, errors_reported, exclude
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -29,6 +29,7 @@ def run(
     ] = None,
     explain: Annotated[bool, typer.Option("--explain", help="Say what was left out for this scene, and why.")] = False,
     quiet: Quiet = False,
+    trust: Trust = False,
 ) -> None:
     """Compute a scene and write its results.
 
@@ -96,7 +97,11 @@ def _tell_end(summary: dict[str, Any], output: Path, quiet: bool, explain: bool)
 
 def _resuming(scene: Path, output: Path, changes: Sequence[str]) -> str:
     """The command that resumes a run."""
-    return shlex.join(["masonry-cd", "run", str(scene), "-o", str(output), "--resume", *(word for c in changes for word in ("--set", c))])
+    from masonry_cd.foundation.trust import trusted
+
+    trust = ["--trust"] if trusted() else []
+    set_ = [word for change in changes for word in ("--set", change)]
+    return shlex.join(["masonry-cd", "run", str(scene), "-o", str(output), "--resume", *set_, *trust])
 
 
 def _announce(prepared: Case) -> None:

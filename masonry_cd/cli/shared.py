@@ -14,6 +14,15 @@ import typer
 
 from masonry_cd.app.progress import Interrupted
 
+
+def _trust(given: bool) -> bool:
+    """Take note of --trust, or that it is not given."""
+    from masonry_cd.foundation.trust import trust
+
+    trust(given)
+    return given
+
+
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
 Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results; made if need be.", show_default=False)]
 Changes = Annotated[
@@ -22,6 +31,12 @@ Changes = Annotated[
 ]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite what DIR already holds.")]
+Trust = Annotated[
+    bool,
+    typer.Option(
+        "--trust", help="Run code that the scene names: files of Python, programs of gmsh (.geo).", callback=_trust, show_default=False
+    ),
+]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warnings and errors.")]
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Force, Output, Quiet, errors_reported, exclude, same_command, warn
+from masonry_cd.cli.shared import Force, Output, Quiet, Trust, errors_reported, exclude, same_command, warn
 from masonry_cd.foundation.errors import InputError
 
 REASONS = 5  # named at the end; the others are counted
@@ -28,6 +28,7 @@ def study(
     report: Annotated[bool, typer.Option("--report", help="Fit and draw again from the runs in DIR; make none.")] = False,
     force: Force = False,
     quiet: Quiet = False,
+    trust: Trust = False,
 ) -> None:
     """Make many runs of one scene: over records, intensities, materials, and seeds, on all cores or on a cluster.
 

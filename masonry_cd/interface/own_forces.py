@@ -7,7 +7,7 @@ loads do, so they are explicit: one that grows with displacement, of stiffness k
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -16,6 +16,7 @@ from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
 
+ROUNDING = 1e-9  # share of the largest force
 LOOKS = 65  # times over the run at which forces are looked at to tell whether the scene moves in a plane
 
 
@@ -45,6 +46,9 @@ class Pushing(Protocol):
 
     def taken(self) -> None:
         """The step last asked for was made."""
+
+    def copied(self) -> Pushing:
+        """One that remembers the same and goes its own way."""
 
 
 class History:
@@ -108,6 +112,10 @@ class BlockHistories:
     def taken(self) -> None:
         """Nothing is remembered."""
 
+    def copied(self) -> Pushing:
+        """Nothing is remembered, so it may be shared."""
+        return self
+
 
 class Field:
     """A field of forces on all blocks."""
@@ -129,6 +137,10 @@ class Field:
 
     def taken(self) -> None:
         """Nothing is remembered."""
+
+    def copied(self) -> Pushing:
+        """Nothing is remembered, so it may be shared."""
+        return self
 
 
 @dataclass(eq=False)
@@ -171,12 +183,16 @@ class OwnForces:
 
     def _pushes(self, now: Now) -> list[Pushes]:
         every = [item.pushes(now) for item in self.own]
-        if self.axis >= 0 and any(item.force[:, self.axis].any() for item in every):
+        if self.axis >= 0 and any(_across(found, self.axis) for item, found in zip(self.own, every, strict=True) if not keeps_plane(item)):
             raise InputError(
                 f"forces: at {now.time:g} s one acts along {'xyz'[self.axis]}, across the plane in which this scene moves; "
                 "run.planar = false has it move in space"
             )
         return every
+
+    def copied(self) -> OwnForces:
+        """Forces that remember the same and go their own way."""
+        return replace(self, own=tuple(item.copied() for item in self.own))
 
     def taken(self) -> None:
         """A step was made."""
@@ -218,8 +234,20 @@ class OwnForces:
         if self.base is not None and self.base.leaves_plane(axis, at, centre):
             return True
         still = Now(0.0, centre, np.broadcast_to(np.eye(3), (len(centre), 3, 3)), np.zeros((len(centre), 6)), self.dt)
-        times = np.linspace(0.0, self.end, LOOKS).tolist() if self.own else []
-        return any(item.pushes(still._replace(time=t)).force[:, axis].any() for t in times for item in self.own)
+        looked_at = [item for item in self.own if not keeps_plane(item)]
+        times = np.linspace(0.0, self.end, LOOKS).tolist() if looked_at else []
+        return any(_across(item.pushes(still._replace(time=t)), axis) for t in times for item in looked_at)
+
+
+def keeps_plane(item: Pushing) -> bool:
+    """Whether what leads out of the plane of a scene cancels in it."""
+    return bool(getattr(item, "keeps_plane", False))
+
+
+def _across(pushes: Pushes, axis: int) -> bool:
+    """Whether a force acts along an axis, by more than rounding."""
+    along = np.abs(pushes.force[:, axis])
+    return bool((along > ROUNDING * np.abs(pushes.force).max(initial=0.0)).any())
 
 
 def own_forces(given: Any, assembly: Assembly) -> Pushing:

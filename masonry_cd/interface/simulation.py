@@ -23,7 +23,8 @@ from masonry_cd.app.step_contacts import Contacts, contacts_of, reactions_of
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.events import EVENTS, Events
-from masonry_cd.interface.own_forces import OwnForces, own_forces
+from masonry_cd.interface.joint_law import BoundLaw, JointLaw
+from masonry_cd.interface.own_forces import OwnForces, Pushing, own_forces
 from masonry_cd.interface.own_motions import driven
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.simulation_state import SimulationState, checked_state, require_apart, with_first_velocities
@@ -54,9 +55,10 @@ class Simulation:
         motions: imposed on blocks by name: each a function of time that gives the velocity (3,) [m/s], or a pair of arrays, times and
             velocities (N, 3). The blocks do not turn, and move on top of what the scene's loads do to all supports.
         velocities: that free blocks begin with, by name: (3,) [m/s], or (6,) with the angular ones [rad/s].
+        law: of the joints, beside contact and friction.
 
     Raises:
-        InputError: anything wrong with the scene, the forces, the motions or the velocities.
+        InputError: anything wrong with the scene, the forces, the motions, the velocities or the law.
 
     >>> import masonry_cd as mc
     >>> sim = mc.Simulation(mc.scene("examples/trilithon.toml", "run.duration=0.02"))
@@ -75,6 +77,7 @@ class Simulation:
         forces: Any = None,
         motions: Mapping[str, Any] | None = None,
         velocities: Mapping[str, Any] | None = None,
+        law: JointLaw | None = None,
     ) -> None:
         self.scene = scene(source)
         """The scene that is stepped."""
@@ -83,14 +86,16 @@ class Simulation:
         self._case = prepare(checked, structure, parts)
         given = [] if forces is None else list(forces) if isinstance(forces, list | tuple) else [forces]
         assembly = self._case.assembly
-        items = tuple(own_forces(item, assembly) for item in given)
+        items: tuple[Pushing, ...] = tuple(own_forces(item, assembly) for item in given)
+        if law is not None:
+            items = (*items, BoundLaw(law, self._case.joints, assembly, checked.run.longest_step))
         self._own = OwnForces(self._case.loading.forces, items, checked.run.dt, self._case.steps * checked.run.dt)
         first = with_first_velocities(State.at_rest(assembly), velocities or {}, assembly).velocity
         self._stepper = _stepper(self._case, self._own, first)
         begin(self._stepper, self._case)
         if velocities:
             self._stepper.kick(first)
-        self._touched = bool(given or motions or velocities)  # by Python, so that the scene alone does not repeat it
+        self._touched = bool(items or motions or velocities)  # by Python, so that the scene alone does not repeat it
         self._advance = self._fresh_advance()
         self._pair_joints = PairJoints(assembly)
         self._events = Events(self._case.joints, self._stepper, checked.report.opened)
@@ -110,8 +115,7 @@ class Simulation:
         if count < 1:
             raise InputError(f"step: at least one step is made, not {count}")
         for _ in range(count):
-            if self.done:
-                raise InputError(f"step: the scene has ended, at {self.time:g} s; a longer run.duration goes on")
+            self._refuse_at_end("step")
             self._make_step()
         assert self.report is not None
         return self.report
@@ -229,6 +233,7 @@ class Simulation:
 
     @state.setter
     def state(self, wanted: SimulationState) -> None:
+        self._refuse_at_end("state")
         stepper = self._stepper
         state = checked_state(wanted, stepper)
         before, stepper.motion = stepper.motion, with_state(stepper.system, stepper.motion, state)
@@ -263,7 +268,11 @@ class Simulation:
         """The friction problem of the step that comes next; asking for it changes nothing.
 
         ``masonry_cd.io.problem_files.write_problem`` writes it as ``masonry-cd solve`` reads it.
+
+        Raises:
+            InputError: the scene has ended.
         """
+        self._refuse_at_end("problem")
         return self._stepper.friction_problem().problem
 
     # --- copies --------------------------------------------------------------------------------------------------------------
@@ -271,11 +280,11 @@ class Simulation:
     def copy(self) -> Simulation:
         """Another simulation that stands where this one does, and goes on with the same bits.
 
-        What own forces remember by themselves is shared; functions that are called on events are called by both.
+        What functions of Python remember is shared, and both call those that are called on events.
         """
         self._refuse_when_busy("copy")
         other = copy.copy(self)
-        other._own = copy.deepcopy(self._own, {id(item): item for item in (self._own.base, *self._own.own)})
+        other._own = self._own.copied()
         other._stepper = _independent(self._stepper, other._own if self._own.own else None)
         other._advance = other._fresh_advance()
         other._restore_pace(self._pace_arrays())
@@ -291,6 +300,7 @@ class Simulation:
         """
         self._refuse_when_busy("save")
         arrays = self._stepper.snapshot() | self._pace_arrays()
+        arrays |= {f"law/{i}": law.history for i, law in enumerate(self._laws)}
         checkpoint.save(Path(path), arrays, {"simulation": self.scene.text})
 
     def restore(self, path: str | os.PathLike[str]) -> None:
@@ -303,16 +313,26 @@ class Simulation:
         arrays, numbers_there = checkpoint.load(Path(path))
         if numbers_there.get("simulation") != self.scene.text:
             raise InputError(f"{path}: no checkpoint of a simulation of this scene")
-        own = {name: array for name, array in arrays.items() if not name.startswith(("pace/", "rest/"))}
+        own = {name: array for name, array in arrays.items() if not name.startswith(("pace/", "rest/", "law/"))}
         try:
             self._stepper.check(Stored(own))
         except InputError as reason:
             raise InputError(f"{path}: {reason}") from None
         self._stepper.restore(own)
+        for i, law in enumerate(self._laws):
+            law.history = arrays[f"law/{i}"].copy() if f"law/{i}" in arrays else np.zeros_like(law.history)
         self._advance = self._fresh_advance()
         self._restore_pace(arrays)
         self._stepper.last = None
         self._events.forget()
+
+    @property
+    def _laws(self) -> list[BoundLaw]:
+        return [item for item in self._own.own if isinstance(item, BoundLaw)]
+
+    def _refuse_at_end(self, what: str) -> None:
+        if self.done:
+            raise InputError(f"{what}: the scene has ended, at {self.time:g} s; a longer run.duration goes on")
 
     def _refuse_when_busy(self, what: str) -> None:
         if self._busy:

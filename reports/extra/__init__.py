@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from masonry_cd.foundation import plugins
 from masonry_cd.foundation.extensions import Entries
 
 if TYPE_CHECKING:  # scenes are checked before HDF5 is loaded
@@ -22,6 +23,18 @@ class ExtraReport(NamedTuple):
     files: tuple[str, ...]  # what it writes into the folder of a run, by name
     write: Callable[[Results, Path], None]  # from results, into a folder
     meaning: str = ""  # what they hold: their line of the reference
+
+
+def extra_report(name: str) -> ExtraReport:
+    """A report: ours, or one that a package adds.
+
+    Raises:
+        InputError: no such report, or a package that cannot be used.
+    """
+    if name in EXTRA:
+        return EXTRA[name]
+    found: ExtraReport = plugins.find("reports", name, "report.extra", EXTRA)
+    return found
 
 
 EXTRA: Entries[ExtraReport] = Entries("reports.extra", "REPORTS")

@@ -12,7 +12,7 @@ the surface, at most ``chord`` off; stones that are not convex (at a corner of t
 convex parts that move as one.
 
 The kernel reads and cuts in a child process (:mod:`structures.files.cutting`). A .geo is a program in gmsh's language: it can start others,
-read and write any file, and is refused unless the scene says ``trusted = true``.
+read and write any file, and is refused unless the command line says ``--trust``.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
+from masonry_cd.foundation.trust import require_trust
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
@@ -38,6 +39,7 @@ from structures.schema import Length
 
 SUFFIXES = (".geo", ".step", ".stp", ".brep")
 FILLED = 1e-6  # volume of the blocks relative to that of a solid with flat faces
+PROGRAM = "a program that gmsh runs with your rights: it may start others, read and write files"
 DAY = 86400.0  # [s]
 SECONDS = 600.0  # of processor time, unless the scene says otherwise [s]: towers of 35 to 63 stones take 1 to 4 s
 
@@ -55,7 +57,9 @@ class SolidTable(BaseModel):
     bond: Literal["running", "stack"] = Field("running", description="running: every second course is shifted by half a stone")
     chord: Length | None = Field(None, description="how far a flat facet may be off the curved face that it stands for")
     tolerance: Length = Field(1e-6, description="corners this close to a joint's plane lie in it")
-    trusted: bool = Field(False, description="run a .geo file, which is a program: it may start others, read and write files")
+    trusted: bool = Field(
+        False, description="of older scenes with a .geo file, which is a program; alone it has no effect: --trust runs it"
+    )
     time_limit: Annotated[float, Unit("s")] = Field(SECONDS, gt=0, le=DAY, description="processor time that reading and cutting may take")
     base_depth: Length | None = Field(None, description="of the fixed block underneath; by default a course")
 
@@ -88,13 +92,10 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
 
 
 def _trusted(keys: SolidTable, path: Path) -> None:
-    """Refuse a .geo that the scene does not vouch for."""
+    """Refuse a .geo that whoever runs the scene does not vouch for; what the scene says of it does not count."""
     program = path.suffix.lower() == ".geo"
-    if program and not keys.trusted:
-        raise InputError(
-            f"structure.trusted: {path.name} is a program that gmsh runs with your rights: it may start others, read and write files; "
-            "where you know what it does, say trusted = true, else use a .step or .brep"
-        )
+    if program:
+        require_trust("structure.path", path.name, PROGRAM, ", else use a .step or .brep")
     if not program and "trusted" in keys.model_fields_set:
         raise InputError(f"structure.trusted: belongs to .geo files, which are programs; {path.name} is none")
 

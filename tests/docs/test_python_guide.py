@@ -47,3 +47,15 @@ def test_every_name_and_table_is_on_the_page() -> None:
         assert hasattr(mc.Study, name), name
     for name in re.findall(r"`(\w+)\((?:\"\w+\")?\)`", text[text.index("`study.plot`") :].partition("\n\n")[0]):
         assert hasattr(StudyPlots, name), name
+
+
+@pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+def test_twenty_lines_are_twenty_and_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    (snippet,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python_in_twenty_lines.md").read_text(encoding="utf-8"), re.DOTALL)
+    assert sum(bool(line.strip()) for line in snippet.splitlines()) <= 24  # twenty, and what formatting breaks
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    exec(compile(snippet, "python_in_twenty_lines.md", "exec"), names)
+    said = capsys.readouterr().out
+    assert "joint 0 opens at" in said and "tilted by 5 degrees" in said
+    assert isinstance(names["run"], mc.Run)

@@ -10,7 +10,7 @@ from nbclient import NotebookClient
 from places import ROOT
 
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
-PICTURES = {"arch": 5, "own_blocks": 3, "study": 3, "sweep": 3}  # that each shows, at least
+PICTURES = {"arch": 5, "own_blocks": 3, "stepping": 3, "study": 3, "sweep": 3}  # that each shows, at least
 
 
 def shown(notebook: nbformat.NotebookNode) -> list[nbformat.NotebookNode]:

@@ -43,8 +43,9 @@ def test_stepped_it_has_the_bits_of_a_run(tables: dict[str, Any], step: Any) -> 
         assert np.array_equal(results.velocity[-1], sim.state.velocity)
         assert {name: values[-1] for name, values in results.energies.items()} == sim.energy
         assert len(results.per_step("step_time")) == sim.steps
-    with pytest.raises(mc.InputError, match="the scene has ended"):
-        sim.step()
+    for after_the_end in (sim.step, sim.problem, lambda: setattr(sim, "state", sim.state)):
+        with pytest.raises(mc.InputError, match="the scene has ended"):
+            after_the_end()
 
 
 def test_contacts_and_reactions_carry_the_weight(tables: dict[str, Any]) -> None:

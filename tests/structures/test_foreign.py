@@ -19,6 +19,7 @@ from models import tower
 import structures
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.gmsh_session import gmsh_session
+from masonry_cd.foundation.trust import VARIABLE
 from structures.files import cutting, foreign, mesh_readers, meshfile
 
 HEAD = 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 0.4, 0.5};\n'
@@ -64,14 +65,18 @@ def model(tmp_path: Path):
 
 
 @pytest.mark.parametrize("command", ["SystemCall", "NonBlockingSystemCall"])
-def test_a_geo_that_is_not_trusted_runs_nothing(tmp_path: Path, command: str, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_geo_that_is_not_trusted_runs_nothing(
+    tmp_path: Path, command: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     sentinel = tmp_path / "sentinel"
     (tmp_path / "wall.geo").write_text(f'{command} ": > {sentinel}";\n{HEAD}')
     message = refused(capfd, "wall.geo", cad, tmp_path, "wall.geo")
-    assert message.startswith("structure.trusted: wall.geo is a program")
-    assert message.endswith("say trusted = true, else use a .step or .brep")
+    assert message.startswith("structure.path: wall.geo is a program")
+    assert message.endswith("pass --trust, else use a .step or .brep")
+    assert message == refused(capfd, "wall.geo", cad, tmp_path, "wall.geo", trusted=True)  # a key of the scene vouches for nothing
     assert not sentinel.exists()
-    cad(tmp_path, "wall.geo", trusted=True)  # and this file is one that would have run it
+    monkeypatch.setenv(VARIABLE, "1")
+    cad(tmp_path, "wall.geo")  # and this file is one that would have run it
     for _ in range(50):
         if sentinel.exists():
             return
@@ -85,11 +90,13 @@ def test_only_a_geo_is_trusted(tmp_path: Path, model) -> None:
         cad(tmp_path, "wall.brep", trusted=True)
 
 
+@pytest.mark.usefixtures("trusting")
 def test_a_trusted_geo_ends_its_child_alone(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "wall.geo").write_text(HEAD + "Exit;\n")
     assert "ended with code 0 and no answer" in refused(capfd, "wall.geo", cad, tmp_path, "wall.geo", trusted=True)
 
 
+@pytest.mark.usefixtures("trusting")
 def test_a_trusted_geo_writes_into_a_folder_that_goes_and_sees_no_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SECRET", "word")
     monkeypatch.setenv("TMPDIR", str(tmp_path / "tmp"))
@@ -104,6 +111,7 @@ def test_a_trusted_geo_writes_into_a_folder_that_goes_and_sees_no_environment(tm
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGXCPU"), reason="the child is isolated from what is hidden here, and is limited by the system")
+@pytest.mark.usefixtures("trusting")
 @pytest.mark.parametrize("limit", [1, 2])
 def test_an_endless_loop_ends(tmp_path: Path, limit: int, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "wall.geo").write_text("i = 0;\nFor k In {0:1e15}\ni += 1;\nEndFor\n" + HEAD)
@@ -352,7 +360,7 @@ def test_the_command_line_tells_one_line_and_exits_with_2(tmp_path: Path) -> Non
         '[structure]\nkind = "solid"\npath = "wall.geo"\nunits = "m"\ncourse_height = 0.25\ntrusted = true\n'
         "[material]\ndensity = 2000.0\nfriction = 0.6\n[run]\ndt = 1e-3\nduration = 0.1\n"
     )
-    command = [sys.executable, "-m", "masonry_cd", "build", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out")]
+    command = [sys.executable, "-m", "masonry_cd", "build", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out"), "--trust"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("masonry-cd: error: ")

@@ -14,6 +14,8 @@ from masonry_cd.foundation.gmsh_session import gmsh_session
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 
+pytestmark = pytest.mark.usefixtures("trusting")
+
 HEAD = 'SetFactory("OpenCASCADE");\n'
 # a hollow square tower of 2.4 m, walls 0.4 m, with a door
 TOWER = """

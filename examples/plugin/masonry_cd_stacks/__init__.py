@@ -1,0 +1,1 @@
+"""An example of a plug-in for masonry-cd, a module for each of the points where one can add something."""

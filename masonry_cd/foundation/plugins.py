@@ -1,0 +1,120 @@
+"""Plug-ins: what installed packages add by entry points, and what a file of the user's adds by its name.
+
+    group of entry points    the entry is                               a scene asks for it by
+    masonry_cd.structures    build(table, density, folder)              [structure] kind = "name"
+    masonry_cd.loads         a LoadKind                                 [[loads]] kind = "name"
+    masonry_cd.readers       a Reader                                   [[loads]] format = "name", or the file's content
+    masonry_cd.reports       an ExtraReport                             [report] extra = ["name"]
+
+The kinds of the program itself are found by their place (:mod:`masonry_cd.foundation.extensions`) and asked first: metadata of packages are
+looked at only for a name that is not among them, and a package is imported only where a scene names what it adds. A kind of structure or
+load may also be in a file beside the scene, ``kind = "my_file.py:name"``, which runs where the command line says --trust.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.files import is_file
+from masonry_cd.foundation.trust import require_trust
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+GROUPS = ("structures", "loads", "readers", "reports")
+OWN_FILE = re.compile(r"(?P<path>.+\.py):(?P<name>[A-Za-z_]\w*)")
+PROGRAM = "a program that runs with your rights"
+
+
+class Plugin(NamedTuple):
+    """What a package adds."""
+
+    group: str  # one of GROUPS
+    name: str
+    package: str  # and its version
+    place: str  # module:attribute
+
+
+@cache
+def _entries(group: str) -> dict[str, EntryPoint]:
+    """The entries of a group by name; of two of one name the first package by name."""
+    from importlib.metadata import entry_points  # where a name asks for it: it takes its time
+
+    found = sorted(entry_points(group=f"masonry_cd.{group}"), key=lambda entry: (_package(entry), entry.name), reverse=True)
+    return {entry.name: entry for entry in found}
+
+
+def _package(entry: EntryPoint) -> str:
+    return "" if entry.dist is None else f"{entry.dist.name} {entry.dist.version}"
+
+
+def plugins() -> list[Plugin]:
+    """All that installed packages add; none of them is imported."""
+    return [Plugin(group, name, _package(entry), entry.value) for group in GROUPS for name, entry in sorted(_entries(group).items())]
+
+
+def names(group: str) -> tuple[str, ...]:
+    """Names of what packages add to a group."""
+    return tuple(sorted(_entries(group)))
+
+
+def load(group: str, name: str) -> Any:
+    """What a package adds, imported.
+
+    Raises:
+        InputError: the package cannot be imported, or has no such thing.
+    """
+    entry = _entries(group)[name]
+    try:
+        return entry.load()
+    except Exception as failure:  # whatever foreign code raises
+        raise InputError(f'plug-in "{name}" of {_package(entry)} cannot be used: {_in_a_line(failure)}') from None
+
+
+def find(group: str, name: str, key: str, known: Iterable[str], folder: Path | None = None) -> Any:
+    """What a name that the program itself does not know stands for: a file's, or a package's.
+
+    Args:
+        group: of the plug-in.
+        name: as the scene gives it.
+        key: of the scene, for messages.
+        known: names that the program itself knows.
+        folder: of the scene, where a file may be named.
+
+    Raises:
+        InputError: an unknown name, a file that is not there, not trusted or has no such thing, a package that cannot be imported.
+    """
+    own = OWN_FILE.fullmatch(name) if folder is not None else None
+    if own is not None and folder is not None:
+        return _of_file(folder / own["path"], own["name"], key)
+    if name not in _entries(group):
+        every = [*known, *names(group)]
+        raise InputError(f'{key}: unknown {key.rpartition(".")[2]} "{name}"{suggest(name, every)}; one of {", ".join(every)}')
+    return load(group, name)
+
+
+def _of_file(path: Path, name: str, key: str) -> Any:
+    """What a Python file defines."""
+    if not is_file(path):
+        raise InputError(f'{key}: no file "{path}"')
+    require_trust(key, path.name, PROGRAM)
+    spec = importlib.util.spec_from_file_location(f"masonry_cd_own_{path.stem}", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as failure:
+        raise InputError(f"{key}: {path.name} cannot be used: {_in_a_line(failure)}") from None
+    if not hasattr(module, name):
+        raise InputError(f'{key}: {path.name} defines no "{name}"')
+    return getattr(module, name)
+
+
+def _in_a_line(failure: Exception) -> str:
+    return f"{type(failure).__name__}: {' '.join(str(failure).split())}"

@@ -1,0 +1,72 @@
+"""What a plug-in has to be, by the group of its entry points; docs/plugins.md shows an example of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+from loads.motion import LoadTable, Part, RunGrid
+from loads.readers.source import RawRecord, Request, Source
+from masonry_cd.io.results import Results
+from masonry_cd.mechanics.model.blocks import Block
+
+
+class StructureKind(Protocol):
+    """``masonry_cd.structures``: a function that builds the blocks of a [structure] table."""
+
+    def __call__(self, table: Mapping[str, Any], density: float, folder: Path, /) -> list[Block] | tuple[list[Block], list[str]]:
+        """The blocks, or these and lines on what was changed in making them.
+
+        Args:
+            table: its keys, without ``kind`` and those of every kind; an InputError names one that is wrong, ``structure.key: ...``.
+            density: of the material [kg/m3].
+            folder: of the scene, to which paths are relative.
+        """
+
+
+@runtime_checkable
+class LoadKind(Protocol):
+    """``masonry_cd.loads``: the model of the keys of a [[loads]] table, and what it adds to a run."""
+
+    @property
+    def table(self) -> type[LoadTable]:
+        """The model."""
+
+    @property
+    def part(self) -> LoadPart:
+        """What it adds."""
+
+
+class LoadPart(Protocol):
+    """The function of a :class:`LoadKind`."""
+
+    def __call__(self, table: Any, grid: RunGrid, where: str, /) -> Part:
+        """What a table adds to a run on a grid of times; messages begin with ``where``."""
+
+
+@runtime_checkable
+class RecordReader(Protocol):
+    """``masonry_cd.readers``: a format of record files."""
+
+    @property
+    def loose(self) -> bool:
+        """Whether it recognises much; of a package it does not matter."""
+
+    def recognises(self, source: Source, /) -> bool:
+        """Whether a file is in this format, by its content alone."""
+
+    def read(self, source: Source, request: Request, /) -> RawRecord:
+        """What stands in the file, in its own unit."""
+
+
+@runtime_checkable
+class Report(Protocol):
+    """``masonry_cd.reports``: a report by name."""
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Names of what it writes into the folder of a run."""
+
+    def write(self, results: Results, folder: Path, /) -> None:
+        """Write it, from the results alone."""

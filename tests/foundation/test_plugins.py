@@ -1,0 +1,191 @@
+"""What a package adds, and a file of the user's: the example package is installed beside the tests, and each of its parts used."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from places import ROOT
+from typer.testing import CliRunner
+
+import masonry_cd as mc
+from masonry_cd.cli.app import app
+from masonry_cd.foundation import plugins
+from masonry_cd.foundation.trust import VARIABLE, trusted
+from masonry_cd.interface import protocols
+
+pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+EXAMPLE = ROOT / "examples" / "plugin"
+SCENE = """\
+[structure]
+kind = "stack"
+cubes = 2
+
+[material]
+density = 2000.0
+friction = 0.6
+
+[[loads]]
+kind = "pulse"
+amplitude = 0.1
+length = 0.05
+
+[run]
+dt = 2e-3
+duration = 0.02
+
+[report]
+extra = ["heights"]
+"""
+
+
+def install(folder: Path) -> None:
+    """What ``pip install --no-deps`` leaves of a package in a folder: its modules are found in place, its entry points as metadata."""
+    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    about = folder / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n")
+    lines = [
+        f"[{group}]\n" + "".join(f"{name} = {place}\n" for name, place in own.items()) for group, own in project["entry-points"].items()
+    ]
+    (about / "entry_points.txt").write_text("\n".join(lines))
+
+
+@pytest.fixture
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The example package is installed."""
+    (tmp_path / "site").mkdir()
+    install(tmp_path / "site")
+    monkeypatch.syspath_prepend(tmp_path / "site")
+    monkeypatch.syspath_prepend(EXAMPLE)
+    plugins._entries.cache_clear()
+    yield
+    plugins._entries.cache_clear()
+    for name in [name for name in sys.modules if name.startswith("masonry_cd_stacks")]:
+        del sys.modules[name]
+
+
+@pytest.fixture(autouse=True)
+def trusting_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a command trusts in this process ends with the test."""
+    monkeypatch.setenv(VARIABLE, "")
+
+
+def command(*words: object) -> tuple[int, str]:
+    """Run the command line: exit code, and all that it prints."""
+    done = CliRunner().invoke(app, [str(word) for word in words])
+    return done.exit_code, done.output
+
+
+@pytest.mark.usefixtures("installed")
+def test_a_scene_uses_kinds_and_a_report_of_a_package(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE)
+    code, said = command("run", tmp_path / "scene.toml", "-o", tmp_path / "out", "-q")
+    assert code == 0, said
+    rows = list(csv.DictReader((tmp_path / "out" / "heights.csv").open(encoding="utf-8")))
+    assert [row["block"] for row in rows] == ["plate", "cube1", "cube2"]
+    assert float(rows[2]["height_m"]) == pytest.approx(0.75, abs=1e-3)
+    run = mc.open(tmp_path / "out")
+    assert run.summary["loads"]["tables"][0]["kind"] == "pulse"
+    assert run.scene.structure.names == ["plate", "cube1", "cube2"]
+
+
+@pytest.mark.usefixtures("installed")
+@pytest.mark.parametrize("form", ["auto", "lab"])
+def test_a_record_is_read_by_a_reader_of_a_package(tmp_path: Path, form: str) -> None:
+    values = [0.0, 1.0, 0.5, -2.0, 0.0, 0.0, 1.0, 0.0, 0.5, 0.0]
+    (tmp_path / "quake.txt").write_text("LAB dt=0.01 unit=m/s2\n" + "".join(f"{value}\n" for value in values))
+    load = f'kind = "record"\npath = "quake.txt"\nformat = "{form}"\ncorrection = "none"\ndirection = "x"'
+    text = SCENE.replace('kind = "pulse"\namplitude = 0.1\nlength = 0.05', load).partition("[report]")[0]
+    (tmp_path / "scene.toml").write_text(text)
+    run = mc.run(tmp_path / "scene.toml", progress=False)
+    assert run.summary["loads"]["tables"][0]["before"]["pga"] == pytest.approx(2.0)
+
+
+@pytest.mark.usefixtures("installed")
+def test_the_command_lists_them_and_a_scene_without_them_imports_none(tmp_path: Path) -> None:
+    code, said = command("plugins")
+    assert code == 0
+    assert "structure stack: masonry-cd-stacks 0.1.0, masonry_cd_stacks.stack:build" in said.splitlines()
+    assert {line.partition(" ")[0] for line in said.splitlines()} == {"structure", "load", "reader", "report"}
+    assert not any(name.startswith("masonry_cd_stacks") for name in sys.modules)
+
+
+def test_a_scene_that_needs_no_package_looks_for_none() -> None:
+    script = (
+        "import sys, masonry_cd as mc; mc.scene('examples/trilithon.toml').structure; "
+        "from masonry_cd.foundation import plugins; print(plugins._entries.cache_info().currsize)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "0"
+
+
+@pytest.mark.usefixtures("installed")
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("structure.kind=stak", '"stak" (did you mean "stack"?)'),
+        ("loads[0].kind=puls", '"puls" (did you mean "pulse"?)'),
+        ("structure.cubs=3", "structure.cubs: unknown key"),
+        ("loads[0].amplitude=-1", "loads[0].amplitude"),
+        ('report.extra=["height"]', "energy, heights"),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_line(tmp_path: Path, change: str, words: str) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE)
+    code, said = command("run", tmp_path / "scene.toml", "-o", tmp_path / "out", "--set", change)
+    assert code == 2 and words in said and said.count("\n") == 1
+
+
+def test_a_package_that_cannot_be_used_is_named(installed: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "masonry_cd_stacks.stack", None)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    code, said = command("build", tmp_path / "scene.toml", "-o", tmp_path / "out", "--no-picture")
+    assert code == 2 and 'plug-in "stack" of masonry-cd-stacks 0.1.0 cannot be used' in said and said.count("\n") == 1
+
+
+def test_a_file_of_the_users_runs_only_where_the_command_line_trusts_it(tmp_path: Path) -> None:
+    mark = tmp_path / "ran"
+    code = (EXAMPLE / "masonry_cd_stacks" / "stack.py").read_text(encoding="utf-8")
+    (tmp_path / "own.py").write_text(f"open({str(mark)!r}, 'w').close()\n{code.replace('from __future__ import annotations', '')}")
+    text = SCENE.replace('"stack"', '"own.py:build"').replace("[run]", "trusted = true\n[run]").partition("[[loads]]")[0]
+    (tmp_path / "scene.toml").write_text(text + "[run]\ndt = 2e-3\nduration = 0.01\n")
+    asked = ("build", tmp_path / "scene.toml", "-o", tmp_path / "out", "--no-picture")
+    exit_code, said = command(*asked)
+    assert exit_code == 2 and said.count("\n") == 1
+    assert "own.py is a program that runs with your rights; where you know what it does, pass --trust" in said
+    assert not mark.exists() and not (tmp_path / "out").exists()
+    exit_code, said = command(*asked, "--trust")
+    assert exit_code == 0, said
+    assert mark.exists()
+    assert command(*asked, "--force")[0] == 2 and not trusted()  # it holds for one command
+    for name, words in (("own.py:no", 'own.py defines no "no"'), ("none.py:build", "no file")):
+        exit_code, said = command(*asked, "--force", "--trust", "--set", f"structure.kind={name}")
+        assert exit_code == 2 and words in said
+
+
+def test_a_load_of_the_users_and_trust_from_python(tmp_path: Path) -> None:
+    (tmp_path / "own.py").write_text((EXAMPLE / "masonry_cd_stacks" / "pulse.py").read_text(encoding="utf-8"))
+    scene = mc.scene(ROOT / "examples" / "trilithon.toml", "run.duration=0.02")
+    scene = scene.changed(loads=[{"kind": f"{tmp_path / 'own.py'}:PULSE", "amplitude": 0.1, "length": 0.01}])
+    with pytest.raises(mc.InputError, match="pass --trust"):
+        mc.Simulation(scene)
+    mc.trust()
+    try:
+        sim = mc.Simulation(scene)
+        sim.run()
+    finally:
+        mc.trust(False)
+    assert sim.state.position[0, 0] == pytest.approx(0.5 * 0.1 * 0.01, rel=0.05)
+
+
+@pytest.mark.usefixtures("installed")
+def test_what_the_example_adds_is_what_the_protocols_say() -> None:
+    load = {plugin.group: plugins.load(plugin.group, plugin.name) for plugin in mc.plugins()}
+    assert isinstance(load["loads"], protocols.LoadKind) and isinstance(load["readers"], protocols.RecordReader)
+    assert isinstance(load["reports"], protocols.Report) and callable(load["structures"])
