@@ -64,4 +64,6 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
 
 def has_pattern(scene: Scene) -> bool:
     """Whether a scene names what a limit analysis of the whole multiplies."""
-    return any(scene.limit.get(name) for name in PATTERNS) or any(load.get("kind") in KINDS for load in scene.loads)
+    return any(scene.limit.get(name) for name in PATTERNS) or any(
+        load.get("kind") in KINDS and load.get("control") != "displacement" for load in scene.loads
+    )

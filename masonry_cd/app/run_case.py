@@ -43,7 +43,8 @@ RESULTS = "result.h5"
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
     "damage_shocks.csv", "ties.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
-    "stress.csv", "joint_stress.csv", "element_stress.csv", "stress_map.png", "stress_map.svg", "stress_map.pdf",
+    "force_displacement.csv", "push_cycles.csv", "points.csv", "joint_gauges.csv", "cracks.csv", "supports.csv", "force_displacement.png",
+    "gauges.png", "stress.csv", "joint_stress.csv", "element_stress.csv", "stress_map.png", "stress_map.svg", "stress_map.pdf",
 )  # fmt: skip
 
 
@@ -144,7 +145,7 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watc
             stepper,
             case.joints,
             writer,
-            Plan(case.steps, settings.frame_every, pauses=pauses, stress=scene.stress),
+            Plan(case.steps, settings.frame_every, pauses=pauses, stress=scene.stress, gauges=case.gauges),
             progress,
             Checkpoints(saved, resume=resume),
         )
@@ -156,9 +157,20 @@ def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: floa
 
     with Results.open(folder / RESULTS) as results:
         summary |= joint_files.write_joint_damage(results, folder, case.scene.report)
+        summary |= _write_laboratory(results, folder, summary)
     summary["wall_seconds"] = since + time.perf_counter()
     write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
     return summary
+
+
+def _write_laboratory(results: Results, folder: Path, summary: dict[str, Any]) -> dict[str, Any]:
+    """Write what pushes and gauges have recorded; return the summary's share."""
+    if not results.gauges.any:
+        return {}
+    from reports.laboratory.files import laboratory_warnings, write_laboratory
+
+    share = write_laboratory(results, folder)
+    return share | {"warnings": [*laboratory_warnings(share), *summary["warnings"]]}
 
 
 def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
@@ -223,6 +235,8 @@ def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
     """The writer of a new result file, or of one that is resumed."""
     if not resume:
         place = os.path.relpath(case.scene.path, file.parent)
-        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case), place, tie_bars(case))
+        return ResultWriter(
+            file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case), place, tie_bars(case), case.gauges
+        )
     numbers = checkpoint.load(saved)[1]
     return ResultWriter.resumed(file, numbers["rows"], numbers["mark"], sums=False)

@@ -157,11 +157,20 @@ def static_loads(
     bars = [bar(parse_table(TieTable, table, where), grid, where) for where, table in made]
     ties = [part.forces[0] for part in (*parts.values(), *bars) if isinstance(part.forces[0], Tie)]
     used = (PointTable, TieTable, PushTable, TiltTable) if support is None else (PointTable, TieTable)
-    left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]
+    left = [
+        f"loads[{i}] ({t.kind})"
+        for i, t in enumerate(asked)
+        if (not isinstance(t, used) or _by_displacement(t)) and i != at and t.kind != "gravity"
+    ]
     notes = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
     vector = None if direction is None else direction.vector
     arms, names = _arms(points, limit.live), tuple(tie.name for tie in ties)
     return StaticLoads(kind, words, vector, weight, constant, live, _bars(ties, assembly), names, support, arms, notes)
+
+
+def _by_displacement(table: LoadTable) -> bool:
+    """Whether a load moves blocks, which a limit analysis does not."""
+    return isinstance(table, PushTable) and table.control == "displacement"
 
 
 def _pattern(
@@ -175,7 +184,7 @@ def _pattern(
     if limit.live:
         return "live", None, f"live loads: {', '.join(f'loads[{i}]' for i in limit.live)}", None, None
     kinds = (PushTable, TiltTable, SettlementTable, SpreadingTable)
-    there = [(i, table) for i, table in enumerate(asked) if isinstance(table, kinds)]
+    there = [(i, table) for i, table in enumerate(asked) if isinstance(table, kinds) and not _by_displacement(table)]
     if not there:
         raise InputError('limit: no load to multiply; give one in [limit], e.g. push = "x", or a load of kind push or tilt')
     if len(there) > 1:

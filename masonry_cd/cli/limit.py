@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, silent
 
 
 def limit(
@@ -23,6 +23,7 @@ def limit(
     ] = False,
     run: Annotated[Path | None, typer.Option(metavar="DIR", help="Of a run, whose damage stands beside the macro-elements.")] = None,
     force: Force = False,
+    quiet: Quiet = False,
 ) -> None:
     """Find the largest load factor of a scene by limit analysis, and the mechanism.
 
@@ -56,5 +57,6 @@ def limit(
         if picture and view != "auto":
             view_named(view)  # refused before anything is computed
         asked = Asked(output, curve, macro_elements, run, picture, view)
-        written = limit_command(scene, set_ or (), asked, typer.echo)
-        typer.echo(f"written: {', '.join(map(str, written))}")
+        written = limit_command(scene, set_ or (), asked, silent if quiet else typer.echo)
+        if not quiet:
+            typer.echo(f"written: {', '.join(map(str, written))}")
