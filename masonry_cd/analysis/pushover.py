@@ -8,7 +8,7 @@ the secant k through 60 % of the peak, and ends at u_u with the area A of the en
     F_y = k (u_u - sqrt(u_u^2 - 2 A / k)),       u_y = F_y / k.
 
 **Cycles** go from one passage through zero in the direction of the first push to the next. One dissipates E = sum F du, and has the
-equivalent viscous damping xi = E / (4 pi E_s), E_s = (F+ u+ + F- u-) / 4 the mean of the triangles up to its extremes.
+equivalent viscous damping xi = E / (4 pi E_s), E_s = (F+ u+ + F- u-) / 4 the mean of the triangles of its largest forces and displacements.
 
 **Inertia** is the rate of momentum of all blocks along the push; its share is the largest mean over WINDOW of the run, over the largest
 force.
@@ -101,23 +101,20 @@ class PushCurve:
     def _cycle(self, begin: int, end: int, sign: float) -> dict[str, float]:
         u, f = sign * self.displacement[begin:end], sign * self.force[begin:end]
         way = np.diff(u, prepend=sign * self.displacement[begin - 1] if begin else 0.0)
-        energy, high, low = float(np.sum(f * way)), int(np.argmax(u)), int(np.argmin(u))
-        most, least = self._mean_force(begin + high) * sign, self._mean_force(begin + low) * sign
-        stored = 0.25 * (most * float(u[high]) + least * float(u[low]))
+        energy, high, low = float(np.sum(f * way)), float(u.max()), float(u.min())
+        mean = np.convolve(f, np.full(min(self.window, len(f)), 1.0 / min(self.window, len(f))), "valid")
+        most, least = float(mean.max()), float(mean.min())
+        stored = 0.25 * (most * high + least * low)
         return {
             "begin": float(self.time[begin]),
             "end": float(self.time[end - 1]),
-            "displacement_max": float(u[high]),
-            "displacement_min": float(u[low]),
+            "displacement_max": high,
+            "displacement_min": low,
             "force_max": most,
             "force_min": least,
             "dissipated": energy,
             "damping": energy / (4.0 * math.pi * stored) if stored > 0.0 else math.nan,
         }
-
-    def _mean_force(self, at: int) -> float:
-        """Over a window up to a step [N]."""
-        return float(self.force[max(0, at + 1 - self.window) : at + 1].mean())
 
     def numbers(self) -> dict[str, Any]:
         """What a laboratory writes into its table, for the summary."""
