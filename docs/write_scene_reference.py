@@ -35,7 +35,7 @@ def page() -> str:
     parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[[structures]]", table_schema(PlaceTable), SITE)]
     parts += _section("[material]", tables["material"])
     parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
-    parts += [*_section("[limit]", tables["limit"]), *_section("[assess]", tables["assess"])]
+    parts += [*_section("[limit]", tables["limit"]), *_section("[assess]", tables["assess"]), *_section("[output]", tables["output"])]
     return "\n".join(parts)
 
 

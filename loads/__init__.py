@@ -14,17 +14,20 @@ from typing import Any
 import numpy as np
 
 from loads.combine import support_motions
+from loads.kinds.driven import check_inertia, check_together
 from loads.kinds.forces import Forces, TieTable, bar, collect
 from loads.kinds.gravity import GravityTable
 from loads.kinds.sequence import Pause, Shock
 from loads.kinds.tilt import TiltTable, load_factors
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
-from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.extensions import Entries
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.guides import Guide
 
-__all__ = ["KINDS", "Loading", "build", "parse_load"]
+__all__ = ["KINDS", "Loading", "build", "parse_load", "suggest"]
 
+REST = 1.0  # after the loads of a run that states no duration [s]
 FASTEST = 1e4  # speed of a support [m/s]
 STRONGEST = 1e6  # body force [m/s2]
 
@@ -97,6 +100,8 @@ def build(
     if not falls:
         parts.append(KINDS["gravity"].part(GravityTable(), grid, "gravity"))
     tied = [bar(parse_table(TieTable, table, where), grid, where) for where, table in ties]
+    forces = collect([*parts, *tied], grid)
+    _check_guides(parts, forces, grid)
     acceleration = np.zeros((grid.steps + 1, 3))
     for part in parts:
         if part.acceleration is not None:
@@ -119,9 +124,28 @@ def build(
     pauses = sorted((pause for part in parts for pause in part.pauses), key=lambda pause: pause.first)
     quiet = tuple(pause for pause in pauses if _nothing_changes(pause, velocity, acceleration))
     lines += [f'rest after "{pause.after}": not ended early, since other loads act in it' for pause in pauses if pause not in quiet]
-    return Loading(
-        velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, collect([*parts, *tied], grid), warnings
-    )
+    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, forces, warnings)
+
+
+def end_of(
+    tables: Sequence[Mapping[str, Any]], dt: float, gravity: Sequence[float], folder: Path, assembly: Assembly
+) -> tuple[float, float]:
+    """When all loads have done what they do, and how long the structure should rest after it [s], for a run that states no duration.
+
+    Raises:
+        InputError: no load says when it ends.
+    """
+    grid = RunGrid(float(dt), 1, np.asarray(gravity, dtype=float), Path(folder), assembly)
+    end, rest = 0.0, 0.0
+    for i, given in enumerate(tables):
+        table, where = parse_load(given, f"loads[{i}]"), f"loads[{i}]"
+        kind = KINDS[table.kind]
+        last = 0.0 if kind.end is None else kind.end(table, grid, where)
+        slow = getattr(table, "control", "") == "displacement" or table.kind in ("prop", "gravity", "tie")
+        end, rest = max(end, last), rest if slow else REST
+    if not end > 0.0:
+        raise InputError("run.duration: missing, and no load says how long the run is to last")
+    return end, rest
 
 
 def parse_load(table: Mapping[str, Any], where: str, folder: Path | None = None) -> LoadTable:
@@ -156,6 +180,18 @@ def _nothing_changes(pause: Pause, velocity: np.ndarray, acceleration: np.ndarra
     """True when the base stands still and the body force is constant over a pause, so that it may be ended early."""
     during = slice(pause.first, pause.last + 1)
     return not velocity[during].any() and bool((acceleration[during] == acceleration[pause.first]).all())
+
+
+def _check_guides(parts: Sequence[Part], forces: Forces | None, grid: RunGrid) -> None:
+    """Check pushes by displacement and props together.
+
+    Raises:
+        InputError: two that move one block, or one whose inertia would be more than its force.
+    """
+    wheres = [f"loads[{i}]" for i, part in enumerate(parts) for force in part.forces if isinstance(force, Guide)]
+    if forces is not None and grid.assembly is not None and wheres:
+        check_together(forces.guides, grid.assembly, wheres)
+        check_inertia(forces.guides, forces.points, grid, wheres)
 
 
 def _gravity_tables(asked: Sequence[LoadTable]) -> list[int]:

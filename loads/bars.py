@@ -25,6 +25,7 @@ from functools import cached_property
 import numpy as np
 
 from masonry_cd.mechanics.model.block_forces import Acting
+from masonry_cd.mechanics.model.guides import Guide
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +60,7 @@ class Forces:
 
     points: tuple[PointLoad, ...]
     ties: tuple[Tie, ...]
+    guides: tuple[Guide, ...] = ()  # of blocks whose motion is given in part
 
     def acting(
         self,
@@ -97,11 +99,12 @@ class Forces:
 
     def extended(self, steps: int) -> Forces:
         """The forces, with point loads that keep their last value for so many more steps."""
-        return Forces(tuple(replace(load, factor=np.pad(load.factor, (0, steps), mode="edge")) for load in self.points), self.ties)
+        points = tuple(replace(load, factor=np.pad(load.factor, (0, steps), mode="edge")) for load in self.points)
+        return Forces(points, self.ties, tuple(guide.extended(steps) for guide in self.guides))
 
     def ties_alone(self) -> Forces:
-        """The ties."""
-        return Forces((), self.ties)
+        """The ties, and guides at rest."""
+        return Forces((), self.ties, tuple(guide.at_rest() for guide in self.guides))
 
     def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """L - L_0 of each tie, (T,) [m]."""
@@ -159,4 +162,5 @@ class Forces:
         arms += [(block, arm) for tie in self.ties for block, arm in zip(tie.blocks, tie.arms, strict=True)]
         size = 1e-9 * max(1.0, float(np.abs(centre).max()))
         off = any(abs(centre[block, axis] + arm[axis] - at) > size for block, arm in arms)
+        off = off or any(guide.leaves_plane(axis, at, centre) for guide in self.guides)
         return off or any(load.force[axis] != 0.0 for load in self.points)

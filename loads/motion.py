@@ -65,7 +65,7 @@ class Part:
     summary: dict[str, Any] = field(default_factory=dict)
     shocks: tuple[Any, ...] = ()  # loads.kinds.sequence.Shock
     pauses: tuple[Any, ...] = ()  # loads.kinds.sequence.Pause
-    forces: tuple[Any, ...] = ()  # loads.kinds.forces.PointLoad and Tie
+    forces: tuple[Any, ...] = ()  # loads.bars.PointLoad and Tie, and Guide
 
 
 strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
@@ -88,6 +88,8 @@ class LoadKind(NamedTuple):
 
     table: type[LoadTable]
     part: Callable[[Any, RunGrid, str], Part]
+    end: Callable[[Any, RunGrid, str], float] | None = None
+    """When the load has done what it does, (table, grid, where) -> [s]; None: it does not say."""
 
 
 @dataclass(frozen=True)

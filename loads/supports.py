@@ -67,6 +67,11 @@ class ShakingTable(LoadTable):
         """(B,) [s], or None where all supports move together."""
         return None if self.delay is None else self.delay.of_blocks(grid, where)
 
+    def latest(self, grid: RunGrid, where: str) -> float:
+        """The largest lag [s]."""
+        delay = self.delay_of_blocks(grid, where)
+        return 0.0 if delay is None else float(delay.max())
+
 
 def structure(grid: RunGrid, where: str) -> Assembly:
     """The blocks that the run is about.

@@ -254,4 +254,9 @@ def _amplified(numbers: np.ndarray, gain: np.ndarray) -> np.ndarray:
     return np.asarray((numbers.view(float).reshape(-1, 2) * gain[:, None]).view(complex)[:, 0])
 
 
-KINDS = {"artificial": LoadKind(ArtificialTable, artificial)}
+def _end(table: ArtificialTable, grid: RunGrid, where: str) -> float:
+    """When the base stands still again [s]."""
+    return table.start + table.duration + table.latest(grid, where)
+
+
+KINDS = {"artificial": LoadKind(ArtificialTable, artificial, _end)}

@@ -24,6 +24,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Flag, Instant, check_tension, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.guides import Guide
 from masonry_cd.mechanics.model.place_on_block import require_on_block
 
 LONGEST_TIE = 1e6  # [m]
@@ -220,7 +221,11 @@ def collect(parts: Sequence[Part], grid: RunGrid) -> Forces | None:
     every: list[Any] = [force for part in parts for force in part.forces]
     if not every:
         return None
-    forces = Forces(tuple(f for f in every if isinstance(f, PointLoad)), tuple(f for f in every if isinstance(f, Tie)))
+    forces = Forces(
+        tuple(f for f in every if isinstance(f, PointLoad)),
+        tuple(f for f in every if isinstance(f, Tie)),
+        tuple(f for f in every if isinstance(f, Guide)),
+    )
     if len(forces.ties) > 1:
         assert grid.assembly is not None
         omega, xi = _highest(forces.ties, grid.assembly)
@@ -292,4 +297,7 @@ def one_block(name: str, assembly: Assembly, where: str) -> int:
     return int(found[0])
 
 
-KINDS = {"point": LoadKind(PointTable, point), "tie": LoadKind(TieTable, tie)}
+KINDS = {
+    "point": LoadKind(PointTable, point, lambda table, grid, where: table.start + table.ramp),
+    "tie": LoadKind(TieTable, tie, lambda table, grid, where: 0.0),
+}

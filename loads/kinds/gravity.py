@@ -30,4 +30,4 @@ def gravity(table: GravityTable, grid: RunGrid, where: str) -> Part:
     return Part(acceleration=np.outer(factor, grid.gravity), lines=lines, summary=summary)
 
 
-KINDS = {"gravity": LoadKind(GravityTable, gravity)}
+KINDS = {"gravity": LoadKind(GravityTable, gravity, lambda table, grid, where: table.ramp)}

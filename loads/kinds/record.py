@@ -89,4 +89,14 @@ def _warnings(table: RecordTable, grid: RunGrid, where: str, after: History) -> 
     return lines
 
 
-KINDS = {"record": LoadKind(RecordTable, record)}
+def record_end(table: RecordTable, grid: RunGrid, where: str) -> float:
+    """When the base stands still again [s].
+
+    Raises:
+        InputError: see :func:`record`.
+    """
+    fades = FADE if table.correction == "none" else 0.0
+    return table.start + process(table, grid.folder, grid.dt, where).after.duration + fades + table.latest(grid, where)
+
+
+KINDS = {"record": LoadKind(RecordTable, record, record_end)}

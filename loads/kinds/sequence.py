@@ -235,4 +235,11 @@ def _summary(shock: Shock, ready: _Ready, grid: RunGrid) -> dict[str, Any]:
     }
 
 
-KINDS = {"sequence": LoadKind(SequenceTable, sequence)}
+def _end(table: SequenceTable, grid: RunGrid, where: str) -> float:
+    """When the last rest is over [s]."""
+    ready = [_prepare(shock, grid, f"{where}.shocks[{i}]", i)[0] for i, shock in enumerate(table.shocks)]
+    shocks, pauses = _lay_out(table, ready, grid, table.latest(grid, where))
+    return grid.dt * (pauses[-1].last if pauses else shocks[-1].last)
+
+
+KINDS = {"sequence": LoadKind(SequenceTable, sequence, _end)}

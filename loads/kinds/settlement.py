@@ -32,7 +32,7 @@ FEWEST_STEPS = 10  # of the run in a pulse
 NEAR = 1e-6  # of the largest extent of a block: boxes closer than this meet
 
 
-def _names(value: object) -> tuple[str, ...] | None:
+def names_of_blocks(value: object) -> tuple[str, ...] | None:
     """One name or a list of names."""
     names = [value] if isinstance(value, str) else value
     if names is None:
@@ -42,15 +42,15 @@ def _names(value: object) -> tuple[str, ...] | None:
     return tuple(names)
 
 
-_NAMES: dict[str, Any] = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]}
-Names = Annotated[tuple[str, ...] | None, BeforeValidator(_names), WithJsonSchema(_NAMES)]
+NAMES_SCHEMA: dict[str, Any] = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]}
+Names = Annotated[tuple[str, ...] | None, BeforeValidator(names_of_blocks), WithJsonSchema(NAMES_SCHEMA)]
 
 
 class SettlementTable(LoadTable):
     """Keys of ``kind = "settlement"``."""
 
     kind: Literal["settlement"] = "settlement"
-    supports: Annotated[tuple[str, ...], BeforeValidator(_names), WithJsonSchema(_NAMES)]
+    supports: Annotated[tuple[str, ...], BeforeValidator(names_of_blocks), WithJsonSchema(NAMES_SCHEMA)]
     """Names of fixed blocks or groups; * stands for any letters."""
     direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
     """Axis or vector along which they move."""
@@ -191,4 +191,9 @@ def _summary(table: SettlementTable | SpreadingTable) -> dict[str, object]:
     }
 
 
-KINDS = {"settlement": LoadKind(SettlementTable, settlement), "spreading": LoadKind(SpreadingTable, spreading)}
+def _end(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -> float:
+    """When the supports have come to their place [s]."""
+    return table.start + table.duration
+
+
+KINDS = {"settlement": LoadKind(SettlementTable, settlement, _end), "spreading": LoadKind(SpreadingTable, spreading, _end)}

@@ -129,4 +129,9 @@ def _lines(table: SinusoidalTable, grid: RunGrid, where: str, n: dict[str, Any])
     return tuple(lines)
 
 
-KINDS = {"sinusoidal": LoadKind(SinusoidalTable, sinusoidal)}
+def _end(table: SinusoidalTable, grid: RunGrid, where: str) -> float:
+    """When the base stands still again [s]."""
+    return table.start + table.length + table.latest(grid, where)
+
+
+KINDS = {"sinusoidal": LoadKind(SinusoidalTable, sinusoidal, _end)}

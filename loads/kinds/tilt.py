@@ -9,7 +9,8 @@ lambda = tan(phi) times the weight, the weight itself being less by cos(phi): ri
 it with, so the angle at which they give way is the same. The turning itself (centrifugal and Euler forces) is left out: at 1 degree/s
 and 10 m it is 3e-3 m/s2.
 
-**Push.** A body force on every block that grows linearly,  a(t) = lambda |g| d,  lambda = initial + rate (t - start), at most peak.
+**Push.** A body force on every block that grows linearly,  a(t) = lambda |g| d,  lambda = initial + rate (t - start), at most peak. One by
+displacement, as laboratories push, is in ``driven.py``.
 
 In both the structure needs time to fall: lambda has grown by rate times that time when the fall is seen. Push slowly where it matters.
 """
@@ -22,6 +23,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from loads.kinds.driven import DrivenKeys, driven, path_of
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, parse_direction
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
@@ -30,6 +32,7 @@ from masonry_cd.foundation.units import Unit
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
+BY_FORCE = ("rate", "initial", "peak")
 
 
 class TiltTable(LoadTable):
@@ -58,23 +61,35 @@ class TiltTable(LoadTable):
         return self
 
 
-class PushTable(LoadTable):
-    """Keys of ``kind = "push"``."""
+class PushTable(DrivenKeys, LoadTable):
+    """Keys of ``kind = "push"``: those of its control by force, then those of its control by displacement."""
 
     kind: Literal["push"] = "push"
     direction: DirectionKey
-    """Axis or vector along which the body force acts."""
-    rate: Annotated[Positive, Unit("1/s")]
-    """Of lambda, the share of the weight."""
+    """Axis or vector along which the body force acts, or the blocks are moved."""
+    control: Literal["force", "displacement"] = "force"
+    """A body force that grows, or blocks that are moved and whose reaction is recorded."""
+    rate: Annotated[Positive, Unit("1/s")] | None = None
+    """By force: of lambda, the share of the weight."""
     initial: NotNegative = 0.0
-    """Lambda from the first step on."""
+    """By force: lambda from the first step on."""
     peak: Positive | None = None
-    """Lambda at which it stops."""
+    """By force: lambda at which it stops."""
     start: Instant = 0.0
     """When it begins."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        mine, other = (BY_FORCE, tuple(DrivenKeys.model_fields)) if self.control == "force" else (tuple(DrivenKeys.model_fields), BY_FORCE)
+        needed = ("rate",) if self.control == "force" else ("blocks", "targets")
+        missing = next((key for key in needed if key not in self.model_fields_set), "")
+        if missing:
+            raise ValueError(f'{missing}: missing, control = "{self.control}" needs it')
+        astray = next((key for key in other if key in self.model_fields_set), "")
+        if astray:
+            raise ValueError(f'{astray}: of no use with control = "{self.control}", which takes {", ".join(mine)}')
+        if self.control == "displacement":
+            self.check_place()
         if self.peak is not None and self.peak < self.initial:
             raise ValueError(f"peak: {self.peak:g} lies below initial, {self.initial:g}")
         return self
@@ -108,26 +123,53 @@ def tilt(table: TiltTable, grid: RunGrid, where: str) -> Part:
 
 
 def push(table: PushTable, grid: RunGrid, where: str) -> Part:
-    """The body force at the run's times, (N + 1, 3) [m/s2].
+    """The body force at the run's times, (N + 1, 3) [m/s2], or the guide of blocks that are moved.
 
     Raises:
-        InputError: no gravity that would give it its size.
+        InputError: no gravity that would give it its size; see :func:`loads.kinds.driven.driven`.
     """
+    if table.control == "displacement":
+        return driven(table, table.direction, table.start, grid, where)
+    rate = table.rate or 0.0
     _, size = _gravity(grid, where)
     limit = np.inf if table.peak is None else table.peak
-    factor = np.minimum(table.initial + table.rate * np.maximum(grid.times - table.start, 0.0), limit)
+    factor = np.minimum(table.initial + rate * np.maximum(grid.times - table.start, 0.0), limit)
     return Part(
         acceleration=size * table.direction.along(factor),
-        lines=(f"{where} push along {table.direction.label}: lambda {factor[0]:g} to {factor[-1]:.4g} at {table.rate:g} per second",),
+        lines=(f"{where} push along {table.direction.label}: lambda {factor[0]:g} to {factor[-1]:.4g} at {rate:g} per second",),
         summary={
             "kind": "push",
             "direction": list(table.direction.vector),
             "start": table.start,
             "initial": table.initial,
-            "rate": table.rate,
+            "rate": rate,
             "peak": float(factor[-1]),
         },
     )
+
+
+def tilt_end(table: TiltTable, grid: RunGrid, where: str) -> float:
+    """When the angle is reached at which it stops [s].
+
+    Raises:
+        InputError: it stops at none.
+    """
+    if table.angle is None:
+        raise InputError(f"run.duration: missing, and {where} has no angle at which it stops")
+    return table.start + (table.angle - table.initial) / table.rate
+
+
+def push_end(table: PushTable, grid: RunGrid, where: str) -> float:
+    """When the push has come to its peak, or to its last target [s].
+
+    Raises:
+        InputError: it has no peak.
+    """
+    if table.control == "displacement":
+        return path_of(table, table.start, grid, where).end
+    if table.peak is None:
+        raise InputError(f"run.duration: missing, and {where} has no peak at which it stops")
+    return table.start + (table.peak - table.initial) / (table.rate or 1.0)
 
 
 def load_factors(acceleration: np.ndarray, gravity: np.ndarray) -> np.ndarray:
@@ -166,4 +208,4 @@ def _lean(table: TiltTable, down: np.ndarray, where: str) -> Direction:
     return lean
 
 
-KINDS = {"tilt": LoadKind(TiltTable, tilt), "push": LoadKind(PushTable, push)}
+KINDS = {"tilt": LoadKind(TiltTable, tilt, tilt_end), "push": LoadKind(PushTable, push, push_end)}

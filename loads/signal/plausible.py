@@ -13,6 +13,7 @@ from loads.signal.accelerogram import OFFSET, Processed
 CHANGED = 0.1  # share of PGV or PGD that a correction may change
 SLOW = 0.1  # step [s]; networks sample at 0.02 s and below
 END_SHARE = 0.02  # of the samples, at either end
+REST = 1e-3  # of the PGA: an end value below it is rest, one as close to the PGA is that of a pulse
 SHAKING = 0.1  # of the PGA: a root mean square at an end above it is no rest
 
 
@@ -24,16 +25,21 @@ def doubts(processed: Processed, correction: str, where: str) -> list[str]:
 
 def _cut_off(processed: Processed, where: str) -> list[str]:
     """Whether the motion begins or ends while the ground shakes."""
-    values = processed.about_mean.acceleration
+    values, raw = processed.about_mean.acceleration, np.abs(processed.before.acceleration)
     some, peak = max(3, round(END_SHARE * len(values))), float(np.abs(values).max())
-    ends = (("begins", values[:some]), ("ends", values[-some:]))
-    found = [(word, float(np.sqrt(np.mean(part**2))) / peak) for word, part in ends]
+    ends = (("begins", values[:some], raw[0]), ("ends", values[-some:], raw[-1]))
+    found = [(word, float(np.sqrt(np.mean(part**2))) / peak) for word, part, end in ends if not _is_of_pulse(end, float(raw.max()))]
     return [
-        f"{where} the record {word} while the ground shakes, at {100 * share:.2g} % of its PGA (root mean square): "
+        f"{where} the record {word} while the ground shakes, at {100 * share:.3g} % of its PGA (root mean square): "
         "is the window too narrow, or the file cut?"
         for word, share in found
         if share > SHAKING
     ]
+
+
+def _is_of_pulse(end: float, peak: float) -> bool:
+    """Whether a pulse is as large at one end as a record is there: nothing, or its peak. No record is cut exactly at either."""
+    return end <= REST * peak or end >= (1.0 - REST) * peak
 
 
 def _made_anew(processed: Processed, correction: str, where: str) -> list[str]:

@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.crushing_checks import refuse_crushing_in_a_run
 from masonry_cd.app.doubts import doubts
+from masonry_cd.app.output_table import gauges_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import SceneKind, compiling
 from masonry_cd.foundation.errors import InputError, in_plain_words
 from masonry_cd.foundation.jit import lost
+from masonry_cd.io.gauges import Gauges, GuideGauge
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.dynamics.pauses import HOLD, STILL
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
@@ -59,6 +61,7 @@ class Case:
     coarse: tuple[str, ...]  # those of them on the time step
     built_gap: float  # largest gap or overlap of the joints as built that counts as none [m]
     seconds: float  # to build it
+    gauges: Gauges  # what is kept in every step besides
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +174,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     begin = time.perf_counter()
     scene.refuse_static()
     structure = structure or structure_of(scene)
+    scene, lasting = _timed(scene, structure.assembly)
     try:
         if scene.limit:
             from masonry_cd.app.static_loads import limit_table
@@ -211,7 +215,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     unusual = doubts(scene, assembly, joints, loading.summary["tables"])
     warnings = (*structure.odd_size, *unusual, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
     masonry = () if scene.material.masonry is None else (in_words(scene.material.masonry),)
-    notes = (*structure.notes, *masonry, *damping)
+    notes = (*structure.notes, *masonry, *damping, *lasting)
     if built > REPORTED * assembly.width:
         notes = (*notes, f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
     still = _still_speed(scene.run, joints)
@@ -219,8 +223,42 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         loading = _until_still(scene, loading, still)
     except InputError as error:
         raise scene.at_fault(error) from None
-    steps = len(loading.acceleration) - 1
-    return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, time.perf_counter() - begin)
+    try:
+        gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
+    except InputError as error:
+        raise scene.at_fault(error) from None
+    steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
+    return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, seconds, gauges)
+
+
+def _guides(loading: Loading, assembly: Assembly) -> tuple[GuideGauge, ...]:
+    """The pushes by displacement and the props of a run."""
+    guides = () if loading.forces is None else loading.forces.guides
+    return tuple(
+        GuideGauge(g.name, "push" if g.velocity.any() else "prop", tuple(g.direction.tolist()), tuple(assembly.names[b] for b in g.blocks))
+        for g in guides
+    )
+
+
+def _timed(scene: Scene, assembly: Assembly) -> tuple[Scene, list[str]]:
+    """The scene with a duration, and a line on it where it follows from the loads.
+
+    Raises:
+        InputError: no load says how long it lasts.
+    """
+    import loads
+
+    if scene.run.timed:
+        return scene, []
+    try:
+        end, rest = loads.end_of(scene.loads, scene.run.dt, scene.run.gravity, scene.folder, assembly)
+        run = scene.run.lasting(end + rest)
+    except InputError as error:
+        raise scene.at_fault(error) from None
+    except ValueError as reason:
+        raise scene.at_fault(InputError(f"run: {reason}")) from None
+    after = f" and a rest of {rest:g} s" if rest else ""
+    return replace(scene, run=run), [f"run.duration: not given, {run.duration:.4g} s: to the end of the loads{after}"]
 
 
 def _damped(scene: Scene, assembly: Assembly, plane: Plane | None) -> tuple[Assembly, list[str]]:

@@ -6,6 +6,7 @@ block, and the structure carries less than the load applied (:mod:`masonry_cd.ap
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,7 +38,7 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
     """lambda at the end, and when the structure gave way."""
     gravity, free = np.array(case.scene.run.gravity), ~case.assembly.fixed
     load_step = results.per_step("load_step").astype(np.int64)
-    if not gravity.any() or not len(load_step):
+    if not gravity.any() or not len(load_step) or not any(map(_grows, case.scene.loads)):
         return {}
     factor = case.loading.load_factor(case.scene.run.gravity)[load_step]  # after each step
     if not factor.any():
@@ -48,6 +49,11 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
     found |= _given_way(case, results, factor, limit)
     bracket = limit_bracket(case) if rigid else None
     return {"load_factor": found | ({} if bracket is None else {"limit_analysis": bracket})}
+
+
+def _grows(table: Mapping[str, Any]) -> bool:
+    """Whether a load is one whose factor grows until the structure gives way: no pulse, and no push by displacement."""
+    return table.get("kind") == "tilt" or (table.get("kind") == "push" and table.get("control", "force") == "force")
 
 
 def _given_way(case: Case, results: Results, factor: np.ndarray, limit: float) -> dict[str, float]:
@@ -102,7 +108,7 @@ def limit_bracket(case: Case) -> dict[str, float | None] | None:
     own = sum(table.get("kind") == "tie" for table in scene.loads)
     if assembly.count > FEW or not assembly.fixed.any() or (forces is not None and len(forces.ties) != own):
         return None
-    patterns = [table for table in scene.loads if table.get("kind") in ("push", "tilt", "settlement", "spreading")]
+    patterns = [table for table in scene.loads if _grows(table) or table.get("kind") in ("settlement", "spreading")]
     if len(patterns) != 1 or patterns[0]["kind"] not in ("push", "tilt"):
         return None
     loads = static_loads(scene.loads, limit_table({}), scene.run.gravity, scene.folder, assembly)

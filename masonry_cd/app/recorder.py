@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.damage.step_peaks import StepPeaks
+from masonry_cd.app.gauge_rows import GaugeRows
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.step_contacts import contacts_of, reactions_of
+from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.layout import (
     BONDED,
     CLOSING,
@@ -51,9 +53,18 @@ class Recorder:
         joints: of its assembly at rest.
         shocks: the loads come as shocks in a row.
         stress: keep the stress of blocks and joints.
+        gauges: what is kept in every step besides.
     """
 
-    def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints, shocks: bool = False, stress: bool = False) -> None:
+    def __init__(
+        self,
+        writer: ResultWriter,
+        stepper: Stepper,
+        joints: Joints,
+        shocks: bool = False,
+        stress: bool = False,
+        gauges: Gauges | None = None,
+    ) -> None:
         self._writer, self._stepper, self._joints = writer, stepper, joints
         self.rest = self._measured() if settles(stepper.assembly) else None  # of the joints; what opened before the run is no damage
         self.frames = 0
@@ -72,6 +83,9 @@ class Recorder:
         writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
         if len(stepper.tensions):
             writer.extend({"ties/tension": np.empty((0, len(stepper.tensions)))})
+        self._gauges = None if gauges is None or not gauges.any else GaugeRows(gauges, stepper, joints, support)
+        if self._gauges is not None:
+            writer.extend(self._gauges.empty())
         writer.extend({CLOSING: np.empty(0, dtype=np.uint8)})
         if shocks:
             writer.extend({f"shocks/{name}": rows[:0] for name, rows in self._aftermath(Aftermath("", 0.0, 0.0, 0)).items()})
@@ -82,9 +96,11 @@ class Recorder:
         solver = (report.iterations, report.error, report.seconds, report.contacts, *report.violation[:3])
         self._rows.append((stepper.state.time, load_step, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES)))
         self._tensions.append(stepper.tensions)
+        now = self.now()
+        if self._gauges is not None:
+            self._gauges.step(now, self._joint_of_pairs())
         if len(self._rows) == ROWS_AT_ONCE:
             self._to_writer()
-        now = self.now()
         self.peaks.update(now, stepper.state.time)
         self.step_peaks.update(now, stepper.state)
         if self.stress is not None:
@@ -161,6 +177,8 @@ class Recorder:
             self._writer.extend(dict(zip(STEP_FIELDS, np.array(self._rows).T, strict=True)))
             if len(self._tensions[0]):
                 self._writer.extend({"ties/tension": np.array(self._tensions)})
+            if self._gauges is not None:
+                self._writer.extend(self._gauges.take())
             self._rows.clear()
             self._tensions.clear()
 

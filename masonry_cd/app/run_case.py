@@ -154,7 +154,14 @@ def _steps(
             stepper,
             case.joints,
             writer,
-            Plan(case.steps, settings.frame_every, pauses_of(case), scene.stress, None if own is None else own.follow),
+            Plan(
+                case.steps,
+                settings.frame_every,
+                pauses_of(case),
+                stress=scene.stress,
+                gauges=case.gauges,
+                follow=None if own is None else own.follow,
+            ),
             progress,
             Checkpoints(saved, resume=resume) if own is None else None,
         )
@@ -166,10 +173,21 @@ def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: floa
 
     with Results.open(folder / RESULTS) as results:
         summary |= joint_files.write_joint_damage(results, folder, case.scene.report)
+        summary |= _write_laboratory(results, folder, summary)
     summary = {key: summary[key] for key in FIRST} | summary
     summary["wall_seconds"] = since + time.perf_counter()
     write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
     return summary
+
+
+def _write_laboratory(results: Results, folder: Path, summary: dict[str, Any]) -> dict[str, Any]:
+    """Write what pushes and gauges have recorded; return the summary's share."""
+    if not results.gauges.any:
+        return {}
+    from reports.laboratory.files import laboratory_warnings, write_laboratory
+
+    share = write_laboratory(results, folder)
+    return share | {"warnings": [*laboratory_warnings(share), *summary["warnings"]]}
 
 
 def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
@@ -225,6 +243,8 @@ def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
     """The writer of a new result file, or of one that is resumed."""
     if not resume:
         place = os.path.relpath(case.scene.path, file.parent)
-        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case), place, tie_bars(case))
+        return ResultWriter(
+            file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case), place, tie_bars(case), case.gauges
+        )
     numbers = checkpoint.load(saved)[1]
     return ResultWriter.resumed(file, numbers["rows"], numbers["mark"], sums=False)

@@ -23,6 +23,7 @@ from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
+from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.dynamics.adaptive import AdaptedStep, AdaptiveSteps
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper, StepReport
@@ -40,6 +41,7 @@ class Plan:
     pauses: Pauses | None = None  # of loads that come as shocks in a row: steps of the loads may be left out
     stress: bool = False  # whether that of blocks and joints is kept
     follow: Callable[[Advance, Advanced], str] | None = None  # called after each step; what it returns in words ends the run
+    gauges: Gauges | None = None  # what is kept in every step besides
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ def run(
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
     pauses, save_to = plan.pauses, None if checkpoints is None else checkpoints.path
-    recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks, plan.stress)
+    recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks, plan.stress, plan.gauges)
     report = RunReport(planar=stepper.plane is not None, fall=_fall(stepper))
     loop = _Loop(stepper, recorder, report, Advance.of(stepper, plan.steps, plan.frame_every, pauses), save_to, plan.follow)
     if checkpoints is not None and checkpoints.resume:

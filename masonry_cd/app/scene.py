@@ -9,6 +9,7 @@
     [report]     crack_map
     [limit]      push = "x"           # optional, of masonry-cd limit
     [assess]     friction = [0.5, 0.7]  # optional, ranges for masonry-cd assess
+    [[output.point]]  block, corner   # optional, what is kept in every step
     quiet_checks = ["limit.check.ag"] # optional: values that are meant as they are, however unusual
 
 A run is a pure function of its scene, so the text of the scene, with what ``--set`` changed in it, goes into the results.
@@ -26,6 +27,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationInfo, field_validator
 
 from masonry_cd.app.assess_table import AssessTable
+from masonry_cd.app.output_table import OutputTable
 from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, override, parse_toml, place_of, read_text
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Table
@@ -61,6 +63,8 @@ class SceneTables(Table):
     """What masonry-cd limit multiplies until the structure gives way; a run does not read it."""
     assess: dict[str, Any] = Field(default_factory=dict)
     """Ranges that masonry-cd assess varies instead of its own; a run does not read it."""
+    output: dict[str, Any] = Field(default_factory=dict)
+    """Points, joints, cracks and supports that are kept in every step: [[output.point]] and so on."""
     quiet_checks: list[str] = Field(default_factory=list)
     """Keys whose unusual values are meant so, ["limit.check.ag"]: no line asks for their unit."""
 
@@ -78,7 +82,7 @@ class SceneTables(Table):
             raise ValueError(f"a newer masonry_cd reads this; this one reads scenes up to format {FORMAT}")
         return value
 
-    @field_validator("structure", "material", "run", "report", "limit", "assess", mode="before")
+    @field_validator("structure", "material", "run", "report", "limit", "assess", "output", mode="before")
     @classmethod
     def _is_table(cls, value: object) -> object:
         if not isinstance(value, Mapping):
@@ -135,6 +139,7 @@ class Scene:
     assess: AssessTable = field(default_factory=AssessTable)
     quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are meant so
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
+    output: OutputTable = field(default_factory=OutputTable)
     static: bool = False  # there is no [run]: for limit analysis, modal analysis and pictures alone
 
     @property
@@ -165,7 +170,7 @@ class Scene:
     def at_fault(self, error: InputError) -> InputError:
         """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
         message = str(error)
-        key = re.match(r"((?:structure|material|loads|run|report|limit|assess|title|quiet_checks)[^\s:]*)(?::| )", message)
+        key = re.match(r"((?:structure|material|loads|run|report|limit|assess|output|title|quiet_checks)[^\s:]*)(?::| )", message)
         return InputError(f"{self.origin.of(key.group(1))}: {message}") if key else error
 
 
@@ -236,6 +241,7 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
             limit=top.limit,
             assess=parse_table(AssessTable, top.assess, "assess"),
             quiet_checks=tuple(top.quiet_checks),
+            output=parse_table(OutputTable, top.output, "output"),
             static=top.run is None,
         )
     except InputError as error:

@@ -11,6 +11,7 @@ import importlib.util
 from pathlib import Path
 
 from masonry_cd.app.assess_table import AssessTable
+from masonry_cd.app.output_table import OutputTable
 from masonry_cd.app.scene import SceneTables
 from masonry_cd.foundation.table_schema import DRAFT, Schema, as_text, table_schema
 from masonry_cd.mechanics.dynamics.settings import Run
@@ -37,7 +38,8 @@ def scene_schema() -> Schema:
     keys["report"] |= table_schema(Report)
     keys["limit"] |= limit_schema()
     keys["assess"] |= table_schema(AssessTable)
-    for table in ("structure", "material", "run", "report", "limit", "assess"):
+    keys["output"] |= table_schema(OutputTable)
+    for table in ("structure", "material", "run", "report", "limit", "assess", "output"):
         if keys[table].get(REFUSED) is True:
             del keys[table][REFUSED]
     keys["structure"]["required"] = ["kind"]

@@ -13,6 +13,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from masonry_cd.app.assess_table import AssessTable
+from masonry_cd.app.output_table import OutputTable
 from masonry_cd.foundation.errors import table_in_si
 from masonry_cd.foundation.units import unit_at
 from masonry_cd.mechanics.dynamics.settings import Run
@@ -65,7 +66,7 @@ def _models(name: str, table: Mapping[str, Any]) -> Models:
         from masonry_cd.app.static_loads import LimitTable
 
         return (LimitTable,)
-    one: dict[str, type[BaseModel]] = {"material": Material, "run": Run, "report": Report, "assess": AssessTable}
+    one: dict[str, type[BaseModel]] = {"material": Material, "run": Run, "report": Report, "assess": AssessTable, "output": OutputTable}
     return (one[name],) if name in one else ()
 
 

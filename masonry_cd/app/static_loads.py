@@ -167,7 +167,11 @@ def static_loads(
     bars = [bar(parse_table(TieTable, table, where), grid, where) for where, table in made]
     ties = [part.forces[0] for part in (*parts.values(), *bars) if isinstance(part.forces[0], Tie)]
     used = (PointTable, TieTable, PushTable, TiltTable) if support is None else (PointTable, TieTable)
-    left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]
+    left = [
+        f"loads[{i}] ({t.kind})"
+        for i, t in enumerate(asked)
+        if (not isinstance(t, used) or _by_displacement(t)) and i != at and t.kind != "gravity"
+    ]
     notes: tuple[str, ...] = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
     if limit.check is not None:
         notes += _without_mass({i: force for i, force in forces.items() if i not in limit.live}, down)
@@ -203,6 +207,11 @@ def _without_mass(points: Mapping[int, PointLoad], down: np.ndarray) -> tuple[st
     return (f"{which} {verb} without mass, which a push does not move; limit.masses = {some} counts what weighs as P and Q of [C8.7.1.1]",)
 
 
+def _by_displacement(table: LoadTable) -> bool:
+    """Whether a load moves blocks, which a limit analysis does not."""
+    return isinstance(table, PushTable) and table.control == "displacement"
+
+
 def _pattern(
     asked: Sequence[LoadTable], limit: LimitTable, down: np.ndarray, grid: RunGrid
 ) -> tuple[str, Direction | None, str, np.ndarray | None, int | None]:
@@ -214,7 +223,7 @@ def _pattern(
     if limit.live:
         return "live", None, f"live loads: {', '.join(f'loads[{i}]' for i in limit.live)}", None, None
     kinds = (PushTable, TiltTable, SettlementTable, SpreadingTable)
-    there = [(i, table) for i, table in enumerate(asked) if isinstance(table, kinds)]
+    there = [(i, table) for i, table in enumerate(asked) if isinstance(table, kinds) and not _by_displacement(table)]
     if not there:
         raise InputError('limit: no load to multiply; give one in [limit], e.g. push = "x", or a load of kind push or tilt')
     if len(there) > 1:

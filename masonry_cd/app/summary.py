@@ -12,6 +12,7 @@ import numpy as np
 
 from masonry_cd import __version__
 from masonry_cd.analysis.modal.left_out import left_out_lines
+from masonry_cd.analysis.pushover import push_lines
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.app.left_out import elasticity_left_out
 from masonry_cd.app.load_factor import joints_in_words, outcome_lines
@@ -129,6 +130,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         *verdict_lines(s),
         *time_step_lines(s),
         *outcome_lines(s),
+        *push_lines(s.get("pushes", [])),
         damage_line(s),
         *_end_lines(s),
         *_part_lines(s),

@@ -26,6 +26,7 @@ from masonry_cd.cli.run import run
 from masonry_cd.cli.schema import schema
 from masonry_cd.cli.solve import solve
 from masonry_cd.cli.study import study
+from masonry_cd.cli.validate import validate
 from masonry_cd.cli.view import view
 
 app = typer.Typer(
@@ -71,6 +72,7 @@ for command in (
     accuracy,
     study,
     assess,
+    validate,
     schema,
     plugins,
 ):  # in the order of the help text

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust, errors_reported
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust, errors_reported, silent
 
 
 def limit(
@@ -24,6 +24,7 @@ def limit(
     run: Annotated[Path | None, typer.Option(metavar="DIR", help="Of a run, whose damage stands beside the macro-elements.")] = None,
     force: Force = False,
     trust: Trust = False,
+    quiet: Quiet = False,
 ) -> None:
     """Find the largest load factor of a scene by limit analysis, and the mechanism.
 
@@ -57,5 +58,6 @@ def limit(
         if picture and view != "auto":
             view_named(view)  # refused before anything is computed
         asked = Asked(output, curve, macro_elements, run, picture, view)
-        written = limit_command(scene, set_ or (), asked, typer.echo)
-        typer.echo(f"written: {', '.join(map(str, written))}")
+        written = limit_command(scene, set_ or (), asked, silent if quiet else typer.echo)
+        if not quiet:
+            typer.echo(f"written: {', '.join(map(str, written))}")

@@ -48,6 +48,10 @@ def exclude(first: tuple[str, object], second: tuple[str, object]) -> None:
         raise InputError(f"{first[0]} and {second[0]} exclude each other: leave one out")
 
 
+def silent(line: str = "", **_: object) -> None:
+    """Take a line in the place of typer.echo, and say nothing."""
+
+
 def warn(lines: Iterable[str]) -> None:
     """Print warnings, a line each."""
     for line in lines:

@@ -15,6 +15,7 @@ import numpy as np
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.guides import Guide
 
 ROUNDING = 1e-9  # share of the largest force
 LOOKS = 65  # times over the run at which forces are looked at to tell whether the scene moves in a plane
@@ -180,6 +181,11 @@ class OwnForces:
         block = np.concatenate([found.block, *(item.block for item in every)])
         force, arm = (np.concatenate([getattr(found, name), *(getattr(item, name) for item in every)]) for name in ("force", "arm"))
         return Acting(block, force, arm, found.tension)
+
+    @property
+    def guides(self) -> tuple[Guide, ...]:
+        """Those of the scene's loads."""
+        return () if self.base is None else self.base.guides
 
     def _pushes(self, now: Now) -> list[Pushes]:
         every = [item.pushes(now) for item in self.own]

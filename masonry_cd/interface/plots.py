@@ -89,6 +89,34 @@ class Plots:
         with self._results() as found:
             return shown(energy_figure(found))
 
+    def force_displacement(self, measured: Path | str | None = None) -> Figure:
+        """The pushes of the run: force against displacement.
+
+        Args:
+            measured: a CSV file with the curve of a test, displacement [m] and force [N], to be drawn beside them.
+
+        Raises:
+            InputError: the run has no push by displacement, or a file that is no such curve.
+        """
+        from masonry_cd.analysis.pushover import require_pushes
+        from reports.laboratory.plots import push_figure, read_measured
+
+        with self._results() as found:
+            curves = require_pushes(found)
+            return shown(push_figure(curves, [] if measured is None else read_measured(Path(measured)), found.title))
+
+    def gauges(self) -> Figure:
+        """The histories of the points, joints, cracks and supports that the scene names under [output].
+
+        Raises:
+            InputError: it names none.
+        """
+        from reports.laboratory.files import histories_of
+        from reports.laboratory.plots import gauges_figure
+
+        with self._results() as found:
+            return shown(gauges_figure(histories_of(found), found.title))
+
     def history(self, *blocks: str, axis: str = "") -> Figure:
         """Displacement of some blocks relative to the base over time, the highest block by default, and the velocity of the base.
 

@@ -187,7 +187,8 @@ class Scene:
         tables, run = self._checked.structures or (self._checked.structure,), self._checked.run
         kind = " + ".join(str(table.get("kind", "?")) for table in tables)
         loads = ", ".join(str(load.get("kind", "?")) for load in self._checked.loads) or "gravity"
-        return f'<Scene "{self.title}": {kind}, {loads}, {"limit analysis" if self._checked.static else f"{run.duration:g} s"}>'
+        length = f"{run.duration:g} s" if run.timed else "as long as its loads"
+        return f'<Scene "{self.title}": {kind}, {loads}, {"limit analysis" if self._checked.static else length}>'
 
     def _repr_html_(self) -> str:
         return (

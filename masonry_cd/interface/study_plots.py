@@ -11,10 +11,12 @@ from masonry_cd.analysis.fragility.fits import Fits
 from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.sensitivity import Correlation
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.interface.plots import Page
+from masonry_cd.interface.plots import Page, shown
+from masonry_cd.io.results import Results
 from reports.study.joint_maps import JointStudy
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from PIL.Image import Image
 
 SHARES = ("opened", "slid", "lost")
@@ -58,6 +60,28 @@ class StudyPlots:
     def tornado(self) -> Image:
         """Which of what varied goes with the damage."""
         return self._diagram("tornado")
+
+    def force_displacement(self, measured: Path | str | None = None) -> Figure:
+        """The first push of every run whose folder was kept, laid over each other, with the force over the displacement.
+
+        Args:
+            measured: a CSV file with the curve of a test, displacement [m] and force [N], to be drawn beside them.
+
+        Raises:
+            InputError: no run was kept, one has no push by displacement, or a file that is no such curve.
+        """
+        from masonry_cd.analysis.pushover import require_pushes
+        from reports.laboratory.plots import curves_figure, read_measured
+
+        curves = []
+        for name in self._study.text("run"):
+            file = self._study.folder / "runs" / name / "result.h5"
+            if file.is_file():
+                with Results.open(file) as found:
+                    curves.append((name, *require_pushes(found)[0].means[:2]))
+        if not curves:
+            raise InputError('force_displacement: no run was kept; a study with run = {keep = "all"} keeps the folders of its runs')
+        return shown(curves_figure(curves, [] if measured is None else read_measured(Path(measured))))
 
     def probability(self, of: str = "opened", level: float | None = None) -> Image:
         """The structure with each joint coloured by the share of the runs in which it opened, slid, or was lost.

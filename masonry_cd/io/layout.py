@@ -34,6 +34,7 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
         /blocks/radius (B,) [m] only where there are spheres, 0 of polyhedra; a sphere has one vertex, its centre, and no face;
         /blocks/support (1,), to which displacements are relative, -1 without one
     /segments/*   checksums, see segments.py
+    /guides/*, /gauges/*   what a scene looks at in every step, see gauges.py
     attributes: scene (the text of the scene file), scene_file (where it lies, seen from this file's folder), title, versions (JSON), run (a
         name that no other run has), format (of this layout), ties (JSON, see tie_bars.py), inputs (JSON: SHA-256 of each file that the
         scene reads), constant (SHA-256 of all that does not grow, but for scene_file)
@@ -65,6 +66,6 @@ BLOCK_ARRAYS = ("name", "group", "fixed", "density", "vertex_start", "vertices",
 OPTIONAL_ARRAYS = (  # where a scene has several structures; in new files; where there are spheres; stress of meshed blocks
     "blocks/structure", "blocks/support", "blocks/radius", *(f"meshes/{name}" for name in MESH_ARRAYS),
 )  # fmt: skip
-OPTIONAL_ATTRIBUTES = ("ties",)  # where there are ties, see tie_bars.py
+OPTIONAL_ATTRIBUTES = ("ties", "gauges")  # where there are some, see tie_bars.py and gauges.py
 ATTRIBUTES = ("scene", "title", "versions", "run", "inputs")
 CLOSING = "closing"

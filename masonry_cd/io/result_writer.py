@@ -29,6 +29,8 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.jit import compiled_for
 from masonry_cd.io import tie_bars
 from masonry_cd.io.block_arrays import write_blocks
+from masonry_cd.io.gauges import ATTRIBUTE as GAUGES
+from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.layout import CLOSING, FORMAT, JOINT_CONSTANTS, JOINT_PEAKS, MESH_ARRAYS
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
@@ -59,12 +61,15 @@ class ResultWriter:
         inputs: Mapping[str, str] | None = None,
         scene_file: str = "",
         ties: Sequence[TieBar] = (),
+        gauges: Gauges | None = None,
     ) -> None:
         self._begin(Path(path))
         about = {"versions": json.dumps(versions()), "inputs": json.dumps(dict(inputs or {})), "run": uuid.uuid4().hex}
         self._file.attrs.update(scene=scene, title=title, scene_file=scene_file, format=FORMAT, **about)
         if ties:
             self._file.attrs[TIES] = tie_bars.as_text(ties)
+        if gauges is not None and gauges.any:
+            self._file.attrs[GAUGES] = gauges.as_text()
         write_blocks(self._file.create_group("blocks"), assembly.blocks)
         group = self._file.create_group("joints")
         for name in JOINT_CONSTANTS:

@@ -18,6 +18,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.block_arrays import read_blocks
+from masonry_cd.io.gauges import Gauges, read_gauges
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 from masonry_cd.io.layout import (
     CLOSING,
@@ -186,6 +187,11 @@ class Results:
     def ties(self) -> tuple[TieBar, ...]:
         """The bars of all ties, in the order of ``ties/tension``; none in a file without ties, or of an older version."""
         return read_bars(self.file, len(self.blocks))
+
+    @cached_property
+    def gauges(self) -> Gauges:
+        """What the run kept in every step besides, see :mod:`masonry_cd.io.gauges`."""
+        return read_gauges(self.file)
 
     @cached_property
     def joints(self) -> Joints:

@@ -158,7 +158,7 @@ def run_rows(
         if abs(round(largest / dt) * dt - largest) > 1e-9 * largest:
             raise InputError(f"--dts: {dt:g} s is no whole fraction of {largest:g} s; runs are compared at equal times")
     scene = read_scene(path, [*overrides, f"run.dt={largest!r}"])
-    frame = largest * min(scene.run.frame_every, scene.run.steps)
+    frame = largest * min(scene.run.frame_every, scene.run.steps or scene.run.frame_every)
     common = [*overrides, *NOTHING_DRAWN, f"run.frames_per_second={1.0 / frame!r}"]
     asked = [(solvers[0], smallest / 2.0, min(tolerances), True)]
     asked += [(solver, dt, tolerance, False) for solver in solvers for tolerance in tolerances for dt in dts]

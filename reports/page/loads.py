@@ -74,13 +74,40 @@ def _ground(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
 
 
 def _body(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
-    """A push or a tilt of all blocks."""
+    """A push or a tilt of all blocks, or a push of some by displacement."""
+    if load.get("control") == "displacement":
+        return _moved(load, known)
     unit = "°" if load["kind"] == "tilt" else " of the weight"
     end = known.get("angle" if load["kind"] == "tilt" else "peak")
     up_to = "" if end is None else f" to {end:.4g}{unit}"
     along = known.get("direction") or load.get("direction")
     much = f"from {float(load.get('initial', 0.0)):g}{up_to} at {float(load['rate']):g}{unit} per second"
     return ["all free blocks", f"{much}{f' {_along(along)}' if along else ''}", f"from {float(load.get('start', 0.0)):g} s on"]
+
+
+def _moved(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
+    """A push by displacement."""
+    targets = load["targets"] if isinstance(load["targets"], (list, tuple)) else [load["targets"]]
+    ways = ", ".join(f"{1e3 * float(way):.4g}" for way in targets[:NAMED]).replace("-", "−") + (" …" if len(targets) > NAMED else "")
+    turns = ", held from turning" if load.get("rotation") == "held" else ""
+    names = known.get("name") or load.get("blocks")
+    when = (
+        f"{float(load.get('start', 0.0)):g} to {known['end']:.4g} s" if "end" in known else f"from {float(load.get('start', 0.0)):g} s on"
+    )
+    return [names if isinstance(names, str) else ", ".join(names or ()), f"to {ways} mm {_along(load['direction'])}{turns}", when]
+
+
+def _prop(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
+    """A prop."""
+    names = load["blocks"] if isinstance(load["blocks"], str) else ", ".join(load["blocks"])
+    return [names, f"held {_along(load['direction'])}", "throughout"]
+
+
+def _pulse(load: Mapping[str, Any], _: Mapping[str, Any]) -> list[str]:
+    """A body force that ends."""
+    start, shape = float(load.get("start", 0.0)), load.get("shape", "half-sine")
+    much = f"{shape}, {float(load['acceleration']):.4g} m/s² {_along(load['direction'])}"
+    return ["all free blocks", much, f"{start:g} to {start + float(load['duration']):g} s"]
 
 
 def _tie(load: Mapping[str, Any], _: Mapping[str, Any]) -> list[str]:
@@ -104,6 +131,15 @@ def _along(direction: object) -> str:
     return f"along ({', '.join(f'{value / size:.3g}' for value in vector)})" if size else ""
 
 
-ROWS = {"point": _point, "settlement": _ground, "spreading": _ground, "push": _body, "tilt": _body, "tie": _tie}
+ROWS = {
+    "point": _point,
+    "settlement": _ground,
+    "spreading": _ground,
+    "push": _body,
+    "tilt": _body,
+    "tie": _tie,
+    "prop": _prop,
+    "pulse": _pulse,
+}
 
 SECTIONS = {"loads": Section("Loads in the model", loads, -40)}

@@ -33,6 +33,7 @@ from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.convex import split
 from structures.geometry.merge_coplanar import merge_coplanar
 
+OF_SUPPORTS = 2000.0  # density of fixed blocks where none is given: it enters no result [kg/m3]
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -199,10 +200,17 @@ def _common(parsed: _Keys, index: int, density: float) -> dict[str, Any]:
     """What any block has, with its defaults."""
     return {
         "name": parsed.name or f"b{index}",
-        "density": density if parsed.density is None else parsed.density,
+        "density": _density(parsed, density),
         "group": parsed.group or ("base" if parsed.fixed else "block"),
         "fixed": parsed.fixed,
     }
+
+
+def _density(parsed: _Keys, density: float) -> float:
+    """Its own, or that of the material; a support needs none, since it has no weight to bear and nothing moves it."""
+    if parsed.density is not None:
+        return parsed.density
+    return OF_SUPPORTS if parsed.fixed and math.isnan(density) else density
 
 
 def _shell(entry: Entry | Part, scale: float) -> tuple[np.ndarray, Faces]:

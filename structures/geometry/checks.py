@@ -267,7 +267,9 @@ def _check_filled(blocks: Sequence[Block]) -> None:
             whole = mass_properties(block.vertices, block.faces).volume
             filled = sum(mass_properties(part.vertices, part.faces).volume for part in block.parts)
             if abs(filled - whole) > FILLED * whole:
-                raise Unsound(f'block "{block.name}": its parts have {filled:.6g} m3, the block has {whole:.6g} m3', [block.name])
+                why = "they reach into each other or beyond it" if filled > whole else "some of it is in none of them"
+                said = f'block "{block.name}": its parts have {filled:.6g} m3, the block has {whole:.6g} m3: {why}'
+                raise Unsound(f"{said}; parts left out have it cut into convex ones here", [block.name])
 
 
 def check_convex(blocks: Sequence[Block], shells: Shells, wanted: np.ndarray) -> None:

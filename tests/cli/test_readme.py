@@ -11,8 +11,10 @@ from places import ROOT
 from pydantic import BaseModel
 
 from loads.kinds.artificial import ArtificialTable
+from loads.kinds.driven import PropTable
 from loads.kinds.forces import PointTable, TieTable
 from loads.kinds.gravity import GravityTable
+from loads.kinds.pulse import PulseTable
 from loads.kinds.record import RecordTable
 from loads.kinds.sequence import SequenceTable
 from loads.kinds.settlement import SettlementTable, SpreadingTable
@@ -21,6 +23,8 @@ from loads.kinds.tilt import PushTable, TiltTable
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.case import prepare
+from masonry_cd.app.output_table import CrackTable, JointTable, SupportTable
+from masonry_cd.app.output_table import PointTable as PointOutput
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.static_loads import CurveTable
 from masonry_cd.mechanics.dynamics.settings import Run
@@ -91,6 +95,12 @@ def test_the_block_file_of_the_page_is_sound(tmp_path):
         ('| `kind = "artificial"`', ArtificialTable),
         ('| `kind = "tilt"`', TiltTable),
         ('| `kind = "push"`', PushTable),
+        ('| `kind = "prop"`', PropTable),
+        ('| `kind = "pulse"`', PulseTable),
+        ("| `[[output.point]]`", PointOutput),
+        ("| `[[output.joint]]`", JointTable),
+        ("| `[[output.crack]]`", CrackTable),
+        ("| `[[output.support]]`", SupportTable),
         ('| `kind = "settlement"`', SettlementTable),
         ('| `kind = "spreading"`', SpreadingTable),
         ('| `kind = "point"`', PointTable),

@@ -3,7 +3,7 @@
 With mean velocities over the step, v = (v_old + v_new) / 2, it is exact for theta = 1/2 up to the turning of the inertia:
 
     kinetic + elastic + friction + impact + damping  =
-        work of the supports + work of gravity + work of point loads and ties  (+ balance, what is left over)
+        work of the supports and of guides (driving.py) + work of gravity + work of point loads and ties  (+ balance, what is left over)
 
 The kinetic energy changes by p . H v, which is the relative motion of the contacts (lost in friction and impacts) less the part of the
 supports' own motion (work of the base). What a tie stores in its stretch counts as work until it gives it back. elastic is the energy of
@@ -20,6 +20,7 @@ import numpy as np
 
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
+from masonry_cd.mechanics.dynamics.driving import work_of_guides
 from masonry_cd.mechanics.dynamics.new_state import Update
 from masonry_cd.mechanics.dynamics.relative_velocity import of_bodies, of_supports
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
@@ -60,7 +61,7 @@ def account(system: System, last: Motion, made: StepProblem, impulse: np.ndarray
     totals["kinetic"] = new.kinetic
     totals["friction"] += friction
     totals["impact"] += impact
-    totals["base_work"] += base
+    totals["base_work"] += base + work_of_guides(predicted.driven, last.v, new.v)
     totals["gravity_work"] += gravity
     totals["correction"] -= correction
     if predicted.force_impulse is not None:

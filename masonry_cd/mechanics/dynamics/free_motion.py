@@ -15,7 +15,7 @@ the implicit midpoint rule, which is reversible, so that a tumbling block does n
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,6 +54,7 @@ class Prediction(NamedTuple):
     acting: Acting | None = None  # forces on single blocks
     force_impulse: np.ndarray | None = None  # (F, n) generalised impulse of the forces on single blocks
     carried_impulse: np.ndarray | None = None  # (F, n) of the last step, as far as it is taken
+    driven: tuple[Any, ...] = ()  # rows of guided blocks, see driving.py
 
 
 def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:

@@ -31,12 +31,14 @@ from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
 from masonry_cd.mechanics.dynamics import joint_forces
 from masonry_cd.mechanics.dynamics.contact_rows import assemble
+from masonry_cd.mechanics.dynamics.driving import Driven, guided, measured
 from masonry_cd.mechanics.dynamics.energy import ENERGIES, account, at_start
 from masonry_cd.mechanics.dynamics.error_scale import find_overload, on_scale
 from masonry_cd.mechanics.dynamics.free_motion import Prediction, angular_momenta, predict
 from masonry_cd.mechanics.dynamics.impacts import error_of, open_among, open_contacts, solve_apart
 from masonry_cd.mechanics.dynamics.islands import FORCES, Islands
 from masonry_cd.mechanics.dynamics.jams import Closing
+from masonry_cd.mechanics.dynamics.joint_forces import contact_forces
 from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, pretensioned
 from masonry_cd.mechanics.dynamics.new_state import RunStopped, update
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, largest_shortening, still_closing
@@ -219,7 +221,7 @@ class Stepper:
         begin = clock()
         self._set_length(ticks)
         system, last = self.system, self.motion
-        predicted = predict(system, last, system.loads.of_step(self.load_step, ticks))
+        predicted = guided(system, predict(system, last, system.loads.of_step(self.load_step, ticks)))
         found = detect(system, self.detector, predicted, last.steps + 1)
         made = assemble(system, last, predicted, found, self.detector.pairs)
         solved = solve(system, made, self.islands, last.steps + 1, self.watch)
@@ -253,7 +255,7 @@ class Stepper:
 
     def friction_problem(self) -> StepProblem:
         """The friction problem of the next step, were it as long as the last. Asking for it changes nothing."""
-        predicted = predict(self.system, self.motion, self.system.loads.of_step(self.load_step))
+        predicted = guided(self.system, predict(self.system, self.motion, self.system.loads.of_step(self.load_step)))
         detector = deepcopy(self.detector)
         found = detect(self.system, detector, predicted, self.steps + 1)
         return assemble(self.system, self.motion, predicted, found, detector.pairs)
@@ -353,6 +355,15 @@ class Stepper:
         if self.last is None:
             return np.zeros((2, joints)), np.full((joints, 3), np.nan)
         return joint_forces.joint_forces(self.system, self.last, self.solution.impulse, pair_joint, joints)
+
+    def driven(self) -> Driven:
+        """What the guides of blocks did in the last step: forces, and how far they have gone."""
+        rows = () if self.last is None else self.last.predicted.driven
+        return measured(self.system, self.system.loads.guides, rows, self.motion.v, self.state)
+
+    def support_forces(self) -> np.ndarray:
+        """Forces that the blocks exert on what touches them, mean over the last step, (B, 3) [N]; those of supports are their reactions."""
+        return np.zeros((self.assembly.count, 3)) if self.last is None else contact_forces(self.system, self.last, self.solution.impulse)
 
     def joint_bonds(self, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
         """Share of the area of each joint that is bonded, (J,); ``pair_joint`` names the joint of each pair or -1."""

@@ -15,6 +15,7 @@ from masonry_cd.mechanics.solvers.solver_name import SolverName
 
 ACCEPT = 10.0  # natural map error that is accepted, in tolerances
 WAIT = 5.0  # by which twice the duration is exceeded at most where a run waits for its blocks to be still [s]
+UNTIL_LOADS_END = 0.0  # as run.duration before the loads are known: it follows from them
 AUTO = "auto"  # as run.dt: the time step adapts
 LONGEST_STEP = 1e-2  # dt_max when not given [s]
 RUNGS = 5  # halvings from dt_max to the shortest step when dt_min is not given
@@ -42,8 +43,8 @@ class Run(Table):
     """The longest step; with dt = "auto" only, 0.01 when not given."""
     dt_tolerance: Annotated[Number, Unit("m"), Field(gt=0)] | None = None
     """Local error of a step that is aimed at, root mean square over the blocks; with dt = "auto" only."""
-    duration: Annotated[Number, Unit("s"), Field(gt=0)]
-    """How long to compute."""
+    duration: Annotated[Number, Unit("s"), Field(gt=0)] = UNTIL_LOADS_END
+    """How long to compute; up to the end of the loads and a rest of 1 s, none after a push by displacement, when not given."""
     until_still: Flag | None = None
     """Go on after the duration, with the base at rest, until all standing blocks are still; true by default where damage is graded."""
     longest: Annotated[Number, Unit("s"), Field(gt=0)] | None = None
@@ -98,6 +99,11 @@ class Run(Table):
 
     @model_validator(mode="after")
     def _fits(self) -> Run:
+        if self.timed:
+            self._refuse_unfit_times()
+        return self
+
+    def _refuse_unfit_times(self) -> None:
         if self.duration < self.dt:
             raise ValueError(f"duration {self.duration:g} s is shorter than one step dt {self.dt:g} s")
         if self.longest is not None and self.until_still is False:
@@ -109,7 +115,21 @@ class Run(Table):
         for key, time in (("duration", self.duration), ("longest", self.longest or 0.0)):
             if time > MOST_STEPS * self.dt:
                 raise ValueError(f"{key} {time:g} s takes {time / self.dt:.2g} steps of dt {self.dt:g} s; at most {MOST_STEPS:g}")
-        return self
+
+    @property
+    def timed(self) -> bool:
+        """Whether the duration is known: a scene may leave it to its loads."""
+        return self.duration != UNTIL_LOADS_END
+
+    def lasting(self, duration: float) -> Run:
+        """The settings with a duration [s].
+
+        Raises:
+            ValueError: one that does not fit the other keys.
+        """
+        made = self.model_copy(update={"duration": duration})
+        made._refuse_unfit_times()
+        return made
 
     @property
     def accepted(self) -> float:

@@ -18,6 +18,7 @@ from masonry_cd.mechanics.dynamics.strain import Strains
 from masonry_cd.mechanics.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.mechanics.model.block_forces import BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.guides import Guide
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.solvers import threads_that_pay
 
@@ -47,6 +48,11 @@ class Loads:
         """The loads of a step of some ticks from t_k on; what the body forces put in is that of so many short steps."""
         pull = self.acceleration[k + 1] if ticks == 1 else self.acceleration[k + 1 : k + ticks + 1].mean(axis=0)
         return StepLoads(k + 1, ticks, self.support_velocity[k], self.support_velocity[k + ticks], pull)
+
+    @property
+    def guides(self) -> tuple[Guide, ...]:
+        """Of blocks whose motion is given in part."""
+        return () if self.forces is None else self.forces.guides
 
     def at_rest(self) -> tuple[np.ndarray, np.ndarray]:
         """Support velocities (N + 1, S, 3) of none, and body accelerations (N + 1, 3) whose first two are the first of the run."""

@@ -6,6 +6,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from masonry_cd.mechanics.model.guides import Guide
+
 
 class Acting(NamedTuple):
     """N forces on single blocks at one instant, those of T ties among them. World frame."""
@@ -45,6 +47,10 @@ class BlockForces(Protocol):
         Positions (B, 3) [m], rotations (B, 3, 3) body to world, velocities (B, 6) [m/s, rad/s], lasting stretch of the ties (T,) [m].
         """
 
+    @property
+    def guides(self) -> tuple[Guide, ...]:
+        """Of blocks whose motion is given in part."""
+
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which forces given in time differ from their mean over some steps; masses (B,) [kg]."""
 
@@ -53,7 +59,7 @@ class BlockForces(Protocol):
         """Which ties keep their first tension while the structure settles, (T,) bool; the others are there by then."""
 
     def ties_alone(self) -> BlockForces:
-        """The forces without those that are given in time."""
+        """The forces without those that are given in time, and guides at rest."""
 
     def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """By how much each tie is longer than as built, (T,) [m]."""

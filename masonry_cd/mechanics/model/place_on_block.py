@@ -22,7 +22,7 @@ def require_on_block(block: Block, point: Sequence[float] | np.ndarray, key: str
         InputError: names the key, the place, the block and its extent.
     """
     place, low, high = np.asarray(point, dtype=float), block.vertices.min(axis=0), block.vertices.max(axis=0)
-    outside = _outside(block, place)
+    outside = outside_block(block, place)
     if outside <= OFF * math.hypot(*(high - low)):
         return
     at, extent = (
@@ -32,7 +32,7 @@ def require_on_block(block: Block, point: Sequence[float] | np.ndarray, key: str
     raise InputError(f'{key}: ({at}) m lies {outside:.3g} m outside block "{block.name}", which has {", ".join(extent)} m')
 
 
-def _outside(block: Block, place: np.ndarray) -> float:
+def outside_block(block: Block, place: np.ndarray) -> float:
     """How far a place lies beyond the faces of the nearest convex part of a block, or beyond a sphere [m]; negative inside."""
     if block.radius:
         return math.hypot(*(place - ball_centre(block.vertices))) - block.radius

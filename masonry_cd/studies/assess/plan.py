@@ -68,7 +68,7 @@ class AssessMaker(Maker):
         tables, cost = self.tables(asked), 1.0
         for item in asked.values.items():
             cost *= self._levels[item][1].cost
-        return Planned(self.name(tables), asked, cost * self.study.scene.run.steps)
+        return Planned(self.name(tables), asked, cost * max(1, self.study.scene.run.steps))
 
 
 class AssessPlan(Plan):

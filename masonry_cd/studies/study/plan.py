@@ -78,7 +78,7 @@ class Maker:
         tables = self.tables(asked)
         run = tables["run"]
         step = run.get("dt") if isinstance(run.get("dt"), float) else 1.0
-        return Planned(self.name(tables), asked, float(run["duration"]) / step)
+        return Planned(self.name(tables), asked, float(run.get("duration", 1.0)) / step)
 
     def name(self, tables: Mapping[str, Any]) -> str:
         """The digest of a scene."""

@@ -1,0 +1,73 @@
+r"""A pulse: a body force on every block that begins, ends, and leaves nothing behind.
+
+    half-sine    a sin(pi x),       rectangle    a,       sine    a sin(2 pi x),        x = (t - start) / duration in [0, 1],
+
+along a direction, and zero elsewhere. Seen from a base that is accelerated by -a this is the force of inertia. Each step gets the mean of
+the pulse over it, so that its impulse is exact whatever the step.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+
+from loads.motion import STANDARD_GRAVITY, DirectionKey, LoadKind, LoadTable, Part, RunGrid
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import Instant, Span
+from masonry_cd.foundation.units import Unit
+
+
+class PulseTable(LoadTable):
+    """Keys of ``kind = "pulse"``."""
+
+    kind: Literal["pulse"] = "pulse"
+    direction: DirectionKey
+    """Axis or vector along which it acts on every block."""
+    acceleration: Annotated[float, Unit("m/s2")]
+    """Its peak."""
+    duration: Span
+    """How long it lasts."""
+    shape: Literal["half-sine", "rectangle", "sine"] = "half-sine"
+    """How it goes."""
+    start: Instant = 0.0
+    """When it begins."""
+
+
+def pulse(table: PulseTable, grid: RunGrid, where: str) -> Part:
+    """The body force at the run's times, (N + 1, 3) [m/s2].
+
+    Raises:
+        InputError: a pulse that is shorter than a step.
+    """
+    if table.duration < grid.dt:
+        raise InputError(f"{where}.duration: {table.duration:g} s are less than a step, run.dt = {grid.dt:g} s")
+    ends = np.concatenate([[-grid.dt], grid.times])
+    means = table.acceleration * np.diff(_integral(table, ends)) / grid.dt
+    end, size = table.start + table.duration, abs(table.acceleration)
+    line = f"{where} pulse, a {table.shape} of {size:.4g} m/s2 ({size / STANDARD_GRAVITY:.3g} g) along {table.direction.label}"
+    return Part(
+        acceleration=table.direction.along(means),
+        lines=(f"{line}, {table.start:g} to {end:g} s",),
+        summary={
+            "kind": "pulse",
+            "direction": list(table.direction.vector),
+            "acceleration": table.acceleration,
+            "shape": table.shape,
+            "start": table.start,
+            "duration": table.duration,
+        },
+    )
+
+
+def _integral(table: PulseTable, times: np.ndarray) -> np.ndarray:
+    """Of a pulse of peak 1 up to times (n,) [s]."""
+    x = np.clip((times - table.start) / table.duration, 0.0, 1.0)
+    if table.shape == "rectangle":
+        return np.asarray(table.duration * x)
+    turns = 1.0 if table.shape == "half-sine" else 2.0
+    return np.asarray(table.duration * (1.0 - libm.cos(turns * np.pi * x)) / (turns * np.pi))
+
+
+KINDS = {"pulse": LoadKind(PulseTable, pulse, lambda table, grid, where: table.start + table.duration)}

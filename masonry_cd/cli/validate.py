@@ -1,0 +1,57 @@
+"""``masonry-cd validate``: a test of a laboratory, or another program's result, repeated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from masonry_cd.cli.shared import Force, Quiet, errors_reported, silent
+
+
+def _names(begun: str) -> list[str]:
+    """The cases whose names begin like this, for the shell."""
+    from masonry_cd.studies.laboratory.cases import CASES
+
+    return [name for name in CASES if name.startswith(begun)]
+
+
+def validate(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="NAME", help="Of the case; without one they are listed.", show_default=False, autocompletion=_names),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for scenes and results.", show_default="validation/NAME")
+    ] = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Repeat a test of the laboratory page: its scenes, runs, table and curves beside what was measured.
+
+    DIR gets a folder for each scene, scene.toml and blocks.json, which are good to start from, with the results of its run;
+    table.json, what was measured and what is computed; and curves.svg. Nothing in the scenes is tuned to meet what was measured.
+
+    \b
+    Examples:
+      masonry-cd validate
+      masonry-cd validate bed -o out/bed
+    """
+    with errors_reported():
+        from masonry_cd.app.folders import free_folder
+        from masonry_cd.studies.laboratory.cases import CASES
+        from masonry_cd.studies.laboratory.validate import FIGURE, TABLE, case_named
+        from masonry_cd.studies.laboratory.validate import validate as repeat
+
+        if name is None:
+            for case in CASES.values():
+                typer.echo(f"{case.name}: {case.title} ({case.source})")
+            return
+        folder = output or Path("validation") / case_named(name).name
+        free_folder(folder, (TABLE, FIGURE), force)
+        say = silent if quiet else typer.echo
+        found = repeat(name, folder, say)
+        for line in found.lines:
+            say(line)
+        say(f"written: {', '.join(map(str, found.written))}")

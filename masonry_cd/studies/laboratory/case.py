@@ -1,0 +1,81 @@
+"""What a case is made of, and how its tests are run: scene files in a folder, which are what a user copies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from masonry_cd.analysis.pushover import PushCurve, require_pushes
+from masonry_cd.app.case import prepare
+from masonry_cd.app.run_case import RESULTS, run_case
+from masonry_cd.app.scene import Scene, read_scene
+from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.io.results import Results
+from masonry_cd.mechanics.model.blocks import Block
+from structures.files.blockfile import write as write_blocks
+
+BLOCKS, SCENE = "blocks.json", "scene.toml"
+Curve = tuple[str, np.ndarray, np.ndarray]  # name, abscissa, ordinate
+
+
+class Row(NamedTuple):
+    """A line of the table: what was measured, and what the program gives with rigid and with elastic joints."""
+
+    quantity: str
+    unit: str
+    measured: float
+    rigid: float | None
+    elastic: float | None
+
+
+@dataclass
+class Found:
+    """What the tests of a case gave."""
+
+    rows: list[Row] = field(default_factory=list)
+    measured: list[Curve] = field(default_factory=list)
+    computed: list[Curve] = field(default_factory=list)
+    axes: tuple[str, str] = ("displacement [mm]", "force [kN]")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case of the page."""
+
+    name: str
+    title: str
+    source: str
+    assumed: str
+    unknown: str
+    verdict: str  # what agrees, what does not, and why
+    compute: Callable[[Path, Callable[[str], object]], Found]  # in a folder, saying how far it is
+
+
+def scene_in(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -> Scene:
+    """Write a scene and its blocks into a folder, and read it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_blocks(folder / BLOCKS, blocks)
+    (folder / SCENE).write_text(dump_toml({**tables, "structure": {"kind": "file", "path": BLOCKS}}), encoding="utf-8")
+    return read_scene(folder / SCENE)
+
+
+def run_in(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -> Results:
+    """Run a scene in a folder and open its results."""
+    run_case(prepare(scene_in(folder, blocks, tables)), folder)
+    return Results.open(folder / RESULTS)
+
+
+def pushed(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -> PushCurve:
+    """The push of a scene."""
+    with run_in(folder, blocks, tables) as results:
+        return require_pushes(results)[0]
+
+
+def at(curve: PushCurve, displacement: float) -> float:
+    """The force of the first push at a displacement [N]."""
+    u, f = curve.envelope()
+    return float(np.interp(displacement, u, f))

@@ -1,0 +1,74 @@
+"""Repeats a case: its scenes and runs in a folder, its table, and its curves beside the measured ones."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.studies.laboratory.case import Case, Found, Row
+from masonry_cd.studies.laboratory.cases import CASES
+from reports.laboratory.plots import beside_figure, save
+
+TABLE, FIGURE = "table.json", "curves.svg"
+DRAWN = 300  # points of a curve: figures of the page stay small
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was written, and the table in words."""
+
+    lines: list[str]
+    written: list[Path]
+
+
+def case_named(name: str) -> Case:
+    """The case of a name.
+
+    Raises:
+        InputError: there is none.
+    """
+    if name not in CASES:
+        raise InputError(f'"{name}" is no case{suggest(name, CASES)}; cases: {", ".join(CASES)}')
+    return CASES[name]
+
+
+def validate(name: str, folder: Path, say: Callable[[str], object]) -> Outcome:
+    """Repeat a case.
+
+    Raises:
+        InputError: no such case.
+    """
+    case = case_named(name)
+    folder.mkdir(parents=True, exist_ok=True)
+    found = case.compute(folder, say)
+    table, figure = folder / TABLE, folder / FIGURE
+    table.write_text(json.dumps([row._asdict() for row in found.rows], indent=1) + "\n", encoding="utf-8")
+    save(beside_figure(_thinned(found.computed), found.measured, found.axes, case.title), figure)
+    return Outcome([case.title, f"source: {case.source}", *table_lines(found)], [table, figure])
+
+
+def table_lines(found: Found) -> list[str]:
+    """The rows in words."""
+    return [
+        f"{row.quantity}: {row.measured:.4g} {row.unit} measured or by others; "
+        + ", ".join(f"{word} {value:.4g} ({value / row.measured:.2f})" for word, value in _computed(row))
+        for row in found.rows
+    ]
+
+
+def _computed(row: Row) -> list[tuple[str, float]]:
+    return [(word, value) for word, value in (("rigid", row.rigid), ("elastic", row.elastic)) if value is not None]
+
+
+def _thinned(curves: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """Curves of DRAWN points at most."""
+    out = []
+    for name, x, y in curves:
+        kept = np.unique(np.linspace(0, len(x) - 1, min(len(x), DRAWN)).round().astype(int))
+        out.append((name, x[kept], y[kept]))
+    return out

@@ -1,0 +1,1 @@
+"""What a laboratory hands over of a test: curves of force against displacement, and the histories of its gauges, as tables and plots."""

@@ -1,0 +1,126 @@
+"""loads.kinds.driven: a block that is pushed by displacement follows its path, with the reaction of statics; bad input is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from models import box
+
+import loads
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly
+
+GRAVITY = (0.0, 0.0, -9.81)
+PUSH: dict[str, Any] = {"kind": "push", "control": "displacement", "direction": "x", "blocks": "b", "targets": [0.02]}
+
+
+def standing(friction: float = 0.9) -> Assembly:
+    """A block of 0.5 x 1 x 2 m on its ground."""
+    ground = box("ground", (-2.0, -2.0, -0.5), (3.0, 3.0, 0.0), fixed=True)
+    return Assembly.from_blocks([ground, box("b", (0.0, 0.0, 0.0), (0.5, 1.0, 2.0))], friction)
+
+
+def pushed(assembly: Assembly, *tables: dict[str, Any], dt: float = 2e-3, steps: int = 1000) -> Stepper:
+    loading = loads.build(list(tables), dt, steps, GRAVITY, Path(), assembly)
+    run = Run.model_validate({"dt": dt, "duration": dt * steps})
+    return Stepper(assembly, loading.support_velocity, loading.acceleration, run, forces=loading.forces)
+
+
+def weight(assembly: Assembly) -> float:
+    return 9.81 * float(assembly.mass[~assembly.fixed].sum())
+
+
+@pytest.mark.parametrize("point", [[0.25, 0.5, 2.0], [0.25, 0.4, 2.0]])  # in its plane, and in space
+def test_a_block_that_is_tipped_meets_the_force_of_statics(point: list[float]) -> None:
+    assembly, steps = standing(), 1600
+    stepper = pushed(assembly, PUSH | {"point": point, "targets": [0.05]}, steps=steps, dt=2.5e-3)
+    assert (stepper.plane is None) == (point[1] != 0.5)
+    for _ in range(steps):
+        stepper.step()
+        if stepper.steps == 2:
+            first = stepper.driven().force[0]
+    driven = stepper.driven()
+    angle = _turned(0.05)
+    arm, height = 0.25 * np.cos(angle) - 1.0 * np.sin(angle), 2.0 * np.cos(angle) + 0.25 * np.sin(angle)
+    if point[1] == 0.5:
+        assert first == pytest.approx(weight(assembly) * 0.25 / 2.0, rel=5e-3)
+        assert driven.force[0] == pytest.approx(weight(assembly) * arm / height, rel=5e-3)
+    assert driven.displacement[0] == pytest.approx(0.05, abs=1e-6)
+    assert abs(stepper.energy["balance"]) < 1e-6 * stepper.energy["base_work"]
+
+
+def _turned(way: float) -> float:
+    """The angle at which the point 2 m above the middle of the foot has gone a way, about the edge at x = 0.5."""
+    angles = np.linspace(0.0, 0.1, 100_001)
+    return float(np.interp(way, 0.25 - (0.25 * np.cos(angles) - 2.0 * np.sin(angles)), angles))
+
+
+def test_a_block_held_from_turning_slides_at_the_force_of_friction_and_what_holds_it_is_a_moment() -> None:
+    assembly = standing(friction=0.3)
+    stepper = pushed(assembly, PUSH | {"face": "-x", "rotation": "held"})
+    for _ in range(600):
+        stepper.step()
+    driven = stepper.driven()
+    assert driven.force[0] == pytest.approx(0.3 * weight(assembly), rel=5e-3)
+    assert np.abs(stepper.state.velocity[1, 3:]).max() < 1e-9
+    assert stepper.state.position[1, 2] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_cycles_with_holds_come_to_every_target_and_the_energy_closes() -> None:
+    assembly, path = standing(friction=0.3), [0.01, -0.01, 0.0]
+    table = PUSH | {"targets": path, "speed": 0.013, "hold": 0.1, "rotation": "held"}
+    stepper = pushed(assembly, table, steps=3200, dt=2e-3)
+    reached, friction = [], 0.3 * weight(assembly)
+    for _ in range(3200):
+        stepper.step()
+        reached.append(stepper.driven().displacement[0])
+    for target in path:
+        assert np.abs(np.array(reached) - target).min() < 1e-7
+    assert stepper.energy["friction"] == pytest.approx(friction * 0.04, rel=1e-3)
+    assert stepper.energy["base_work"] == pytest.approx(friction * 0.04, rel=1e-3)
+
+
+def test_a_prop_holds_along_its_direction_and_leaves_the_way_across_free() -> None:
+    assembly = standing(friction=0.3)
+    push = {"kind": "push", "direction": "x", "rate": 0.5}
+    stepper = pushed(assembly, push, {"kind": "prop", "direction": "x", "blocks": "b", "face": "x"}, steps=500)
+    for _ in range(500):
+        stepper.step()
+    assert abs(stepper.driven().displacement[0]) < 1e-7
+    ground, held = stepper.support_forces()[0, 0], stepper.driven().force[0]  # which share each takes is not unique
+    assert ground + held == pytest.approx(-0.5 * weight(assembly), rel=1e-3)
+    assert held <= -0.199 * weight(assembly)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"blocks": "q"}, 'loads[0].blocks: "q" is no block or group'),
+        ({"blocks": "ground"}, 'loads[0].blocks: "ground" is fixed; kind = "settlement" moves supports'),
+        ({"targets": [0.6]}, "loads[0].targets: 0.6 m is beyond the blocks that are moved, which are 0.5 m long along the way"),
+        ({"targets": [0.0]}, "loads[0].targets: none is away from 0"),
+        ({"targets": ["a"]}, "loads[0].targets: "),
+        ({"speed": 0.4}, "loads[0].speed: at 0.4 m/s the inertia of the blocks is "),
+        ({"speed": 4.0}, "loads[0].speed: at 4 m/s the leg of 0.02 m takes "),
+        ({"point": [2.0, 0.5, 1.0]}, "loads[0].point: (2, 0.5, 1) m lies 1.5 m outside"),
+        ({"point": [0.5, 0.5, 1.0], "face": "x"}, "loads[0]: give face or point, not both"),
+        ({"rate": 0.1}, 'loads[0]: rate: of no use with control = "displacement"'),
+        ({"control": "force"}, 'loads[0]: rate: missing, control = "force" needs it'),
+    ],
+)
+def test_bad_pushes_are_refused_in_one_line(change: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError) as refused:
+        loads.build([PUSH | change], 1e-3, 100, GRAVITY, Path(), standing())
+    assert str(refused.value).startswith(said)
+    assert "\n" not in str(refused.value)
+
+
+def test_two_pushes_of_one_block_along_one_line_are_refused() -> None:
+    with pytest.raises(InputError, match=r'loads\[1\]\.direction: "b" is already guided by loads\[0\]'):
+        loads.build([PUSH, PUSH | {"direction": [1.0, 0.0, 1.0]}], 1e-3, 100, GRAVITY, Path(), standing())
+    loads.build([PUSH, PUSH | {"direction": "y"}], 1e-3, 100, GRAVITY, Path(), standing())
