@@ -204,7 +204,7 @@ CASE = Case(
     "friction 0.62 (sawn granite in other papers), stiffness of bed and head joints E / 0.1 m with E of the tested walls, k_t = 0.4 k_n, "
     "beam of 100 kg held by nothing but the pusher, 10 % of damping in the joints",
     "friction; how the beam was held: at 0.15 MPa the equilibrium bound N L / (2 H) of this set-up, 16.8 kN, is below both tests",
-    "At 0.5 MPa within the scatter. At 0.15 MPa most of both curves, but no model without tension can reach their peaks. At 1.0 MPa it is above both tests, "
-    "though at 1.25 MPa it comes closer: the two sets do not fit one model.",
+    "At 0.5 MPa within the scatter. At 0.15 MPa most of both curves, but no model without tension can reach their peaks. At 1.0 MPa it is "
+    "above both tests, though at 1.25 MPa it comes closer: the two sets do not fit one model.",
     compute,
 )
