@@ -47,7 +47,7 @@ def _targets(value: object) -> tuple[float, ...] | None:
     """One number or a list of numbers."""
     if value is None:
         return None
-    numbers = [value] if is_number(value) else list(value) if isinstance(value, (list, tuple)) else []
+    numbers: list[Any] = [value] if is_number(value) else list(value) if isinstance(value, (list, tuple)) else []
     if not numbers or not all(map(is_number, numbers)):
         raise ValueError("must be a number or a list of numbers, e.g. [0.005, -0.005, 0.01, -0.01]")
     return tuple(float(number) for number in numbers)

@@ -99,8 +99,16 @@ class Run(Table):
 
     @model_validator(mode="after")
     def _fits(self) -> Run:
-        if not self.timed:
-            return self
+        if self.timed:
+            self.check_times()
+        return self
+
+    def check_times(self) -> None:
+        """Check what the duration has to fit.
+
+        Raises:
+            ValueError: a key that it does not fit.
+        """
         if self.duration < self.dt:
             raise ValueError(f"duration {self.duration:g} s is shorter than one step dt {self.dt:g} s")
         if self.longest is not None and self.until_still is False:
@@ -112,7 +120,6 @@ class Run(Table):
         for key, time in (("duration", self.duration), ("longest", self.longest or 0.0)):
             if time > MOST_STEPS * self.dt:
                 raise ValueError(f"{key} {time:g} s takes {time / self.dt:.2g} steps of dt {self.dt:g} s; at most {MOST_STEPS:g}")
-        return self
 
     @property
     def timed(self) -> bool:
@@ -125,7 +132,9 @@ class Run(Table):
         Raises:
             ValueError: one that does not fit the other keys.
         """
-        return self.model_copy(update={"duration": duration})._fits()
+        made = self.model_copy(update={"duration": duration})
+        made.check_times()
+        return made
 
     @property
     def accepted(self) -> float:
