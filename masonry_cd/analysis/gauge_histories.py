@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from masonry_cd.io.gauges import JOINT_COLUMNS
@@ -63,7 +66,7 @@ def crack_histories(results: Results) -> dict[str, History]:
     return made
 
 
-def _plain(results: Results, gauges: tuple, dataset: str, columns: tuple[str, ...]) -> dict[str, History]:
+def _plain(results: Results, gauges: Sequence[Any], dataset: str, columns: tuple[str, ...]) -> dict[str, History]:
     """Histories as they were written."""
     rows, time = results.per_step(dataset), results.per_step("step_time")
     found: dict[str, History] = {}

@@ -15,14 +15,13 @@ from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.analysis.deformed import solids_of
-from masonry_cd.analysis.gauge_histories import unit_of_column
 from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.outputs.summary import damage_numbers
-from masonry_cd.analysis.pushover import push_curves, require_pushes
 from masonry_cd.analysis.stress.peaks import principal, require_stress, stress_peaks
 from masonry_cd.app.summary import closing_lines, damage_line
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.closing import closing_as_html
+from masonry_cd.interface.gauge_tables import gauge_table, push_table
 from masonry_cd.interface.mesh_tables import STRESSES, element_peak_table, element_table, node_table
 from masonry_cd.interface.plots import Plots
 from masonry_cd.interface.run_exports import RunExports
@@ -33,7 +32,6 @@ from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
 from reports.damage.joint_files import damage_settings, thresholds_of
-from reports.laboratory.files import histories_of
 from reports.outputs import damage_of, frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of
@@ -354,9 +352,8 @@ class Run(RunExports):
     def force_displacement(self, push: str | None = None) -> DataFrame:
         """The force of a push by displacement: a row per step, by the time at its end, as in force_displacement.csv.
 
-        Columns: displacement [m], force on the blocks along the push, moment that holds them from turning, and inertia, the rate of
-        momentum of all blocks along the push; ``attrs["numbers"]`` has peak, stiffness, bilinear idealisation and cycles, as in
-        summary.json.
+        Columns: displacement, force along the push, moment that holds from turning, and inertia, the rate of momentum of all blocks;
+        ``attrs["numbers"]`` has peak, stiffness, bilinear idealisation and cycles, as in summary.json.
 
         Args:
             push: its name, or that of a prop; the first push when not given.
@@ -365,15 +362,7 @@ class Run(RunExports):
             InputError: the run has no push, or none of this name.
         """
         with self.results() as found:
-            curves = push_curves(found) if push else require_pushes(found)
-        names = [curve.name for curve in curves]
-        if push and push not in names:
-            raise InputError(
-                f'force_displacement: "{push}" is no push or prop{suggest(push, names)}; there are {", ".join(names) or "none"}'
-            )
-        curve = curves[names.index(push) if push else 0]
-        columns = {name: getattr(curve, name) for name in ("displacement", "force", "moment", "inertia")}
-        return frame_of(columns, curve.time, "time", numbers=curve.numbers())
+            return push_table(found, push)
 
     def gauge(self, name: str) -> DataFrame:
         """What a point, joint, crack or support of the scene's [output] has recorded: a row per step, as in points.csv and so on.
@@ -382,14 +371,7 @@ class Run(RunExports):
             InputError: none has this name.
         """
         with self.results() as found:
-            by_name = {name: columns for kind in histories_of(found).values() for name, columns in kind.items()}
-        if name not in by_name:
-            raise InputError(f'gauge: "{name}" is none{suggest(name, by_name)}; there are {", ".join(by_name)}')
-        columns = dict(by_name[name])
-        units = {column: unit_of_column(column) for column in columns}
-        frame = frame_of(columns, columns.pop("time"), "time")
-        frame.attrs["units"] |= units
-        return frame
+            return gauge_table(found, name)
 
     @property
     def plot(self) -> Plots:

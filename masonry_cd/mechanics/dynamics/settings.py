@@ -100,10 +100,15 @@ class Run(Table):
     @model_validator(mode="after")
     def _fits(self) -> Run:
         if self.timed:
-            self._refuse_unfit_times()
+            self.check_times()
         return self
 
-    def _refuse_unfit_times(self) -> None:
+    def check_times(self) -> None:
+        """Check what the duration has to fit.
+
+        Raises:
+            ValueError: a key that it does not fit.
+        """
         if self.duration < self.dt:
             raise ValueError(f"duration {self.duration:g} s is shorter than one step dt {self.dt:g} s")
         if self.longest is not None and self.until_still is False:
@@ -128,7 +133,7 @@ class Run(Table):
             ValueError: one that does not fit the other keys.
         """
         made = self.model_copy(update={"duration": duration})
-        made._refuse_unfit_times()
+        made.check_times()
         return made
 
     @property
