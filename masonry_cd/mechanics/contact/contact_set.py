@@ -22,6 +22,7 @@ class ContactSet(NamedTuple):
     area: np.ndarray  # (C,) share of the joint's area where its law goes by area, else 0 [m2]
     pair: np.ndarray  # (C,) row of the detector's pair list
     previous: np.ndarray  # (C,) the same contact in the last set, -1 for a new one
+    exchanged: np.ndarray  # (C,) bool: one of the points that its joint has got in place of others, whose slip they take over
 
     @classmethod
     def allocate(cls, count: int) -> ContactSet:
@@ -29,7 +30,7 @@ class ContactSet(NamedTuple):
         one, three, index = (count,), (count, 3), np.int64
         return cls(
             np.empty((count, 2), index), np.empty(three), np.empty(three), np.empty(one), np.empty(one), np.empty(one, index),
-            np.empty(one, index),
+            np.empty(one, index), np.empty(one, np.bool_),
         )  # fmt: skip
 
 
@@ -55,7 +56,7 @@ def write_contacts(memory: PairMemory, part_block: np.ndarray, motion: Motion, r
             rows.normal[total, 0], rows.normal[total, 1], rows.normal[total, 2] = nx, ny, nz
             rows.bodies[total, 0], rows.bodies[total, 1] = b, a
             rows.gap[total], rows.area[total] = scale * memory.gap[s], memory.area[s]
-            rows.pair[total], rows.previous[total] = k, memory.place[s]
+            rows.pair[total], rows.previous[total], rows.exchanged[total] = k, memory.place[s], memory.exchanged[k]
             memory.place[s] = total
             total += 1
 

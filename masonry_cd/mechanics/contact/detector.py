@@ -67,6 +67,8 @@ class Detector:
         self._shapes = shapes
         self._part_group = assembly.group_of[shapes.part_block]
         self._law_by_area = assembly.laws.by_area & (not corners_only)
+        rings = assembly.laws.points.astype(np.int64) // 2
+        self._rings_of_law = np.where(assembly.laws.elastic & (not corners_only), rings, 1)  # (G, G)
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
@@ -215,12 +217,18 @@ class Detector:
         round_pair, meshed = (self._shapes.rounding[memory.parts] > 0.0).any(axis=1), self._facets[memory.parts].any(axis=1)
         self._kind = np.where(self._law_by_area[first, second], BY_AREA, CORNERS) + np.where(meshed, FACET_PAIR, 0)
         self._kind[round_pair] = ROUND_PAIR
+        memory.rings[:] = self._rings(memory.parts)
         self._arm = self._rolling[first, second] * effective_radius(*self._shapes.rounding[memory.parts].T)
         self._meshed, self._round = bool((meshed & ~round_pair).any()), bool(round_pair.any())
 
     def _capacity(self, pairs: np.ndarray) -> np.ndarray:
-        """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; the centroid; those of facets."""
-        return np.asarray(self._corners[pairs].sum(axis=1) + 1 + more_points(self._facets[pairs].sum(axis=1)))
+        """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most, or rings of them; centroid; facets."""
+        return np.asarray(self._corners[pairs].sum(axis=1) * self._rings(pairs) + 1 + more_points(self._facets[pairs].sum(axis=1)))
+
+    def _rings(self, pairs: np.ndarray) -> np.ndarray:
+        """Rings of points that joints of pairs of parts (P, 2) have where they open, (P,)."""
+        first, second = self._part_group[pairs].T
+        return np.where(self._facets[pairs].any(axis=1), 1, self._rings_of_law[first, second])
 
 
 def more_points(facets: Any) -> Any:
@@ -273,7 +281,7 @@ def update_pairs(
             continue
         a, b = parts[k, 0], parts[k, 1]
         block_a, block_b = part_block[a], part_block[b]
-        width = min(size[a], size[b])
+        width, memory.exchanged[k] = min(size[a], size[b]), False
         margin = pair_margin(motion, block_a, block_b, radius[a], radius[b], width)
         relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, now)
         if is_stuck(memory, k, now, motion.affine, radius[b], width):

@@ -17,6 +17,7 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.contact.facets import has_facets, split
+from masonry_cd.mechanics.contact.joint_points import EVEN, is_spread, spread_out
 from masonry_cd.mechanics.contact.manifold import across_edges, contact_points, incident_face
 from masonry_cd.mechanics.contact.motion import distance_moved, pose_ahead
 from masonry_cd.mechanics.contact.pair_memory import APART, CLIPPED, REUSE, SEARCHED, store_points, update_gaps
@@ -48,7 +49,7 @@ def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay,
         apart = separate(a, b, solids, own, other, EDGE_BIAS * width, by_area, feature)
         _copy(now, memory.pose[k])
         if apart > margin:
-            feature[0], memory.budget[k], memory.point_count[k] = FAR_APART, apart, 0
+            feature[0], memory.budget[k], memory.point_count[k], memory.spread[k] = FAR_APART, apart, 0, False
             return
     tally[CLIPPED] += 1
     with_area = by_area and feature[0] != EDGES
@@ -60,6 +61,8 @@ def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay,
     _copy(now, memory.built[k])
     if with_area:
         _forgive(memory, k, found, facing, EDGE_BIAS * width, work.manifold.height)
+    if memory.rings[k] > 1:
+        found = _exchange_points(memory, k, found, with_area, EVEN * width, work.manifold)
     if found == 0 and margin > FAR * width and not with_area:
         found = _look_ahead(memory, k, shapes, motion, margin, width, work, overlay)
     store_points(memory, k, found, work.manifold, with_area, width, work.place)
@@ -100,6 +103,16 @@ def _forgive(memory, k, found, facing, allowed, height):
         memory.unfelt[k] = min(memory.unfelt[k], deepest)
     for i in range(found):
         height[i] += memory.unfelt[k]
+
+
+@borrower()
+def _exchange_points(memory, k, found, with_area, even, manifold):
+    """Put rings in place of the corners of pair k where its joint opens; returns how many of the ``found`` points of the manifold there are
+    then. Gaps that differ by up to ``even`` [m] are one."""
+    had = memory.spread[k]
+    memory.spread[k] = with_area and found > 0 and is_spread(had, found, even, manifold.height)
+    memory.exchanged[k] = memory.spread[k] != had
+    return spread_out(memory.rings[k], found, manifold) if memory.spread[k] else found
 
 
 @borrower()

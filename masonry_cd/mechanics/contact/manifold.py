@@ -27,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower
+from masonry_cd.mechanics.contact.joint_points import MOST
 from masonry_cd.mechanics.contact.separation import EDGES, FACE_OF_A
 from masonry_cd.mechanics.model.polygon import clip_in_place, plane_distances
 
@@ -44,8 +45,8 @@ class Manifold(NamedTuple):
 
     @classmethod
     def allocate(cls, corners: int, more: int = 0) -> Manifold:
-        """Room for faces, by their largest number of corners, and for more points where facets cut them."""
-        most = 2 * corners + 8 + more
+        """Room for faces, by their largest number of corners, for rings, and for more points where facets cut them."""
+        most = 2 * corners * (MOST // 2) + 8 + more
         return cls(np.empty((most, 3)), np.empty(most), np.empty(most), np.empty((most, 3)))
 
 

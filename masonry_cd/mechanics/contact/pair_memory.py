@@ -40,6 +40,9 @@ class PairMemory(NamedTuple):
     built: np.ndarray  # (P, 12) that when the points were found
     normal: np.ndarray  # (P, 3) from a to b, in the frame of a
     unfelt: np.ndarray  # (P,) overlap that the springs between a and b do not feel [m]
+    rings: np.ndarray  # (P,) of points that the joint has where it opens, see joint_points.py
+    spread: np.ndarray  # (P,) bool: it has them
+    exchanged: np.ndarray  # (P,) bool: it has got or lost them just now; not kept over a checkpoint
     point_count: np.ndarray  # (P,)
     slot: np.ndarray  # (P + 1,)
     local: np.ndarray  # (S, 3) point in the frame of a [m]
@@ -62,6 +65,9 @@ class PairMemory(NamedTuple):
             built=np.full((pairs, 12), np.inf),
             normal=np.zeros((pairs, 3)),
             unfelt=np.zeros(pairs),
+            rings=np.ones(pairs, dtype=np.int64),
+            spread=np.zeros(pairs, dtype=np.bool_),
+            exchanged=np.zeros(pairs, dtype=np.bool_),
             point_count=np.zeros(pairs, dtype=np.int64),
             slot=slot,
             local=np.zeros((points, 3)),
@@ -132,6 +138,7 @@ def check_pairs(stored: Stored, parts: np.ndarray, capacity: np.ndarray, shapes:
             stored.refuse(name, "known of a pair whose feature is not")
     stored.real("normal", pairs, 3)
     stored.real("unfelt", pairs)
+    stored.flags("spread", pairs)
     count = stored.whole("point_count", pairs, high=capacity + 1)
     points = int(count.sum())
     stored.real("local", points, 3)
@@ -156,7 +163,7 @@ def _features_exist(feature: np.ndarray, parts: np.ndarray, solids: Polyhedra) -
     return known and bool(((kind >= UNKNOWN) & (kind <= ROUND)).all())
 
 
-OF_PAIRS = ("feature", "budget", "pose", "built", "normal", "unfelt", "point_count")
+OF_PAIRS = ("feature", "budget", "pose", "built", "normal", "unfelt", "spread", "point_count")
 OF_POINTS = ("local", "height", "area", "place")
 
 
@@ -195,9 +202,10 @@ def update_gaps(memory, k, now, affine):
 def store_points(memory, k, found, manifold, with_area, width, place):
     """Put the ``found`` points of a manifold in the memory of pair k, each with the contact of the last set that it continues.
 
-    ``place`` (N,) is scratch, ``width`` [m] that of the smaller part. With areas several points may continue one contact.
+    ``place`` (N,) is scratch, ``width`` [m] that of the smaller part. With areas several points may continue one contact; points that have
+    been exchanged for others continue the nearest, however far off.
     """
-    _match(memory, k, manifold.point, found, MATCH * width, with_area, place)
+    _match(memory, k, manifold.point, found, np.inf if memory.exchanged[k] else MATCH * width, with_area, place)
     memory.point_count[k] = found
     for i in range(found):
         s = memory.slot[k] + i

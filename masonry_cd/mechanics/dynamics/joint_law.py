@@ -75,11 +75,14 @@ class JointMemory(NamedTuple):
 
     slip: np.ndarray  # (K, 3) elastic slip in the frame of the antagonist [m]
     bonded: np.ndarray  # (K,) bool: intact
+    area: np.ndarray  # (K,) [m2]; 0: not elastic
+    place: np.ndarray  # (K, 3) in the axes of the antagonist [m]
 
     @classmethod
     def empty(cls, contacts: int) -> JointMemory:
         """Contacts that are dry and have not slipped."""
-        return cls(np.zeros((max(1, contacts), 3)), np.zeros(max(1, contacts), dtype=np.bool_))
+        k = max(1, contacts)
+        return cls(np.zeros((k, 3)), np.zeros(k, dtype=np.bool_), np.zeros(k), np.zeros((k, 3)))
 
 
 class Springs(NamedTuple):
@@ -137,7 +140,7 @@ def load_springs(
     """
     bodies, supports, jacobian, frame, groups = rows.bodies, rows.supports, rows.jacobian, rows.frame, rows.groups
     h, m = constants.step, rows.jacobian.shape[2]
-    base = np.empty(m)
+    base, moved, pair = np.empty(m), np.zeros((6, 3)), -1
     for c in range(rows.active.shape[0]):
         k, first, second = rows.active[c], groups[c, 0], groups[c, 1]
         if found.area[k] == 0.0:
@@ -164,8 +167,14 @@ def load_springs(
         else:
             springs.compliance[c, 0] = 1.0 / (theta * h * a * k_n * area)
             springs.offset[c, 0] = base[0] + (start + (1.0 - theta) * a * u[0]) / (theta * a)
+        if found.exchanged[k] and rows.pair[c] != pair:
+            pair = rows.pair[c]
+            _rigid_slip(found, rows, c, constants, rotation, memory, moved)
         for i in range(1, m):
-            slip = _remembered(memory.slip, old, rotation, rows.blocks[c, 1], frame, c, i) if old >= 0 else 0.0
+            if found.exchanged[k]:
+                slip = _slip_at(moved, found.point[k], frame[c, i])
+            else:
+                slip = _remembered(memory.slip, old, rotation, rows.blocks[c, 1], frame, c, i) if old >= 0 else 0.0
             springs.slip[c, i - 1] = slip
             springs.compliance[c, i] = 1.0 / (theta * h * a * k_t * area)
             springs.offset[c, i] = base[i] + (slip + (1.0 - theta) * a * u[i]) / (theta * a)
@@ -191,6 +200,87 @@ def _remembered(last_slip, old, rotation, antagonist, frame, c, i):
         )
         slip += frame[c, i, d] * held
     return slip
+
+
+@borrower()
+def _rigid_slip(found, rows, first, constants, rotation, memory, moved):
+    """Fill ``moved`` (6, 3) with how points have slipped together that were exchanged for the contacts of a joint, from ``first`` on.
+
+    Its rows are, in the world frame, the slip of their centre [m], the turn about the normal, the centre of the new points [m], and
+    scratch. Force and torque of the springs stay, and their energy where the slip was rigid, as in a joint that sticks; what else there was
+    of it is lost, so the energy never grows. In a plane nothing turns.
+    """
+    low, high, turn, n, active = memory.area.shape[0], -1, rotation[rows.blocks[first, 1]], rows.frame[first, 0], rows.active
+    centre, middle, arm, slip = moved[2], moved[3], moved[4], moved[5]
+    moved[:] = 0.0
+    area, polar, c = 0.0, 0.0, first
+    while c < active.shape[0] and rows.pair[c] == rows.pair[first]:
+        share = _whole_area(found.area, found.point, active[c], constants)
+        area += share
+        for d in range(3):
+            centre[d] += share * found.point[active[c], d]
+        if found.previous[active[c]] >= 0:
+            low, high = min(low, found.previous[active[c]]), max(high, found.previous[active[c]])
+        c += 1
+    for d in range(3):
+        centre[d] /= area
+    for j in range(first, c):
+        polar += _whole_area(found.area, found.point, active[j], constants) * _square_of_arm(found.point[active[j]], centre, n)
+    area_before, polar_before, torque = 0.0, 0.0, 0.0
+    for old in range(low, high + 1):
+        _turn(turn, memory.place[old], arm)
+        area_before += memory.area[old]
+        for d in range(3):
+            middle[d] += memory.area[old] * arm[d]
+    if area_before == 0.0:
+        return
+    for d in range(3):
+        middle[d] /= area_before
+    for old in range(low, high + 1):
+        _turn(turn, memory.place[old], arm)
+        _turn(turn, memory.slip[old], slip)
+        polar_before += memory.area[old] * _square_of_arm(arm, middle, n)
+        for d in range(3):
+            moved[0, d] += memory.area[old] * slip[d] / max(area_before, area)
+            arm[d] -= middle[d]
+        torque += memory.area[old] * _triple(n, arm, slip)
+    polar = max(polar, polar_before)
+    if rows.jacobian.shape[2] == 3 and polar > 0.0:
+        for d in range(3):
+            moved[1, d] = torque / polar * n[d]
+
+
+@borrower()
+def _slip_at(moved, point, along):
+    """Slip [m] along a direction (3,) at a point of a joint that has slipped as ``moved`` (6, 3) says, see :func:`_rigid_slip`."""
+    slip, turn, centre = moved[0], moved[1], moved[2]
+    x, y, z = point[0] - centre[0], point[1] - centre[1], point[2] - centre[2]
+    out = along[0] * (slip[0] + turn[1] * z - turn[2] * y) + along[1] * (slip[1] + turn[2] * x - turn[0] * z)
+    return out + along[2] * (slip[2] + turn[0] * y - turn[1] * x)
+
+
+@borrower()
+def _square_of_arm(point, centre, n):
+    """Squared distance of a point from an axis along n through a centre (3,) [m2]."""
+    square, along = 0.0, 0.0
+    for d in range(3):
+        x = point[d] - centre[d]
+        square, along = square + x * x, along + x * n[d]
+    return square - along * along
+
+
+@borrower()
+def _triple(n, arm, x):
+    """n . (arm x x), vectors (3,)."""
+    first = n[0] * (arm[1] * x[2] - arm[2] * x[1]) + n[1] * (arm[2] * x[0] - arm[0] * x[2])
+    return first + n[2] * (arm[0] * x[1] - arm[1] * x[0])
+
+
+@borrower()
+def _turn(rotation, x, out):
+    """Fill out (3,) with the rotation (3, 3) of x."""
+    for d in range(3):
+        out[d] = rotation[d, 0] * x[0] + rotation[d, 1] * x[1] + rotation[d, 2] * x[2]
 
 
 @entry()
@@ -256,6 +346,10 @@ def unload_springs(
         elif slips[c] and size > 0.0:  # the state at the end of a slipping step is brought back to the cone
             keeps = min(1.0, rows.mu[c] * (p[0] + springs.bond[c]) / (constants.step * k_t * size))
         _remember(keeps, slip, rotation[rows.blocks[c, 1]], frame[c], memory.slip[k])
+        memory.area[k] = area
+        for d in range(3):
+            for e in range(3):
+                memory.place[k, d] += rotation[rows.blocks[c, 1], e, d] * found.point[k, e]
         work[0] += taken
         work[2] += 0.5 * k_t * (keeps * size) ** 2
         work[3] += 0.5 * k_t * held**2

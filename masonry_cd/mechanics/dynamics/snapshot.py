@@ -67,6 +67,8 @@ def check_motion(stored: Stored, system: System, motion: Motion, contacts: int) 
     remembered = 1 if system.laws is None else max(1, contacts)
     joints.real("slip", remembered, 3)
     joints.flags("bonded", remembered)
+    joints.real("area", remembered)
+    joints.real("place", remembered, 3)
     joints.nothing_else()
 
 

@@ -1,0 +1,159 @@
+"""Points over the depth of elastic joints: moments of a bed without tension in closed form, shares of area, exchanges, equal bits."""
+
+import numpy as np
+import pytest
+from models import GRAVITY, box, gravity, ground, stepper, turned
+from scipy.optimize import brentq
+
+from benchmarks.joint_points import errors, table
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.joint_points import rule
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.state import State, rotation_matrices
+
+DEPTH, WIDTH, STIFFNESS, WEIGHT = 0.5, 0.3, 2e10, 2e4  # [m], [N/m3], [N]
+RECTANGLE = 0.5 * np.array([[-DEPTH, -WIDTH], [DEPTH, -WIDTH], [DEPTH, WIDTH], [-DEPTH, WIDTH]])
+TRIANGLE = np.array([[-0.25, -0.15], [0.25, -0.15], [-0.05, 0.3]])
+ROUND = 0.3 * np.stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6)], axis=1)
+
+
+def prism(corners: np.ndarray) -> Block:
+    """An upright prism, 1 m high, over a convex polygon (n, 2), counter-clockwise."""
+    n = len(corners)
+    vertices = np.array([[*corner, z] for z in (0.0, 1.0) for corner in corners])
+    sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
+    return Block("b", vertices, (tuple(range(n))[::-1], tuple(range(n, 2 * n)), *sides), 2000.0)
+
+
+class Bed:
+    """A block on an elastic joint, turned about an axis of its bed."""
+
+    def __init__(self, corners: np.ndarray, axis: tuple[float, float], points: int = 7) -> None:
+        law = {"default": JointLaw(normal_stiffness=STIFFNESS, joint_points=points)}
+        self.assembly = Assembly.from_blocks([ground(), prism(corners)], 0.6, law)
+        self.axis = np.array([*axis, 0.0]) / np.hypot(*axis)
+
+    def contacts(self, angle: float, sunk: float) -> ContactSet:
+        """Those of the block turned by an angle [rad] and sunk [m], whose joint just touched before."""
+        detector, moved = Detector(self.assembly), turned(self.assembly, 1, tuple(self.axis), angle, (0.0, 0.0, 0.0))
+        moved.position[1, 2] -= sunk
+        for state in (State.at_rest(self.assembly), moved):
+            found = detector.detect(state.position, rotation_matrices(state.orientation), np.zeros((2, 6)), 1e-3, 1.0, np.zeros(3))
+        return found
+
+    def under_weight(self, angle: float) -> ContactSet:
+        """Those in which the joint carries WEIGHT."""
+        sunk = brentq(lambda z: pressure(self.contacts(angle, z)).sum() - WEIGHT, -0.6 * angle, 0.6 * angle + 1e-4, xtol=1e-16)
+        return self.contacts(angle, sunk)
+
+
+def pressure(found: ContactSet) -> np.ndarray:
+    """Normal forces of the springs (C,) [N]."""
+    return STIFFNESS * found.area * np.maximum(0.0, -found.gap)
+
+
+def moments_of(found: ContactSet) -> np.ndarray:
+    """Area, first and second moments (7,) of the points of a joint."""
+    x, area = found.point[:, :2], found.area
+    return np.array([area.sum(), *(area @ x), *np.ravel(x.T @ (area[:, None] * x))])
+
+
+@pytest.mark.parametrize(("axis", "size", "across"), [((0.0, 1.0), DEPTH, WIDTH), ((1.0, 0.0), WIDTH, DEPTH)])
+@pytest.mark.parametrize(("points", "allowed"), [(7, 0.03), (15, 0.01)])
+def test_a_bed_without_tension_has_the_moment_of_its_closed_form(axis, size, across, points, allowed):
+    bed = Bed(RECTANGLE, axis, points)
+    for touching in (0.95, 0.7, 0.5, 0.3, 0.1):
+        angle = 2.0 * WEIGHT / (STIFFNESS * across * (touching * size) ** 2)
+        found = bed.under_weight(angle)
+        moment = pressure(found) @ (bed.axis[1] * found.point[:, 0] - bed.axis[0] * found.point[:, 1])
+        assert moment == pytest.approx(WEIGHT * (0.5 * size - touching * size / 3.0), rel=allowed)
+
+
+def test_the_rules_are_as_exact_as_the_table_says():
+    assert np.abs(errors(7)).max() < 0.025
+    assert np.abs(errors(3)).max() > 0.3
+    assert [len(rule(points)[0]) for points in (3, 5, 9, 15)] == [1, 2, 4, 7]
+    assert "| 7 | -2.2 % | +2.4 % |" in table()
+
+
+@pytest.mark.parametrize("corners", [RECTANGLE, TRIANGLE, ROUND])
+@pytest.mark.parametrize("points", [5, 7, 15])
+def test_rings_have_area_centre_and_second_moments_of_corners_and_centroid(corners, points):
+    closed, open_ = Bed(corners, (0.3, 1.0), points).contacts(0.0, 1e-4), Bed(corners, (0.3, 1.0), points).contacts(1e-5, 0.0)
+    assert len(closed.gap) == len(corners) + 1
+    assert len(open_.gap) == len(corners) * (points // 2) + 1
+    assert open_.area.min() > 0.0
+    assert moments_of(open_) == pytest.approx(moments_of(closed), abs=1e-4 * closed.area.sum())
+
+
+def test_joints_that_are_closed_rigid_or_have_three_points_keep_their_corners():
+    assert len(Bed(RECTANGLE, (0.0, 1.0)).contacts(1e-5, 1e-4).gap) == 5
+    assert len(Bed(RECTANGLE, (0.0, 1.0), 3).contacts(1e-4, 0.0).gap) == 5
+    rigid = Bed(RECTANGLE, (0.0, 1.0))
+    rigid.assembly = Assembly.from_blocks([ground(), prism(RECTANGLE)], 0.6)
+    assert len(rigid.contacts(1e-4, 0.0).gap) == 4
+
+
+# --- in a run ---------------------------------------------------------------------------------------------------------------------
+
+
+def pushed(planar: bool, steps: int) -> Stepper:
+    """A block on its bed under a push on its centre that grows to 70 % of what turns it over, stays, and goes back to none."""
+    blocks, pull = [ground(), box("b", (-0.25, -0.5, 0.0), (0.25, 0.5, 2.0))], gravity(steps)
+    pull[:, 0] = GRAVITY * 0.7 * 0.25 * np.interp(np.arange(steps + 1) / steps, [0.0, 0.25, 0.6, 0.85], [0.0, 1.0, 1.0, 0.0])
+    law = {"default": JointLaw(normal_stiffness=2e9, damping=0.3, damping_frequency=10.0, joint_points=7)}
+    out = stepper(blocks, steps, dt=5e-3, friction=0.7, joints=law, acceleration=pull, planar=planar, solver="auto", tolerance=1e-8)
+    settle(out)
+    return out
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_a_push_turns_a_block_as_far_as_the_closed_form_says_and_back(planar):
+    """N = W, M = F H/2 + W H/2 theta, and c from theta. Elastic slip goes on through both exchanges of points, and energy is booked."""
+    machine = pushed(planar, 800)
+    weight, begin, lost = machine.assembly.mass[1] * GRAVITY, machine.state.position[1].copy(), [0.0]
+    exchanged, most = [], 0.0
+    for k in range(800):
+        spread = machine.detector._memory.spread.any()
+        machine.step()
+        lost.append(machine.energy["damping"] + machine.energy["friction"])
+        most = max(most, machine.energy["elastic"])
+        if machine.detector._memory.spread.any() != spread:
+            exchanged.append(lost[-1] - lost[-2])
+        if k == 479:
+            theta = 2.0 * np.arctan2(machine.state.orientation[1, 2], machine.state.orientation[1, 0])
+            assert machine.detector._memory.spread.any()
+
+    def out_of_balance(angle: float) -> float:
+        bed = weight * (0.25 - np.sqrt(2.0 * weight / (2e9 * angle)) / 3.0)
+        return float(bed - weight * angle - weight * 0.7 * 0.25)
+
+    expected = brentq(out_of_balance, 4.0 * 2.0 * weight / 2e9, 2e-3)
+    assert theta == pytest.approx(expected, rel=0.1)  # 2 % of the moment is far more of the turn
+    assert not machine.detector._memory.spread.any()
+    touched = np.sqrt(2.0 * weight / (2e9 * expected))
+    slip = 0.7 * 0.25 * weight / (2e9 / 2.4 * touched)  # elastic, at the most: points that open lose it
+    moved = np.abs(machine.state.position[1] - begin)
+    assert moved[0] < slip and moved[1:].max() < 1e-6
+    assert abs(machine.state.orientation[1, 2]) < 0.01 * expected
+    assert len(exchanged) == 2 and min(exchanged) > 0.0  # energy that an exchange took
+    assert np.diff(lost).min() > -1e-3 * most  # with three points as well: springs open and close within a step
+    assert abs(machine.energy["balance"]) < 1e-9 * machine.energy["elastic"]
+
+
+def test_a_stepper_resumes_amid_an_opening_joint_to_the_same_bits():
+    first = pushed(False, 300)
+    for _ in range(130):
+        first.step()
+    assert len(first.last.found.gap) > 5
+    second = pushed(False, 300)
+    second.restore({name: array.copy() for name, array in first.snapshot().items()})
+    for machine in (first, second):
+        for _ in range(170):  # it closes in these: the points are exchanged again
+            machine.step()
+    assert first.state.position.tobytes() == second.state.position.tobytes()
+    assert first.energy == second.energy
