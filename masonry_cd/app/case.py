@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.crushing_checks import refuse_crushing_in_a_run
 from masonry_cd.app.doubts import doubts
-from masonry_cd.app.output_table import gauges_of
+from masonry_cd.app.output_gauges import gauges_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import SceneKind, compiling
 from masonry_cd.foundation.errors import InputError, in_plain_words

@@ -24,6 +24,8 @@ SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "n
 WORDS = {"points": "displacement", "joint_gauges": "joint", "cracks": "crack gauge", "supports": "reaction"}
 MEASURED = (("displacement", "displacement [m]", "u", "d"), ("force", "force [N]", "f", "v"))  # heads of columns, without regard to case
 
+INSIDE = 5  # curves whose legend leaves room in the plot
+
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
 
 
@@ -75,7 +77,10 @@ def beside_figure(computed: Sequence[Curve], others: Sequence[Curve], labels: tu
     axes.set_ylabel(labels[1])
     axes.set_title(title, color=INK, fontsize=11, loc="left")
     axes.grid(color="#e3e6e8", lw=0.6)
-    axes.legend(frameon=False, fontsize=7)
+    if len(computed) + len(others) > INSIDE:
+        figure.legend(frameon=False, fontsize=7, loc="outside right upper")
+    else:
+        axes.legend(frameon=False, fontsize=7)
     return figure
 
 

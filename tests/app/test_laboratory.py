@@ -59,7 +59,7 @@ def test_a_cyclic_push_has_loops_whose_energy_is_that_of_friction_and_gauges_tha
     for name in ("force_displacement.csv", "push_cycles.csv", "points.csv", "joint_gauges.csv", "cracks.csv", "supports.csv"):
         assert (tmp_path / "out" / name).stat().st_size > 0
     assert (tmp_path / "out" / "force_displacement.png").exists()
-    assert "push" in run.lines[1]
+    assert "push" in run.lines[2]
 
 
 def test_a_run_that_is_resumed_in_the_middle_of_a_push_has_the_same_bits(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ density = 2000.0
 friction = 0.6
 
 [[loads]]
-kind = "pulse"
+kind = "surge"
 amplitude = 0.1
 length = 0.05
 
@@ -91,7 +91,7 @@ def test_a_scene_uses_kinds_and_a_report_of_a_package(tmp_path: Path) -> None:
     assert [row["block"] for row in rows] == ["plate", "cube1", "cube2"]
     assert float(rows[2]["height_m"]) == pytest.approx(0.75, abs=1e-3)
     run = mc.open(tmp_path / "out")
-    assert run.summary["loads"]["tables"][0]["kind"] == "pulse"
+    assert run.summary["loads"]["tables"][0]["kind"] == "surge"
     assert run.scene.structure.names == ["plate", "cube1", "cube2"]
 
 
@@ -101,7 +101,7 @@ def test_a_record_is_read_by_a_reader_of_a_package(tmp_path: Path, form: str) ->
     values = [0.0, 1.0, 0.5, -2.0, 0.0, 0.0, 1.0, 0.0, 0.5, 0.0]
     (tmp_path / "quake.txt").write_text("LAB dt=0.01 unit=m/s2\n" + "".join(f"{value}\n" for value in values))
     load = f'kind = "record"\npath = "quake.txt"\nformat = "{form}"\ncorrection = "none"\ndirection = "x"'
-    text = SCENE.replace('kind = "pulse"\namplitude = 0.1\nlength = 0.05', load).partition("[report]")[0]
+    text = SCENE.replace('kind = "surge"\namplitude = 0.1\nlength = 0.05', load).partition("[report]")[0]
     (tmp_path / "scene.toml").write_text(text)
     run = mc.run(tmp_path / "scene.toml", progress=False)
     assert run.summary["loads"]["tables"][0]["before"]["pga"] == pytest.approx(2.0)
@@ -130,7 +130,7 @@ def test_a_scene_that_needs_no_package_looks_for_none() -> None:
     ("change", "words"),
     [
         ("structure.kind=stak", '"stak" (did you mean "stack"?)'),
-        ("loads[0].kind=puls", '"puls" (did you mean "pulse"?)'),
+        ("loads[0].kind=surg", '"surg" (did you mean "surge"?)'),
         ("structure.cubs=3", "structure.cubs: unknown key"),
         ("loads[0].amplitude=-1", "loads[0].amplitude"),
         ('report.extra=["height"]', "energy, heights"),
@@ -170,9 +170,9 @@ def test_a_file_of_the_users_runs_only_where_the_command_line_trusts_it(tmp_path
 
 
 def test_a_load_of_the_users_and_trust_from_python(tmp_path: Path) -> None:
-    (tmp_path / "own.py").write_text((EXAMPLE / "masonry_cd_stacks" / "pulse.py").read_text(encoding="utf-8"))
+    (tmp_path / "own.py").write_text((EXAMPLE / "masonry_cd_stacks" / "surge.py").read_text(encoding="utf-8"))
     scene = mc.scene(ROOT / "examples" / "trilithon.toml", "run.duration=0.02")
-    scene = scene.changed(loads=[{"kind": f"{tmp_path / 'own.py'}:PULSE", "amplitude": 0.1, "length": 0.01}])
+    scene = scene.changed(loads=[{"kind": f"{tmp_path / 'own.py'}:SURGE", "amplitude": 0.1, "length": 0.01}])
     with pytest.raises(mc.InputError, match="pass --trust"):
         mc.Simulation(scene)
     mc.trust()

@@ -252,7 +252,7 @@ tension = 500.0
         assert tension.shape == (200, 1)
         assert tie["tension_max"] == tension.max() > tension[-1] == tie["tension_end"] > 500.0
     assert tie["stress_max"] == pytest.approx(tie["tension_max"] / (np.pi * 1e-4))
-    assert closing_lines(summary)[1].startswith('tie "left" to "right": at most ')
+    assert closing_lines(summary)[2].startswith('tie "left" to "right": at most ')
 
 
 @pytest.mark.parametrize(

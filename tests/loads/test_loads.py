@@ -60,7 +60,7 @@ def test_a_base_that_still_moves_at_the_end_of_the_run_is_reported() -> None:
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({"direction": "x"}, "loads[0].kind: missing; kinds: artificial, point, tie, gravity, "),
+        ({"direction": "x"}, "loads[0].kind: missing; kinds: artificial, prop, point, tie, gravity, "),
         ({"kind": "sinusiodal"}, 'loads[0].kind: unknown kind "sinusiodal" (did you mean "sinusoidal"?)'),
         ({**SINE, "amplitud": 1.0}, 'loads[0].amplitud: unknown key (did you mean "amplitude"?)'),
         ({k: v for k, v in SINE.items() if k != "amplitude"}, "loads[0].amplitude: missing"),

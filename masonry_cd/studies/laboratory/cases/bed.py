@@ -13,6 +13,8 @@ from masonry_cd.studies.laboratory.case import Case, Found, Row, at, pushed
 from structures.geometry.prism import box
 
 WIDTH, HEIGHT, PUSHED, WEIGHT, STIFFNESS = 0.5, 2.0, 1.998, 60e3, 2e10  # [m], [N], [N/m3]
+POINTS = 7  # over the depth, where the default has 3
+MORE = f"elastic, {POINTS} points"
 WAYS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2)  # [m]
 
 
@@ -42,17 +44,18 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
         "kind": "push", "control": "displacement", "direction": "x", "blocks": "block", "point": [0.0, 0.5, PUSHED], "targets": [0.0102],
         "speed": 0.005,
     }  # fmt: skip
-    law = {"default": {"normal_stiffness": STIFFNESS, "tangential_stiffness": 100.0 * STIFFNESS, "damping": 0.2}}
+    law = {"normal_stiffness": STIFFNESS, "tangential_stiffness": 100.0 * STIFFNESS, "damping": 0.2}
     found = Found()
-    for label, joints in (("elastic", law), ("rigid", {})):
-        material = {"density": 2000.0, "friction": 5.0} | ({"joints": joints} if joints else {})
+    for label, joint in (("elastic", law), (MORE, law | {"joint_points": POINTS}), ("rigid", {})):
+        material = {"density": 2000.0, "friction": 5.0} | ({"joints": {"default": joint}} if joint else {})
         tables = {"title": f"A block on its bed, {label}", "material": material, "loads": [push], "run": {"dt": 1e-3, "tolerance": 1e-7}}
-        curve = pushed(folder / label, blocks, tables | {"quiet_checks": ["material.friction"]})
+        curve = pushed(folder / label.replace(", ", "_").replace(" ", "_"), blocks, tables | {"quiet_checks": ["material.friction"]})
         say(f"{label}: {curve.numbers()['peak_force']:.6g} N")
         u, f = curve.envelope()
         found.computed.append((f"{label} joint", 1e3 * u, 1e-3 * f))
-        if label == "elastic":
-            found.rows = [Row(f"force at {1e3 * way:g} mm", "N", exact(way), None, at(curve, way)) for way in WAYS]
+        if joint:
+            more = label.removeprefix("elastic")
+            found.rows += [Row(f"force at {1e3 * way:g} mm{more}", "N", exact(way), None, at(curve, way)) for way in WAYS]
     ways = np.geomspace(2e-5, 1.02e-2, 200)
     found.measured.append(("closed form", 1e3 * ways, np.array([1e-3 * exact(way) for way in ways])))
     return found
@@ -65,6 +68,6 @@ CASE = Case(
     "block 0.5 x 1 x 2 m of 60 kN on one joint of 2e10 N/m3, pushed at 1.998 m; friction 5, so that it does not slide",
     "nothing",
     "A joint is as many springs as it has contact points. How the force goes from the closed to the open joint shows how well they stand "
-    "for a bed.",
+    "for a bed: three, the default, are up to a quarter too strong once it opens, seven (`joint_points = 7`) within a few per cent.",
     compute,
 )

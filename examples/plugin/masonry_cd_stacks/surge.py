@@ -1,4 +1,4 @@
-"""``[[loads]] kind = "pulse"``: the base moves by a smooth pulse of velocity along x, v(t) = A sin^2(pi t / T) up to T."""
+"""``[[loads]] kind = "surge"``: the base moves by a smooth surge of velocity along x, v(t) = A sin^2(pi t / T) up to T."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pydantic import Field
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 
 
-class PulseTable(LoadTable):
+class SurgeTable(LoadTable):
     """The keys; ``kind`` is among those of every load."""
 
     amplitude: float = Field(gt=0.0)  # A [m/s]
     length: float = Field(gt=0.0)  # T [s]
 
 
-def pulse(table: PulseTable, grid: RunGrid, where: str) -> Part:
+def surge(table: SurgeTable, grid: RunGrid, where: str) -> Part:
     """What it adds to a run: the velocity of the base at times (n,), (n, 3) [m/s]."""
 
     def velocity(times: np.ndarray) -> np.ndarray:
@@ -26,7 +26,7 @@ def pulse(table: PulseTable, grid: RunGrid, where: str) -> Part:
         return np.outer(np.where(inside, along, 0.0), [1.0, 0.0, 0.0])
 
     summary = {"kind": table.kind, "amplitude": table.amplitude, "length": table.length}
-    return Part(motion=velocity, lines=(f"{where} pulse of {table.amplitude:g} m/s over {table.length:g} s",), summary=summary)
+    return Part(motion=velocity, lines=(f"{where} surge of {table.amplitude:g} m/s over {table.length:g} s",), summary=summary)
 
 
-PULSE = LoadKind(PulseTable, pulse)
+SURGE = LoadKind(SurgeTable, surge)
