@@ -42,7 +42,7 @@ class Plugin(NamedTuple):
 
 
 @cache
-def _entries(group: str) -> dict[str, EntryPoint]:
+def entries(group: str) -> dict[str, EntryPoint]:
     """The entries of a group by name; of two of one name the first package by name."""
     from importlib.metadata import entry_points  # where a name asks for it: it takes its time
 
@@ -56,12 +56,12 @@ def _package(entry: EntryPoint) -> str:
 
 def plugins() -> list[Plugin]:
     """All that installed packages add; none of them is imported."""
-    return [Plugin(group, name, _package(entry), entry.value) for group in GROUPS for name, entry in sorted(_entries(group).items())]
+    return [Plugin(group, name, _package(entry), entry.value) for group in GROUPS for name, entry in sorted(entries(group).items())]
 
 
 def names(group: str) -> tuple[str, ...]:
     """Names of what packages add to a group."""
-    return tuple(sorted(_entries(group)))
+    return tuple(sorted(entries(group)))
 
 
 def load(group: str, name: str) -> Any:
@@ -70,7 +70,7 @@ def load(group: str, name: str) -> Any:
     Raises:
         InputError: the package cannot be imported, or has no such thing.
     """
-    entry = _entries(group)[name]
+    entry = entries(group)[name]
     try:
         return entry.load()
     except Exception as failure:  # whatever foreign code raises
@@ -93,7 +93,7 @@ def find(group: str, name: str, key: str, known: Iterable[str], folder: Path | N
     own = OWN_FILE.fullmatch(name) if folder is not None else None
     if own is not None and folder is not None:
         return _of_file(folder / own["path"], own["name"], key)
-    if name not in _entries(group):
+    if name not in entries(group):
         every = [*known, *names(group)]
         raise InputError(f'{key}: unknown {key.rpartition(".")[2]} "{name}"{suggest(name, every)}; one of {", ".join(every)}')
     return load(group, name)

@@ -27,7 +27,7 @@ from masonry_cd.interface.plots import Plots
 from masonry_cd.interface.run_exports import RunExports
 from masonry_cd.interface.scenes import Scene, scene_of
 from masonry_cd.interface.structure import Structure
-from masonry_cd.interface.tables import columns_of, frame_of, frame_of_rows
+from masonry_cd.interface.tables import PER_STEP, columns_of, frame_of, frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
@@ -54,17 +54,6 @@ MEASURES = {  # of joints over time, and their units
 }
 MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 VELOCITIES = ("vx", "vy", "vz", "wx", "wy", "wz")
-PER_STEP = {  # and their types
-    "load_step": np.int64,
-    "solver/iterations": np.int64,
-    "solver/contacts": np.int64,
-    "solver/error": np.float64,
-    "solver/seconds": np.float64,
-    "solver/violation": np.float64,
-    "solver/false_slip": np.float64,
-    "solver/false_opening": np.float64,
-    "penetration": np.float64,
-}
 
 
 class Run(RunExports):

@@ -157,7 +157,9 @@ class Simulation:
         """Run the scene to its end from its beginning, and write what ``masonry-cd run`` does; return the run.
 
         Args:
-            folder, progress, force: as of :func:`masonry_cd.run`.
+            folder: where the run is written; a temporary folder when not given.
+            progress: whether to show how far it is.
+            force: whether what is in the folder may be overwritten.
 
         There are no checkpoints, so a recorded simulation with functions of Python cannot be resumed.
 

@@ -29,6 +29,17 @@ UNITS = {
     "J": "kinetic base_work gravity_work force_work correction friction impact elastic damping balance",
     "Hz": "frequency_hz",
 }
+PER_STEP = {  # datasets of every step, and their types
+    "load_step": np.int64,
+    "solver/iterations": np.int64,
+    "solver/contacts": np.int64,
+    "solver/error": np.float64,
+    "solver/seconds": np.float64,
+    "solver/violation": np.float64,
+    "solver/false_slip": np.float64,
+    "solver/false_opening": np.float64,
+    "penetration": np.float64,
+}
 UNIT_OF = {name: unit for unit, names in UNITS.items() for name in names.split()}
 
 

@@ -43,7 +43,7 @@ def comparison_figure(comparison: Comparison) -> Any:
     FigureCanvasAgg(figure)
     rows = figure.add_gridspec(3, 2, height_ratios=(3.6, 3.4, tall - 7.6))
     _response(figure.add_subplot(rows[0, :]), runs)
-    _states(figure.add_subplot(rows[1, 0]), runs)
+    draw_states(figure.add_subplot(rows[1, 0]), runs)
     _widths(figure.add_subplot(rows[1, 1]), runs)
     _grade_table(figure.add_subplot(rows[2, :]), runs, names, grid)
     for axes in figure.axes:
@@ -80,7 +80,7 @@ def _response(axes: Any, runs: list[Run]) -> None:
     _plain(axes)
 
 
-def _states(axes: Any, runs: list[Run]) -> None:
+def draw_states(axes: Any, runs: list[Run]) -> None:
     """Joints by state, and lost blocks, side by side."""
     labels = (
         ("only_opened", "joints\nopened"),

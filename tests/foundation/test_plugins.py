@@ -63,9 +63,9 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]
     install(tmp_path / "site")
     monkeypatch.syspath_prepend(tmp_path / "site")
     monkeypatch.syspath_prepend(EXAMPLE)
-    plugins._entries.cache_clear()
+    plugins.entries.cache_clear()
     yield
-    plugins._entries.cache_clear()
+    plugins.entries.cache_clear()
     for name in [name for name in sys.modules if name.startswith("masonry_cd_stacks")]:
         del sys.modules[name]
 
@@ -119,7 +119,7 @@ def test_the_command_lists_them_and_a_scene_without_them_imports_none(tmp_path: 
 def test_a_scene_that_needs_no_package_looks_for_none() -> None:
     script = (
         "import sys, masonry_cd as mc; mc.scene('examples/trilithon.toml').structure; "
-        "from masonry_cd.foundation import plugins; print(plugins._entries.cache_info().currsize)"
+        "from masonry_cd.foundation import plugins; print(plugins.entries.cache_info().currsize)"
     )
     done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "0"

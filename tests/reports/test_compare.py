@@ -131,6 +131,6 @@ def test_counts_have_whole_ticks_and_grades_the_colours_of_the_page(tmp_path):
         folder.mkdir()
         write_run(folder / "result.h5", blocks, [at_rest(blocks), shifted(at_rest(blocks), 1, (0.01, 0, 0))])
     axes = Figure().subplots()
-    comparison_picture._states(axes, comparison.compare(folders).runs)
+    comparison_picture.draw_states(axes, comparison.compare(folders).runs)
     assert all(tick == round(tick) for tick in axes.get_yticks())
     assert f".grade.D3 {{ background: {GRADES['D3']}; }}" in filled("style.css")

@@ -118,15 +118,15 @@ def test_a_push_turns_a_block_as_far_as_the_closed_form_says_and_back(planar):
     weight, begin, lost = machine.assembly.mass[1] * GRAVITY, machine.state.position[1].copy(), [0.0]
     exchanged, most = [], 0.0
     for k in range(800):
-        spread = machine.detector._memory.spread.any()
+        spread = machine.detector.snapshot()["spread"].any()
         machine.step()
         lost.append(machine.energy["damping"] + machine.energy["friction"])
         most = max(most, machine.energy["elastic"])
-        if machine.detector._memory.spread.any() != spread:
+        if machine.detector.snapshot()["spread"].any() != spread:
             exchanged.append(lost[-1] - lost[-2])
         if k == 479:
             theta = 2.0 * np.arctan2(machine.state.orientation[1, 2], machine.state.orientation[1, 0])
-            assert machine.detector._memory.spread.any()
+            assert machine.detector.snapshot()["spread"].any()
 
     def out_of_balance(angle: float) -> float:
         bed = weight * (0.25 - np.sqrt(2.0 * weight / (2e9 * angle)) / 3.0)
@@ -134,7 +134,7 @@ def test_a_push_turns_a_block_as_far_as_the_closed_form_says_and_back(planar):
 
     expected = brentq(out_of_balance, 4.0 * 2.0 * weight / 2e9, 2e-3)
     assert theta == pytest.approx(expected, rel=0.1)  # 2 % of the moment is far more of the turn
-    assert not machine.detector._memory.spread.any()
+    assert not machine.detector.snapshot()["spread"].any()
     touched = np.sqrt(2.0 * weight / (2e9 * expected))
     slip = 0.7 * 0.25 * weight / (2e9 / 2.4 * touched)  # elastic, at the most: points that open lose it
     moved = np.abs(machine.state.position[1] - begin)
