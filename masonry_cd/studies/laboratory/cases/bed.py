@@ -14,7 +14,6 @@ from structures.geometry.prism import box
 
 WIDTH, HEIGHT, PUSHED, WEIGHT, STIFFNESS = 0.5, 2.0, 1.998, 60e3, 2e10  # [m], [N], [N/m3]
 POINTS = 7  # over the depth, where the default has 3
-MORE = f"elastic, {POINTS} points"
 WAYS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2)  # [m]
 
 
@@ -46,16 +45,16 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
     }  # fmt: skip
     law = {"normal_stiffness": STIFFNESS, "tangential_stiffness": 100.0 * STIFFNESS, "damping": 0.2}
     found = Found()
-    for label, joint in (("elastic", law), (MORE, law | {"joint_points": POINTS}), ("rigid", {})):
+    more = law | {"joint_points": POINTS}
+    for label, joint, points in (("elastic", law, ""), (f"elastic_{POINTS}", more, f", {POINTS} points"), ("rigid", {}, "")):
         material = {"density": 2000.0, "friction": 5.0} | ({"joints": {"default": joint}} if joint else {})
         tables = {"title": f"A block on its bed, {label}", "material": material, "loads": [push], "run": {"dt": 1e-3, "tolerance": 1e-7}}
-        curve = pushed(folder / label.replace(", ", "_").replace(" ", "_"), blocks, tables | {"quiet_checks": ["material.friction"]})
+        curve = pushed(folder / label, blocks, tables | {"quiet_checks": ["material.friction"]})
         say(f"{label}: {curve.numbers()['peak_force']:.6g} N")
         u, f = curve.envelope()
-        found.computed.append((f"{label} joint", 1e3 * u, 1e-3 * f))
+        found.computed.append((f"{label.partition('_')[0]} joint{points}", 1e3 * u, 1e-3 * f))
         if joint:
-            more = label.removeprefix("elastic")
-            found.rows += [Row(f"force at {1e3 * way:g} mm{more}", "N", exact(way), None, at(curve, way)) for way in WAYS]
+            found.rows += [Row(f"force at {1e3 * way:g} mm{points}", "N", exact(way), None, at(curve, way)) for way in WAYS]
     ways = np.geomspace(2e-5, 1.02e-2, 200)
     found.measured.append(("closed form", 1e3 * ways, np.array([1e-3 * exact(way) for way in ways])))
     return found
