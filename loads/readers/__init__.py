@@ -63,7 +63,5 @@ def reader_of(name: str) -> Reader:
     Raises:
         InputError: no such format, or a package that cannot be used.
     """
-    if name in READERS:
-        return READERS[name]
     found: Reader = plugins.find("readers", name, "format", READERS)
     return found

@@ -24,7 +24,7 @@ VERSIONS = (6, 7)
 
 
 def recognises(source: Source) -> bool:
-    """True for a header that gives its version and a count that the file has room for."""
+    """True for a header that gives its version and a count that fits the size of the file."""
     return _order(source) is not None
 
 

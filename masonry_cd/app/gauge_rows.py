@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.app.step_contacts import contacts_of, reactions_of
 from masonry_cd.io.gauges import Gauges
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.joints import JointMeasures, Joints
@@ -56,8 +57,8 @@ class GaugeRows:
         if g.joints:
             self._rows["gauges/joints"].append(self._of_joints(now, joint_of_pairs))
         if g.supports:
-            forces = stepper.support_forces()
-            self._rows["gauges/supports"].append(forces[[s.block for s in g.supports]])
+            reactions = reactions_of(stepper, contacts_of(stepper, joint_of_pairs))
+            self._rows["gauges/supports"].append(reactions[[s.block for s in g.supports], :3])
 
     def take(self) -> dict[str, np.ndarray]:
         """The rows, which are forgotten here."""

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import importlib.util
 import re
-from collections.abc import Iterable
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -77,14 +77,14 @@ def load(group: str, name: str) -> Any:
         raise InputError(f'plug-in "{name}" of {_package(entry)} cannot be used: {_in_a_line(failure)}') from None
 
 
-def find(group: str, name: str, key: str, known: Iterable[str], folder: Path | None = None) -> Any:
-    """What a name that the program itself does not know stands for: a file's, or a package's.
+def find(group: str, name: str, key: str, known: Mapping[str, Any], folder: Path | None = None) -> Any:
+    """What a name stands for: in the program itself, a file, or a package.
 
     Args:
         group: of the plug-in.
         name: as the scene gives it.
         key: of the scene, for messages.
-        known: names that the program itself knows.
+        known: what the program itself has, by name.
         folder: of the scene, where a file may be named.
 
     Raises:
@@ -93,6 +93,8 @@ def find(group: str, name: str, key: str, known: Iterable[str], folder: Path | N
     own = OWN_FILE.fullmatch(name) if folder is not None else None
     if own is not None and folder is not None:
         return _of_file(folder / own["path"], own["name"], key)
+    if name in known:
+        return known[name]
     if name not in entries(group):
         every = [*known, *names(group)]
         raise InputError(f'{key}: unknown {key.rpartition(".")[2]} "{name}"{suggest(name, every)}; one of {", ".join(every)}')

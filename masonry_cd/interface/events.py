@@ -43,7 +43,7 @@ class Events:
         self._down = np.zeros(self._assembly.count, dtype=bool)
 
     def copied(self) -> Events:
-        """Events of the same functions that go their own way."""
+        """A copy with the same functions, independent of this one."""
         other = copy.copy(self)
         other._open, other._down = self._open.copy(), self._down.copy()
         other._functions = {event: list(functions) for event, functions in self._functions.items()}

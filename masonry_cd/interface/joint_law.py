@@ -126,7 +126,7 @@ class BoundLaw:
         self.history = self._trial
 
     def copied(self) -> BoundLaw:
-        """A law that remembers the same and goes its own way."""
+        """A copy with the same history, independent of this one."""
         other = BoundLaw.__new__(BoundLaw)
         other.__dict__.update(self.__dict__)
         other.history = self.history.copy()

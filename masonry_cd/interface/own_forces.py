@@ -49,7 +49,7 @@ class Pushing(Protocol):
         """The step last asked for was made."""
 
     def copied(self) -> Pushing:
-        """One that remembers the same and goes its own way."""
+        """A copy with the same history, independent of this one."""
 
 
 class History:
@@ -197,7 +197,7 @@ class OwnForces:
         return every
 
     def copied(self) -> OwnForces:
-        """Forces that remember the same and go their own way."""
+        """A copy with the same history, independent of this one."""
         return replace(self, own=tuple(item.copied() for item in self.own))
 
     def taken(self) -> None:

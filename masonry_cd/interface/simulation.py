@@ -280,7 +280,7 @@ class Simulation:
     # --- copies --------------------------------------------------------------------------------------------------------------
 
     def copy(self) -> Simulation:
-        """Another simulation that stands where this one does, and goes on with the same bits.
+        """A second simulation in the state of this one, which continues with the same bits.
 
         What functions of Python remember is shared, and both call those that are called on events.
         """
@@ -306,7 +306,7 @@ class Simulation:
         checkpoint.save(Path(path), arrays, {"simulation": self.scene.text})
 
     def restore(self, path: str | os.PathLike[str]) -> None:
-        """Go on from a checkpoint that :meth:`save` wrote, in this process or another; the scene must be the same.
+        """Continue from a checkpoint that :meth:`save` wrote, in this process or another; the scene must be the same.
 
         Raises:
             InputError: no such file, another scene, or a file that no such simulation has written. Then nothing is changed.
@@ -334,7 +334,7 @@ class Simulation:
 
     def _refuse_at_end(self, what: str) -> None:
         if self.done:
-            raise InputError(f"{what}: the scene has ended, at {self.time:g} s; a longer run.duration goes on")
+            raise InputError(f"{what}: the scene has ended, at {self.time:g} s; a longer run.duration continues it")
 
     def _refuse_when_busy(self, what: str) -> None:
         if self._busy:

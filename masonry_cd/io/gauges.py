@@ -8,7 +8,7 @@ What does not change of them is JSON in the attribute ``gauges`` of the result f
     /gauges/joints (N, Q, 8)     opening, sliding [m], normal force, shear force [N], moment about the joint's centre (3) [N m], compressed
                                  depth [m]
     /gauges/cracks (N, K, 3)     how the second point has moved relative to the first [m]
-    /gauges/supports (N, S, 3)   forces that supports exert on what touches them [N]
+    /gauges/supports (N, S, 3)   forces that supports exert on what they carry, ties that end at them among it [N]
 """
 
 from __future__ import annotations

@@ -31,8 +31,6 @@ def extra_report(name: str) -> ExtraReport:
     Raises:
         InputError: no such report, or a package that cannot be used.
     """
-    if name in EXTRA:
-        return EXTRA[name]
     found: ExtraReport = plugins.find("reports", name, "report.extra", EXTRA)
     return found
 

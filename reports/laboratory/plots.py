@@ -24,7 +24,7 @@ SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "n
 WORDS = {"points": "displacement", "joint_gauges": "joint", "cracks": "crack gauge", "supports": "reaction"}
 MEASURED = (("displacement", "displacement [m]", "u", "d"), ("force", "force [N]", "f", "v"))  # heads of columns, without regard to case
 
-INSIDE = 5  # curves whose legend leaves room in the plot
+INSIDE = 5  # curves at most whose legend goes into the plot
 
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
 

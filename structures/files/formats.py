@@ -12,7 +12,7 @@ from masonry_cd.foundation.errors import InputError
 
 LOOKED_AT = 4096  # bytes of a file of an unknown ending
 TRIANGLE, STL_HEAD = 50, 84  # bytes of binary STL
-ROOM = "structures.files."
+PACKAGE = "structures.files."
 
 
 class Format(NamedTuple):
@@ -27,25 +27,29 @@ class Format(NamedTuple):
 FORMATS = {
     "json": Format((".json",), "a block file; the only one that keeps everything", written=True),
     "obj": Format((".obj",), "an object a block; g, or else usemtl, is its group", written=True),
-    "stl": Format((".stl",), "a closed shell a block, solids of a text apart", f"{ROOM}mesh_readers:read_stl", written=True),
-    "ply": Format((".ply",), "a closed shell a block", f"{ROOM}surface_readers:read_ply"),
-    "off": Format((".off",), "a closed shell a block", f"{ROOM}surface_readers:read_off"),
-    "gltf": Format((".gltf", ".glb"), "a mesh of a node a block; metres, y up", f"{ROOM}surface_readers:read_gltf"),
-    "3mf": Format((".3mf",), "an object of the build a block; states its unit, z up", f"{ROOM}surface_readers:read_3mf"),
+    "stl": Format((".stl",), "a closed shell a block, solids of a text apart", f"{PACKAGE}mesh_readers:read_stl", written=True),
+    "ply": Format((".ply",), "a closed shell a block", f"{PACKAGE}surface_readers:read_ply"),
+    "off": Format((".off",), "a closed shell a block", f"{PACKAGE}surface_readers:read_off"),
+    "gltf": Format((".gltf", ".glb"), "a mesh of a node a block; metres, y up", f"{PACKAGE}surface_readers:read_gltf"),
+    "3mf": Format((".3mf",), "an object of the build a block; states its unit, z up", f"{PACKAGE}surface_readers:read_3mf"),
     "vtu": Format(
-        (".vtu",), "a volume cell a block, or those of one number in the array block", f"{ROOM}mesh_readers:read_vtu", written=True
+        (".vtu",), "a volume cell a block, or those of one number in the array block", f"{PACKAGE}mesh_readers:read_vtu", written=True
     ),
-    "vtp": Format((".vtp",), "a closed shell a block", f"{ROOM}mesh_readers:read_vtp"),
-    "vtm": Format((".vtm",), "a data set a block", f"{ROOM}mesh_readers:read_vtm", written=True),
-    "vtkhdf": Format((".vtkhdf",), "as VTU", f"{ROOM}mesh_readers:read_vtkhdf", written=True),
+    "vtp": Format((".vtp",), "a closed shell a block", f"{PACKAGE}mesh_readers:read_vtp"),
+    "vtm": Format((".vtm",), "a data set a block", f"{PACKAGE}mesh_readers:read_vtm", written=True),
+    "vtkhdf": Format((".vtkhdf",), "as VTU", f"{PACKAGE}mesh_readers:read_vtkhdf", written=True),
     "dxf": Format(
-        (".dxf",), "3DFACEs: a closed shell of a layer; polyface mesh: each a block; layers are groups", f"{ROOM}program_readers:read_dxf"
+        (".dxf",),
+        "3DFACEs: a closed shell of a layer; polyface mesh: each a block; layers are groups",
+        f"{PACKAGE}program_readers:read_dxf",
     ),
     "compas": Format(
-        (".compas",), "JSON of COMPAS: each mesh or polyhedron a block, is_support a support", f"{ROOM}program_readers:read_compas"
+        (".compas",), "JSON of COMPAS: each mesh or polyhedron a block, is_support a support", f"{PACKAGE}program_readers:read_compas"
     ),
-    "lmgc90": Format((), "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR and PLANx", f"{ROOM}program_readers:read_lmgc90"),
-    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{ROOM}program_readers:read_3dec"),
+    "lmgc90": Format(
+        (), "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR and PLANx", f"{PACKAGE}program_readers:read_lmgc90"
+    ),
+    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{PACKAGE}program_readers:read_3dec"),
 }
 ELSEWHERE = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # of kind = "solid"
 

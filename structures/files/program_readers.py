@@ -284,7 +284,7 @@ def read_3dec(path: Path) -> Answer:
     Raises:
         Refused: a block of another kind, numbers that do not fit, none at all.
     """
-    text = re.sub(r"(?:\.\.\.|&)\s*\n", " ", _text(path))  # lines that go on
+    text = re.sub(r"(?:\.\.\.|&)\s*\n", " ", _text(path))  # continued lines
     pieces: list[Piece] = []
     for number, line in enumerate(text.splitlines(), start=1):
         words = line.split(";")[0].replace("(", " ").replace(")", " ").replace(",", " ").split()

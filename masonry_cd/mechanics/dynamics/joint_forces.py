@@ -25,15 +25,6 @@ def joint_forces(
     return force, point
 
 
-def contact_forces(system: System, made: StepProblem, impulse: np.ndarray) -> np.ndarray:
-    """Force that each block exerts on those that touch it over a step, (B, 3) [N]; ``impulse`` (C, m) is that of the step [N s]."""
-    force = np.sum(impulse[:, :, None] * made.rows.frame[:, : impulse.shape[1]], axis=1) / system.constants.step
-    out = np.zeros((system.assembly.count, 3))
-    np.add.at(out, made.rows.blocks[:, 1], force)
-    np.add.at(out, made.rows.blocks[:, 0], -force)
-    return out
-
-
 @entry()
 def add_up(
     rows: ContactRows,

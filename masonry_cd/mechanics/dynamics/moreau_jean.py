@@ -38,7 +38,6 @@ from masonry_cd.mechanics.dynamics.free_motion import Prediction, angular_moment
 from masonry_cd.mechanics.dynamics.impacts import error_of, open_among, open_contacts, solve_apart
 from masonry_cd.mechanics.dynamics.islands import FORCES, Islands
 from masonry_cd.mechanics.dynamics.jams import Closing
-from masonry_cd.mechanics.dynamics.joint_forces import contact_forces
 from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, pretensioned
 from masonry_cd.mechanics.dynamics.new_state import RunStopped, update
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, largest_shortening, still_closing
@@ -360,10 +359,6 @@ class Stepper:
         """What the guides of blocks did in the last step: forces, and how far they have gone."""
         rows = () if self.last is None else self.last.predicted.driven
         return measured(self.system, self.system.loads.guides, rows, self.motion.v, self.state)
-
-    def support_forces(self) -> np.ndarray:
-        """Forces that the blocks exert on what touches them, mean over the last step, (B, 3) [N]; those of supports are their reactions."""
-        return np.zeros((self.assembly.count, 3)) if self.last is None else contact_forces(self.system, self.last, self.solution.impulse)
 
     def joint_bonds(self, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
         """Share of the area of each joint that is bonded, (J,); ``pair_joint`` names the joint of each pair or -1."""

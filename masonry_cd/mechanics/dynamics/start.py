@@ -39,7 +39,7 @@ def motion_at_start(system: System, state: State) -> Motion:
 
 
 def with_state(system: System, motion: Motion, state: State) -> Motion:
-    """The motion with another state of the same time, strains included, where a hand from outside has moved or pushed blocks.
+    """The motion with another state of the same time, strains included, where a caller has moved or pushed blocks.
 
     What the energy of motion gains by it counts as there from the beginning, so that the balance still closes; the impulses of the last
     step stay, to start from, and what an impact left over is dropped.
