@@ -13,6 +13,7 @@ EXTRA_OF = {
     "PIL": "pictures",
     "trimesh": "cad",
     "meshio": "cad",
+    "ezdxf": "cad",
     "clarabel": "limit",
     "skfem": "modal",
     "distributed": "studies",
