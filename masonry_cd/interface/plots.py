@@ -46,7 +46,7 @@ class Plots:
 
         Args:
             time: of the frame.
-            keys: of ``[report]`` in the place of the scene's: view, scale, cut, thrust, opened, slid, largest.
+            keys: of ``[report]`` instead of the scene's: view, scale, cut, thrust, opened, slid, largest.
 
         Raises:
             InputError: an unknown key, a time outside the run, or a cut outside the structure.
@@ -67,7 +67,7 @@ class Plots:
 
         Args:
             time: of the frame; None: of the whole run, block by block.
-            keys: of ``[report]`` in the place of the scene's: view, scale, cut.
+            keys: of ``[report]`` instead of the scene's: view, scale, cut.
 
         Raises:
             InputError: an unknown key, a time outside the run, a cut outside the structure, or a run that kept no stress.
