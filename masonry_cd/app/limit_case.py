@@ -15,7 +15,7 @@ import numpy as np
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement, judgement, refused
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse
 from masonry_cd.analysis.limit.candidates import UNTIED, with_mechanisms, with_untied
-from masonry_cd.analysis.limit.mechanism import STATES
+from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
@@ -108,7 +108,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             suits(loads, scene.run.gravity)
         how = ways(assembly, joints, loads, asked, scene.run.seed)
         analysis, built = _analyse(assembly, joints, loads, how.analysis), (assembly, joints)
-        if analysis.starts and analysis.problem.sections is None and loads.kind == "push":
+        if analysis.starts and loads.kind == "push":
             analysis = with_mechanisms(analysis, assembly, joints, _along(parts, loads))
         if asked.begin is not None:
             left = left_state(asked, scene.folder, assembly, joints, loads)
@@ -149,11 +149,11 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
     return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict)
 
 
-def _along(parts: Sequence[PartMechanism], loads: StaticLoads) -> list[np.ndarray]:
-    """Velocities (B, 6) of the mechanisms of least factor of parts that are pushed as the whole is."""
+def _along(parts: Sequence[PartMechanism], loads: StaticLoads) -> list[Mechanism]:
+    """The mechanisms of least factor of parts that are pushed as the whole is."""
     way = np.asarray(loads.direction)
     some = sorted((one for one in parts if one.found and float(one.direction @ way) > ALONG), key=lambda one: one.oscillator.alpha)
-    return [one.found.mechanism.velocity for one in some[:BEGUN] if one.found]
+    return [one.found.mechanism for one in some[:BEGUN] if one.found]
 
 
 def _unchecked(analysis: Analysis) -> Judgement:

@@ -98,10 +98,6 @@ def _suits(asked: LimitTable, scene: Scene) -> None:
         raise InputError("limit: macro-elements need gravity, but run.gravity is zero")
     if asked.begin is not None:
         raise InputError("limit.from: macro-elements are those of the structure as built")
-    if any(law.compressive_strength for law in scene.material.joint_laws.values()):
-        raise InputError(
-            "material.joints: joints of macro-elements do not crush; without compressive_strength they are those of rigid joints"
-        )
     if asked.check is not None and asked.check.limit_state == "SLC":
         raise InputError(
             "limit.check.limit_state: SLC is checked by displacements only, and of macro-elements the least mechanism alone is followed"
