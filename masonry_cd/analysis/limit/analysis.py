@@ -13,7 +13,7 @@ from masonry_cd.analysis.limit.conic import solve_conic
 from masonry_cd.analysis.limit.crushing import block_shares, crushable, cut_where_it_crushes, refuse_crushed_at_rest, solved_finely
 from masonry_cd.analysis.limit.linear import solve_linear
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
-from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, least_factor
+from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, least_factor, merged
 from masonry_cd.analysis.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.analysis.limit.problem import LimitProblem, Loads, limit_problem
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
@@ -200,11 +200,37 @@ def _scale(problem: LimitProblem) -> float:
     return max(float(np.linalg.norm(problem.dead)), 1e-300) / float(np.linalg.norm(problem.live))
 
 
-def searched(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
-    """The least factor without dilation that so many starts come to; None of none, and where none came to an end."""
-    if not starts:
+def searched(problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0) -> LeastFound | None:
+    """The least factor without dilation that so many starts come to; None of none, and where none came to an end.
+
+    In space those before the ``first`` are left out.
+    """
+    if starts <= first:
         return None
-    return (least_factor_in_space if problem.axis is None else least_factor)(problem, associated, starts, seed)
+    if problem.axis is None:
+        return least_factor_in_space(problem, associated, starts, seed, first)
+    return least_factor(problem, associated, starts, seed)
+
+
+def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, made: int, most: int, seed: int) -> Analysis:
+    """An analysis in space whose search goes on until starts agree.
+
+    Args:
+        analysis: whose own search has ``made`` so many starts.
+        assembly: its blocks.
+        joints: of them.
+        made: starts of its own.
+        most: to which it goes on.
+        seed: of it.
+    """
+    for number in range(made, most):
+        if analysis.least is not None and analysis.least.agreed:
+            break
+        more = searched(analysis.problem, analysis.associated.optimum, number + 1, seed, number)
+        least = merged(analysis.least, more, analysis.starts + 1)
+        moves = None if least is None else mechanism(analysis.problem, assembly, joints, least.optimum.velocity)
+        analysis = replace(analysis, least=least, least_mechanism=moves, starts=analysis.starts + 1)
+    return analysis
 
 
 def searched_finely(problem: LimitProblem, search: Callable[[LimitProblem], LeastFound | None]) -> tuple[LimitProblem, LeastFound | None]:

@@ -9,14 +9,14 @@ without its ties, of one of its macro-elements, of a few rigid bodies. Four cone
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from masonry_cd.analysis.limit import nonassociated, nonassociated_space
 from masonry_cd.analysis.limit.crushing import crushed_open
 from masonry_cd.analysis.limit.mechanism import STILL
-from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, Pair
+from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, Pair, merged
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Unbounded
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -99,10 +99,5 @@ def begun_at(problem: LimitProblem, before: Searched, mechanisms: Sequence[np.nd
         if not apart or end[0].factor - apart[-1][0].factor > ALIKE * abs(apart[-1][0].factor):
             apart.append(end)
     starts = before.starts + len(mechanisms) - len(every) + len(apart)
-    least = before.least
-    if not apart:
-        return Searched(None if least is None else replace(least, starts=starts), starts)
-    pairs = ([] if least is None else [(least.optimum, least.gap)]) + apart
-    best, gap = min(pairs, key=lambda pair: pair[0].factor)
-    known = () if least is None else least.ends
-    return Searched(LeastFound(best, gap, starts, (*known, *(optimum for optimum, _ in apart))), starts)
+    found = LeastFound(*apart[0], starts, tuple(optimum for optimum, _ in apart)) if apart else None
+    return Searched(merged(before.least, found, starts), starts)
