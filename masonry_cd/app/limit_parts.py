@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from masonry_cd.app.limit_structure import LimitStructure
     from masonry_cd.app.static_loads import StaticLoads
 
-TOWARDS = 0.7  # cosine of the angle between a push and one of a part's own up to which the part may go that way: 45 degrees
+TOWARDS = 0.7  # cosine of the angle between a push and the line of one of a part's own up to which it may go that way: 45 degrees
 RIGID = Effort(starts=0, most_points=0)  # no search block by block
 
 
@@ -35,6 +35,6 @@ def mechanisms_along(built: LimitStructure, loads: StaticLoads) -> list[PartMech
         return []
     whole, found = whole_of(built, loads), []
     for element in macro_elements(str(built.scene.structure.get("kind", "")), built.made.blocks):
-        if max(float(np.sum(own * way)) for own in element.directions) >= TOWARDS:
+        if max(abs(float(np.sum(own * way))) for own in element.directions) >= TOWARDS:
             found += analyse_element(whole, element, way, RIGID).mechanisms[:1]
     return found
