@@ -1,6 +1,6 @@
 """Write docs/laboratory.md and its figures from what `masonry-cd validate` left in a folder.
 
-for name in dry_walls bending arch columns bed; do masonry-cd validate $name -o out/laboratory/$name --force; done
+for name in $(masonry-cd validate | cut -d: -f1); do masonry-cd validate $name -o out/laboratory/$name --force; done
 python docs/write_laboratory.py out/laboratory
 """
 

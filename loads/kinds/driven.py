@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema
@@ -28,7 +28,7 @@ from loads.kinds.settlement import NAMES_SCHEMA, names_of_blocks
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.fields import MOST_STEPS, Instant, is_number
+from masonry_cd.foundation.fields import MOST_STEPS, Instant, Numbers, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.guides import Guide
@@ -43,16 +43,6 @@ ACROSS = 1e-9
 Faces = Literal["x", "+x", "-x", "y", "+y", "-y", "z", "+z", "-z"]
 
 
-def _targets(value: object) -> tuple[float, ...] | None:
-    """One number or a list of numbers."""
-    if value is None:
-        return None
-    numbers: list[Any] = [value] if is_number(value) else list(value) if isinstance(value, (list, tuple)) else []
-    if not numbers or not all(map(is_number, numbers)):
-        raise ValueError("must be a number or a list of numbers, e.g. [0.005, -0.005, 0.01, -0.01]")
-    return tuple(float(number) for number in numbers)
-
-
 def _point(value: object) -> tuple[float, float, float] | None:
     """Three numbers."""
     if value is None:
@@ -63,8 +53,6 @@ def _point(value: object) -> tuple[float, float, float] | None:
     return float(numbers[0]), float(numbers[1]), float(numbers[2])
 
 
-_NUMBER: dict[str, Any] = {"type": "number"}
-_TARGETS: dict[str, Any] = {"anyOf": [_NUMBER, {"type": "array", "items": _NUMBER, "minItems": 1}]}
 Blocks = Annotated[tuple[str, ...] | None, BeforeValidator(names_of_blocks), WithJsonSchema(NAMES_SCHEMA)]
 
 
@@ -95,7 +83,7 @@ class GuidedKeys(BaseModel):
 class DrivenKeys(GuidedKeys):
     """How far blocks are moved, and how fast."""
 
-    targets: Annotated[tuple[float, ...] | None, Unit("m"), BeforeValidator(_targets), WithJsonSchema(_TARGETS)] = None
+    targets: Annotated[Numbers | None, Unit("m")] = None
     """Displacements along the direction that are reached one after the other, from 0 on: one for a push, several for stages and cycles."""
     speed: Annotated[float, Unit("m/s"), Field(gt=0.0)] | None = None
     """Largest rate of the motion; slow enough for 0.2 % of inertia in the force when not given."""

@@ -1,8 +1,10 @@
 r"""Forces on single blocks: point loads, and ties as unilateral bars.
 
-A **point load** keeps its direction and acts at a point that moves with its block. A **tie** is a bar between a point of one block and a
-point of another, that pulls and never pushes, and yields at a given force if it has one; its law, and how it acts in the step, are in
-:mod:`loads.bars`. A run with w h (1 + xi) > 1, where w = sqrt(k / m_e) and xi is the damping ratio, is refused, with the dt that would do.
+A **point load** keeps its direction and acts at a point that moves with its block. It is there at once, grows over ``ramp``, or goes
+through stages, shares of it that are reached one after the other over ``ramp`` each and last for ``hold``. A **tie** is a bar between a
+point of one block and a point of another, that pulls and never pushes, and yields at a given force if it has one; its law, and how it acts
+in the step, are in :mod:`loads.bars`. A run with w h (1 + xi) > 1, where w = sqrt(k / m_e) and xi is the damping ratio, is refused, with
+the dt that would do.
 
 Ties that share a block stiffen one another. With g_i the row that maps the velocities of the blocks to L_i', w^2 is the largest
 eigenvalue of sqrt(k_i k_j) g_i M^-1 g_j^T over all ties, and the same limit holds.
@@ -21,7 +23,7 @@ from loads.bars import Forces, PointLoad, Tie
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.fields import Flag, Instant, check_tension, is_number
+from masonry_cd.foundation.fields import Flag, Instant, Numbers, check_tension, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.guides import Guide
@@ -83,7 +85,35 @@ class PointTable(LoadTable):
     start: Instant = 0.0
     """When the force begins."""
     ramp: Instant = 0.0
-    """Time in which it grows linearly."""
+    """Time in which it grows linearly; with stages from each to the next."""
+    stages: Numbers | None = None
+    """Shares of the force that are reached one after the other, 1 being all of it, e.g. [0.5, 1, 0, 1.5]."""
+    hold: Instant = 0.0
+    """How long each stage but the last is held."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.hold and not self.stages:
+            raise ValueError("hold: of no use without stages")
+        if self.stages is not None and not any(self.stages):
+            raise ValueError("stages: none is away from 0")
+        if len(self.stages or ()) > 1 and not self.ramp + self.hold > 0.0:
+            raise ValueError("stages: ramp and hold are 0, so that all of them would be at one time")
+        return self
+
+    @property
+    def end(self) -> float:
+        """When the last stage is reached [s]."""
+        count = len(self.stages or (1.0,))
+        return self.start + count * self.ramp + (count - 1) * self.hold
+
+    def factor(self, times: np.ndarray) -> np.ndarray:
+        """The share of the force at times (n,) [s]."""
+        share, before, since = np.zeros(len(times)), 0.0, times - self.start
+        for stage in self.stages or (1.0,):
+            share += (stage - before) * (np.clip(since / self.ramp, 0.0, 1.0) if self.ramp > 0.0 else (since >= 0.0).astype(float))
+            before, since = stage, since - self.ramp - self.hold
+        return share
 
 
 class TieTable(LoadTable):
@@ -136,16 +166,16 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
         raise InputError(f'{where}.block: "{table.block}" is fixed, a force cannot move it')
     if table.point is not None:
         require_on_block(assembly.blocks[block], table.point, f"{where}.point")
-    since = grid.times - table.start
-    factor = np.clip(since / table.ramp, 0.0, 1.0) if table.ramp > 0.0 else (since >= 0.0).astype(float)
     arm = np.zeros(3) if table.point is None else np.array(table.point) - assembly.centre[block]
-    load = PointLoad(block, arm, np.array(table.force), factor)
+    load = PointLoad(block, arm, np.array(table.force), table.factor(grid.times))
     size = math.hypot(*load.force)
     weight = assembly.mass[block] * math.hypot(*grid.gravity)
     relation = f", {size / weight:.3g} times its weight" if weight > 0.0 else ""
+    stages = f", in {len(table.stages)} stages up to {table.end:.4g} s" if table.stages else ""
+    short = [f"{where} the run ends at {grid.end:g} s, before the last stage is reached"] if table.end > grid.end * (1.0 + 1e-9) else []
     return Part(
         forces=(load,),
-        lines=(f'{where} point load of {size:.4g} N on "{table.block}"{relation}',),
+        lines=(f'{where} point load of {size:.4g} N on "{table.block}"{relation}{stages}', *(short if table.stages else ())),
         summary={
             "kind": "point",
             "block": table.block,
@@ -153,6 +183,7 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
             "point": None if table.point is None else list(table.point),
             "start": table.start,
             "ramp": table.ramp,
+            **({"stages": list(table.stages), "hold": table.hold} if table.stages else {}),
         },
     )
 
@@ -298,6 +329,6 @@ def one_block(name: str, assembly: Assembly, where: str) -> int:
 
 
 KINDS = {
-    "point": LoadKind(PointTable, point, lambda table, grid, where: table.start + table.ramp),
+    "point": LoadKind(PointTable, point, lambda table, grid, where: table.end),
     "tie": LoadKind(TieTable, tie, lambda table, grid, where: 0.0),
 }

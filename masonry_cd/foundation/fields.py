@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, WithJsonSchema
 
 from masonry_cd.foundation.units import Unit
 
@@ -52,6 +52,21 @@ def _three_numbers(value: object) -> object:
 
 
 Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)]
+
+
+def _numbers(value: object) -> tuple[float, ...] | None:
+    """One number or a list of numbers."""
+    if value is None:
+        return None
+    numbers: list[Any] = [value] if is_number(value) else list(value) if isinstance(value, (list, tuple)) else []
+    if not numbers or not all(map(is_number, numbers)):
+        raise ValueError("must be a number or a list of numbers, e.g. [0.005, -0.005, 0.01, -0.01]")
+    return tuple(float(number) for number in numbers)
+
+
+_NUMBER: dict[str, Any] = {"type": "number"}
+_LIST: dict[str, Any] = {"anyOf": [_NUMBER, {"type": "array", "items": _NUMBER, "minItems": 1}]}
+Numbers = Annotated[tuple[float, ...], BeforeValidator(_numbers), WithJsonSchema(_LIST)]  # one, or a list of them
 
 
 class Table(BaseModel):

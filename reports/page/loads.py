@@ -59,6 +59,9 @@ def _point(load: Mapping[str, Any], _: Mapping[str, Any]) -> list[str]:
     at = f" at ({', '.join(f'{value:.4g}' for value in load['point'])}) m" if load.get("point") else " at its centre of mass"
     start, ramp = float(load.get("start", 0.0)), float(load.get("ramp", 0.0))
     when = f"grows from {start:g} to {start + ramp:g} s" if ramp else f"in full from {start:g} s on"
+    if load.get("stages"):
+        shares = ", ".join(f"{100.0 * float(stage):g}" for stage in load["stages"])
+        when = f"{shares} % of it one after the other from {start:g} s on, over {ramp:g} s each, held {float(load.get('hold', 0.0)):g} s"
     return [f"{load['block']}{at}", f"{force(math.hypot(*vector))} {_along(vector)}", when]
 
 

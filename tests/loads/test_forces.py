@@ -79,6 +79,30 @@ def test_a_slack_bar_lets_go_and_catches(pair: Assembly) -> None:
     assert np.diff(x)[150:] == pytest.approx(-0.5 * 1e-3, rel=1e-3)  # ... then it flies back at the speed it came with, unpushed
 
 
+def test_a_force_in_stages_goes_from_share_to_share_and_is_held(pair: Assembly) -> None:
+    table = {"kind": "point", "block": "stone", "force": [0, 0, -1000.0], "start": 0.1, "ramp": 0.2, "hold": 0.3}
+    (load,) = forces(pair, {**table, "stages": [0.5, 1.5, 0.0]}).points
+    times = np.array([0.0, 0.1, 0.2, 0.3, 0.6, 0.7, 0.8, 1.1, 1.2, 1.3, 2.0])
+    wanted = [0.0, 0.0, 0.25, 0.5, 0.5, 1.0, 1.5, 1.5, 0.75, 0.0, 0.0]
+    assert load.factor[np.round(times / 1e-3).astype(int)] == pytest.approx(wanted, abs=1e-9)
+    steps = forces(pair, {**table, "ramp": 0.0, "stages": [0.5, 1.5]}).points[0]
+    assert steps.factor[[99, 101, 399, 401]] == pytest.approx([0.0, 0.5, 0.5, 1.5])
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"hold": 1.0}, "hold: of no use without stages"),
+        ({"stages": [0.0, 0.0]}, "stages: none is away from 0"),
+        ({"stages": [0.5, 1.0]}, "stages: ramp and hold are 0"),
+        ({"stages": [0.5, "b"]}, "stages"),
+    ],
+)
+def test_stages_that_say_nothing_are_refused(pair: Assembly, keys: dict, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        forces(pair, {"kind": "point", "block": "stone", "force": [0, 0, -1000.0], **keys})
+
+
 def test_damping_takes_energy_and_never_pushes(pair: Assembly) -> None:
     damped = forces(pair, {**BAR, "damping": 0.1})
     x = swing(damped, pair, 0.5, 1e-3, 200)

@@ -9,11 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.pushover import PushCurve, require_pushes
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import RESULTS, run_case
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.app.static_loads import limit_table, static_loads
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from structures.files.blockfile import write as write_blocks
@@ -73,6 +75,15 @@ def pushed(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -> 
     """The push of a scene."""
     with run_in(folder, blocks, tables) as results:
         return require_pushes(results)[0]
+
+
+def limit_factor(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any], live: Sequence[int]) -> float:
+    """The least factor on some of the loads of a scene by limit analysis, rigid and without dilation where it is found."""
+    run = {"run": {"dt": 1e-3, "duration": 1e-2}, "quiet_checks": ["loads"]}
+    case = prepare(scene_in(folder, blocks, {**tables, **run}))
+    loads = static_loads(case.scene.loads, limit_table({"live": list(live)}), case.scene.run.gravity, folder, case.assembly)
+    found = analyse(case.assembly, case.joints, loads.at(), Options(starts=2))
+    return float(found.associated.factor if found.least is None else found.least.optimum.factor)
 
 
 def at(curve: PushCurve, displacement: float) -> float:

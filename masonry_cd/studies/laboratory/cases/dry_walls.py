@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Options, analyse
-from masonry_cd.app.case import prepare
-from masonry_cd.app.static_loads import limit_table, static_loads
-from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, at, pushed, scene_in
-from structures.geometry.prism import box
+from masonry_cd.studies.laboratory.case import Case, Found, Row, at, pushed
+from masonry_cd.studies.laboratory.shear_walls import ShearWall
 
-LENGTH, COURSE, COURSES, THICK, UNIT = 1.0, 0.1, 9, 0.2, 0.2  # [m]
-DEPTH = 0.2  # of the beam [m], pushed at its middle: 1.0 m above the base
-FRICTION = 0.62  # of sawn granite, not stated with the tests
-DENSITY = 2650.0  # of granite [kg/m3]
+WALL = ShearWall(courses=9, course=0.1, unit=0.2, depth=0.2, friction=0.62)  # friction of sawn granite, not stated with the tests
 REACH = 0.02  # pushed so far [m]
 STRESSES: dict[float, tuple[float, tuple[float, ...], tuple[float, ...]]] = {  # MPa: E [Pa], peaks [kN], and where [mm]
     0.15: (566e6, (21.9, 22.9), (26.0, 8.8)),
@@ -132,58 +123,14 @@ ENVELOPES: dict[
 }
 
 
-def wall() -> list[Block]:
-    """Nine courses in running bond on a fixed base, and a beam on top."""
-    blocks = [Block("base", *box((-0.5, -0.3, -0.2), (1.5, 0.5, 0.0)), DENSITY, "base", fixed=True)]
-    for course in range(COURSES):
-        cuts = np.arange(0.0, LENGTH + 1e-9, UNIT)
-        edges = cuts if course % 2 == 0 else np.concatenate([[0.0], cuts[:-1] + 0.5 * UNIT, [LENGTH]])
-        low, high = COURSE * course, COURSE * (course + 1)
-        for k, (a, b) in enumerate(pairwise(edges.tolist())):
-            blocks.append(Block(f"u{course + 1}.{k + 1}", *box((a, 0.0, low), (b, THICK, high)), DENSITY, "wall"))
-    top = COURSE * COURSES
-    return [*blocks, Block("beam", *box((0.0, 0.0, top), (LENGTH, THICK, top + DEPTH)), 2500.0, "beam")]
-
-
-def scene(stress: float, young: float | None) -> dict[str, Any]:
-    """A push under a vertical stress [MPa]; joints of E over the height of a course, or rigid ones."""
-    force = 1e6 * stress * LENGTH * THICK
-    material: dict[str, Any] = {"density": DENSITY, "friction": FRICTION}
-    if young is not None:
-        stiffness = young / COURSE
-        material["joints"] = {"default": {"normal_stiffness": stiffness, "tangential_stiffness": 0.4 * stiffness, "damping": 0.1}}
-    return {
-        "title": f"Dry wall at {stress:g} MPa",
-        "material": material,
-        "loads": [
-            {"kind": "point", "block": "beam", "force": [0.0, 0.0, -force], "ramp": 0.3},
-            {
-                "kind": "push", "control": "displacement", "direction": "x", "blocks": "beam", "targets": [REACH], "speed": 0.0125,
-                "start": 0.4,
-            },
-        ],
-        "run": {"dt": 1e-3, "tolerance": 1e-5},
-        "quiet_checks": ["loads[0].force"],
-    }  # fmt: skip
-
-
-def limit_force(folder: Path, stress: float) -> float:
-    """The least horizontal force on the beam by limit analysis, rigid and without dilation where it is found [N]."""
-    tables = scene(stress, None)
-    tables["loads"] = [tables["loads"][0], {"kind": "point", "block": "beam", "force": [1.0, 0.0, 0.0]}]
-    case = prepare(scene_in(folder, wall(), tables | {"run": {"dt": 1e-3, "duration": 1e-2}, "quiet_checks": ["loads"]}))
-    loads = static_loads(case.scene.loads, limit_table({"live": [1]}), case.scene.run.gravity, folder, case.assembly)
-    found = analyse(case.assembly, case.joints, loads.at(), Options(starts=2))
-    return float(found.associated.factor if found.least is None else found.least.optimum.factor)
-
-
 def compute(folder: Path, say: Callable[[str], object]) -> Found:
     """All four stresses: the limit load, and the push on elastic joints."""
     found = Found()
     for stress, (young, peaks, places) in STRESSES.items():
         name = f"{stress:g} MPa"
-        rigid = limit_force(folder / f"limit_{stress:g}", stress)
-        curve = pushed(folder / f"push_{stress:g}", wall(), scene(stress, young))
+        title = f"Dry wall at {stress:g} MPa"
+        rigid = WALL.limit_force(folder / f"limit_{stress:g}", title, stress)
+        curve = pushed(folder / f"push_{stress:g}", WALL.blocks(), WALL.scene(title, stress, young, [REACH]))
         u, f = curve.envelope()
         say(f"{name}: limit {1e-3 * rigid:.1f} kN, push {1e-3 * f.max():.1f} kN, inertia {100 * curve.inertia_share:.2g} %")
         mean, place = float(np.mean(peaks)), float(np.mean(places))

@@ -1,0 +1,27 @@
+"""Ten dry walls of sawn granite, pushed to and fro at three stresses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from masonry_cd.studies.laboratory.case import Case, Found
+from masonry_cd.studies.laboratory.granite_walls import ASSUMED, SAWN, SOURCE, UNKNOWN, compare
+
+
+def compute(folder: Path, say: Callable[[str], object]) -> Found:
+    """The dry walls."""
+    return compare([SAWN], folder, say)
+
+
+CASE = Case(
+    "cyclic_walls",
+    "Ten dry walls pushed to and fro",
+    SOURCE,
+    ASSUMED,
+    UNKNOWN,
+    "The peaks agree at all three stresses within 5 %, as these walls rocked: N L / (2 H) with little taken away by the rounding of the "
+    "toe. The joints are two to three times too stiff: E of a tested wall over the height of a course is not what a wall shows that opens "
+    "from the start, and rough dry beds close as they are pressed.",
+    compute,
+)
