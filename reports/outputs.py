@@ -102,7 +102,7 @@ def draw_crack_map(results: Results, path: Path, settings: Report, frame: int = 
 
 def draw_vector(results: Results, folder: Path, settings: Report, frame: int = -1) -> list[Path]:
     """Draw the crack map as polygons, in SVG and PDF."""
-    from reports.maps.vector_map import vector_maps
+    from reports.maps.crack_map import vector_maps
 
     return vector_maps(results, folder, style_of(settings), frame)
 

@@ -52,7 +52,7 @@ def limit(
         from masonry_cd.app.limit_case import EVERY
         from masonry_cd.app.limit_command import Asked, limit_command
         from masonry_cd.app.macro_files import MACRO_OUTPUTS
-        from reports.drawing.render import view_named
+        from reports.drawing.parts import view_named
 
         free_folder(output, (*EVERY, *MACRO_OUTPUTS), force)
         if picture and view != "auto":

@@ -13,7 +13,7 @@ import numpy as np
 from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import force
-from reports.drawing.tie_lines import DrawnTies
+from reports.drawing.parts import Ties
 
 CSV = "ties.csv"
 COLUMNS = ("tie", "block_a", "block_b", "bars", "tension_n", "yield_force_n", "yields")
@@ -82,11 +82,11 @@ def tie_lines(ties: Sequence[LimitTie], most: int) -> list[str]:
     return [*lines, f"{len(ties) - most} more ties: see {CSV}"] if len(ties) > most else lines
 
 
-def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> DrawnTies:
+def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Ties:
     """Ties as a picture shows them; ``moved`` says where points (n, 3) of blocks (n,) are drawn."""
     ends = [[moved(tie.points[:, k], tie.blocks[:, k]).mean(axis=0) for k in range(2)] for tie in ties]
     pulls = np.array([tie.total for tie in ties])
-    return DrawnTies(np.array(ends, dtype=float).reshape(-1, 2, 3), tuple(tie.words for tie in ties), pulls)
+    return Ties(np.array(ends, dtype=float).reshape(-1, 2, 3), tuple(tie.words for tie in ties), pulls)
 
 
 def write_limit_ties(ties: Sequence[LimitTie], folder: Path) -> list[Path]:

@@ -16,7 +16,9 @@ from pictures import pixels
 
 from masonry_cd.analysis.fragility.folder import read_study
 from masonry_cd.foundation.errors import InputError
-from reports.study.joint_maps import SHARE_COLOURS, SHARES
+from reports.drawing import palette
+from reports.drawing.parts import ColourClasses
+from reports.study.joint_maps import SHARES
 from reports.study.outputs import write_study
 
 SPACE = "{http://openquake.org/xmlns/nrml/0.5}"
@@ -77,9 +79,7 @@ def test_friction_shows_once_the_intensity_is_taken_out(stripes: Path):
 
 
 def test_the_maps_colour_each_joint_by_how_often_it_opened(stripes: Path):
-    from reports.maps.crack_key import ColourClasses
-
-    scale, rows = ColourClasses(SHARES, SHARE_COLOURS, 100.0), table(stripes / "joint_probabilities.csv")
+    scale, rows = ColourClasses(SHARES, palette.SHARES, 100.0), table(stripes / "joint_probabilities.csv")
     runs = table(stripes / "runs.csv")
     for j, row in enumerate(rows):
         hits = [float(run["max_opening"]) * 0.5**j >= 1e-4 or (j == 2 and run["collapsed_blocks"] == "1") for run in runs]
