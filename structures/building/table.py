@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from masonry_cd.foundation.units import Unit
+from structures.plans.keys import PlanKeys
 from structures.schema import Density, Height, Length, Place, Table
 
 Point = Annotated[tuple[Place, Place], Field(strict=False)]
@@ -142,7 +143,7 @@ class ButtressTable(Table):
     slope: Height = Field(0.0, description="by how much its top falls outwards")
 
 
-class BuildingTable(Table):
+class BuildingTable(PlanKeys):
     """The [structure] table of a building."""
 
     plan: str | None = Field(None, description="file with the plan, .json or .dxf, relative to the scene; keys beside it add to it")
