@@ -56,11 +56,11 @@ class WallOpeningTable(Table):
 class BuildingWallTable(Table):
     """One entry ``[[structure.walls]]``."""
 
-    name: Name = Field()
+    name: Name = Field(description="of its blocks")
     axis: tuple[Point | ArcTable, ...] = Field(
         strict=False, min_length=2, description="points of the middle line; a piece may be an arc { to = [x, y], through = [x, y] }"
     )
-    thickness: Length = Field()
+    thickness: Length = Field(description="of the wall")
     base: Place = Field(0.0, description="z of its foot")
     height: Length | None = Field(None, description="from the base to a level top")
     top: tuple[Point, ...] | None = Field(
@@ -86,7 +86,7 @@ class BuildingVaultTable(Table):
     """One entry ``[[structure.vaults]]``."""
 
     name: Name | None = Field(None, description="of its blocks and group; by default vault1, vault2 ...")
-    shape: Literal["barrel", "cross", "domical", "dome"] = Field("barrel")
+    shape: Literal["barrel", "cross", "domical", "dome"] = Field("barrel", description="domical: of four sides, a cloister vault")
     walls: tuple[str, ...] | None = Field(
         None, strict=False, min_length=2, description="that carry it: two of a barrel, which are parallel; four of the others"
     )
@@ -95,7 +95,7 @@ class BuildingVaultTable(Table):
     )
     springing: Height = Field(description="z of the springing of the intrados")
     rise: Length | None = Field(None, description="of the intrados; by default half the span")
-    thickness: Length = Field(0.3)
+    thickness: Length = Field(0.3, description="of the shell")
     block_length: Length | None = Field(None, description="by default that of the building")
 
 
@@ -106,7 +106,7 @@ class BuildingColumnTable(Table):
     at: Point | Points = Field(description="its axis [x, y], or a list of them, which is a row")
     to: Point | None = Field(None, description="the last one of a row that begins with at")
     number: int | None = Field(None, ge=2, le=200, description="of columns in the row from at to to")
-    section: Literal["round", "square"] = Field("round")
+    section: Literal["round", "square"] = Field("round", description="in plan; a round one has twelve sides")
     size: Length = Field(0.6, description="diameter, or side")
     base: Place = Field(0.0, description="z of its foot")
     height: Length = Field(description="with plinth and capital")
@@ -121,7 +121,7 @@ class ArcadeTable(Table):
     columns: str = Field(description="name of the row of columns that carries it")
     thickness: Length | None = Field(None, description="of the wall; by default the size of the columns")
     top: Place | None = Field(None, description="z of the top of the wall; by default a course over the rings")
-    shape: Literal["round", "segmental", "pointed"] = Field("round")
+    shape: Literal["round", "segmental", "pointed"] = Field("round", description="of its arches")
     rise: Length | None = Field(None, description="of the arches")
     ring: Length | None = Field(None, description="thickness of the voussoirs")
     ends: tuple[Point, ...] | None = Field(
