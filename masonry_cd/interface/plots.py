@@ -53,14 +53,11 @@ class Plots:
         """
         from PIL import Image as images
 
-        from reports.maps.crack_map import sheet_of
-        from reports.maps.framing import framing
-        from reports.outputs import frame_at, style_of
+        from reports.outputs import sheet_at
 
         settings = parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")
         with self._results() as found:
-            frame = frame_at(found, time) % found.frames
-            return images.fromarray(sheet_of(found, frame, framing(found, [frame], style_of(settings))).pixels())
+            return images.fromarray(sheet_at(found, settings, time).pixels())
 
     def stress_map(self, time: float | None = None, **keys: Any) -> Image:
         """The structure with its blocks coloured by their compression: the largest of the run, or that at the frame next to a time [s].
