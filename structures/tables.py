@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from types import ModuleType
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
@@ -42,5 +43,10 @@ class CommonTable(Table):
 
 def table_of(kind: str) -> type[BaseModel] | None:
     """The model of a kind's own keys, the class ``KindTable`` of its module; None where it has none of that name."""
-    found = getattr(import_module(f"structures.kinds.{kind}"), f"{kind.capitalize()}Table", None)
+    return model_of(import_module(f"structures.kinds.{kind}"), kind)
+
+
+def model_of(module: ModuleType, kind: str) -> type[BaseModel] | None:
+    """The class ``KindTable`` of a module, for a kind."""
+    found = getattr(module, f"{kind.capitalize()}Table", None)
     return found if isinstance(found, type) and issubclass(found, BaseModel) else None

@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from loads.motion import DirectionKey
+from masonry_cd.foundation.errors import suggest
 from masonry_cd.foundation.fields import Table
+from masonry_cd.foundation.plugins import names
 from masonry_cd.foundation.units import Unit
 
 Text = Annotated[str, Field(min_length=1)]
 Metres = Annotated[float, Unit("m")]
 Place = Annotated[tuple[Metres, Metres, Metres], Field(strict=False)]
+
+
+def _known(name: str) -> str:
+    """A mechanism of ours, or of an installed package."""
+    from structures.macro_elements.element import MECHANISMS
+
+    if name not in MECHANISMS and name not in names("mechanisms"):
+        every = (*MECHANISMS, *names("mechanisms"))
+        raise ValueError(f'unknown mechanism "{name}"{suggest(name, every)}; one of {", ".join(every)}')
+    return name
 
 
 class MechanismTable(Table):
@@ -33,9 +45,13 @@ class MechanismTable(Table):
     mechanisms: (
         Annotated[
             tuple[
-                Literal[
-                    "overturning", "vertical bending", "horizontal bending", "corner overturning", "rocking and sliding of piers",
-                    "in-plane shear", "hinges of an arch",
+                Annotated[
+                    Literal[
+                        "overturning", "vertical bending", "horizontal bending", "corner overturning", "rocking and sliding of piers",
+                        "in-plane shear", "hinges of an arch",
+                    ]
+                    | str,
+                    AfterValidator(_known),
                 ],
                 ...,
             ],
@@ -43,7 +59,8 @@ class MechanismTable(Table):
         ]
         | None
     ) = None  # fmt: skip
-    """Of rigid bodies, beside the free least one; by default those of the part, of other blocks overturning and both bendings."""
+    """Of rigid bodies, beside the free least one, or those of a package; by default those of the part, of other blocks overturning and both
+    bendings."""
 
     @model_validator(mode="after")
     def _one_choice(self) -> MechanismTable:

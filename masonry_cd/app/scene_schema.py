@@ -1,18 +1,21 @@
 """The JSON schema of the scene file, put together from the tables that read it.
 
 Editors complete and check scenes by it (taplo, Even Better TOML). Kinds of structure and of load are alternatives, chosen by ``kind``.
-The file ``scene.schema.json`` beside this one is what ``masonry-cd schema`` prints for the kinds that the package brings.
+Those of installed packages are among them, so that their modules are imported. The file ``scene.schema.json`` beside this one is what
+``masonry-cd schema`` prints without any.
 """
 
 from __future__ import annotations
 
 import ast
 import importlib.util
+import sys
 from pathlib import Path
 
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.output_table import OutputTable
 from masonry_cd.app.scene import SceneTables
+from masonry_cd.foundation.plugins import load, names
 from masonry_cd.foundation.table_schema import DRAFT, Schema, as_text, table_schema
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
@@ -30,9 +33,10 @@ def scene_schema() -> Schema:
 
     top = table_schema(SceneTables)
     keys = top["properties"]
-    keys["structure"] |= {"oneOf": [structure_schema(kind) for kind in STRUCTURES]}
-    keys["structures"]["items"] = {"type": "object", "oneOf": [placed_schema(kind) for kind in STRUCTURES]}
-    keys["loads"]["items"] = {"type": "object", "required": ["kind"], "oneOf": [load_schema(kind) for kind in LOADS]}
+    structures, loads = [*STRUCTURES, *names("structures")], [*LOADS, *names("loads")]
+    keys["structure"] |= {"oneOf": [structure_schema(kind) for kind in structures]}
+    keys["structures"]["items"] = {"type": "object", "oneOf": [placed_schema(kind) for kind in structures]}
+    keys["loads"]["items"] = {"type": "object", "required": ["kind"], "oneOf": [load_schema(kind) for kind in loads]}
     keys["material"] |= table_schema(Material)
     keys["run"] |= table_schema(Run)
     keys["report"] |= table_schema(Report)
@@ -60,12 +64,22 @@ def limit_schema() -> Schema:
 
 
 def structure_schema(kind: str) -> Schema:
-    """The schema of ``[structure]`` for a kind: its own keys, and those of every kind."""
-    from structures.tables import CommonTable, table_of
+    """The schema of ``[structure]`` for a kind: its own keys, and those of every kind.
 
-    model = table_of(kind)
+    Raises:
+        InputError: a package that cannot be imported.
+    """
+    from structures import KINDS
+    from structures.tables import CommonTable, model_of, table_of
+
+    module = f"structures.kinds.{kind}"
+    if kind in KINDS:
+        model = table_of(kind)
+    else:
+        module = load("structures", kind).__module__
+        model = model_of(sys.modules[module], kind)
     own: Schema = {"type": "object", "properties": {}} if model is None else table_schema(model)
-    about: Schema = {"const": kind, "description": _first_sentence(f"structures.kinds.{kind}")}
+    about: Schema = {"const": kind, "description": _first_sentence(module)}
     own["properties"] = {"kind": about} | own["properties"] | table_schema(CommonTable)["properties"]
     own["required"] = ["kind", *own.get("required", [])]
     return own
@@ -82,10 +96,14 @@ def placed_schema(kind: str) -> Schema:
 
 
 def load_schema(kind: str) -> Schema:
-    """The schema of ``[[loads]]`` for a kind."""
+    """The schema of ``[[loads]]`` for a kind.
+
+    Raises:
+        InputError: a package that cannot be imported.
+    """
     from loads import KINDS
 
-    table = KINDS[kind].table
+    table = (KINDS[kind] if kind in KINDS else load("loads", kind)).table
     own = table_schema(table)
     about: Schema = {"const": kind, "description": _first_sentence(table.__module__)}
     own["properties"] = {**own["properties"], "kind": about}

@@ -8,7 +8,7 @@ from masonry_cd.cli.shared import errors_reported
 
 
 def plugins() -> None:
-    """List what installed packages add: kinds of structures and loads, readers of records, reports.
+    """List what installed packages add: kinds of structures and loads, readers of records, reports, mechanisms, joint laws.
 
     None of them is imported. A line for each: what it is, its name in a scene, the package, and where it stands there.
 
@@ -23,4 +23,4 @@ def plugins() -> None:
         if not every:
             typer.echo("no installed package adds anything; docs/plugins.md shows how one does")
         for plugin in every:
-            typer.echo(f"{plugin.group.removesuffix('s')} {plugin.name}: {plugin.package}, {plugin.place}")
+            typer.echo(f"{plugin.group.removesuffix('s').replace('_', ' ')} {plugin.name}: {plugin.package}, {plugin.place}")

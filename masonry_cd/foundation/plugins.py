@@ -5,6 +5,8 @@
     masonry_cd.loads         a LoadKind                                 [[loads]] kind = "name"
     masonry_cd.readers       a Reader                                   [[loads]] format = "name", or the file's content
     masonry_cd.reports       an ExtraReport                             [report] extra = ["name"]
+    masonry_cd.mechanisms    bodies(whole, element, direction)          [[limit.mechanism]] mechanisms = ["name"]
+    masonry_cd.joint_laws    a JointLaw                                 mc.Simulation(scene, law="name"), in Python
 
 The kinds of the program itself are found by their place (:mod:`masonry_cd.foundation.extensions`) and asked first: metadata of packages are
 looked at only for a name that is not among them, and a package is imported only where a scene names what it adds. A kind of structure or
@@ -27,7 +29,7 @@ from masonry_cd.foundation.trust import require_trust
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-GROUPS = ("structures", "loads", "readers", "reports")
+GROUPS = ("structures", "loads", "readers", "reports", "mechanisms", "joint_laws")
 OWN_FILE = re.compile(r"(?P<path>.+\.py):(?P<name>[A-Za-z_]\w*)")
 PROGRAM = "a program that runs with your rights"
 

@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.plugins import find
 from masonry_cd.interface.own_forces import Now, Pushes
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -48,6 +49,18 @@ class JointLaw:
     stiffness: float
     history: int = 0
     joints: Sequence[int] | None = None
+
+
+def law_of(given: JointLaw | str) -> JointLaw:
+    """A law, or that of an installed package by its name.
+
+    Raises:
+        InputError: no package has it, or what it has is no law.
+    """
+    found = find("joint_laws", given, "law", {}) if isinstance(given, str) else given
+    if not isinstance(found, JointLaw):
+        raise InputError(f"law: a JointLaw is needed, or the name of one that a package adds; got a {type(found).__name__}")
+    return found
 
 
 class BoundLaw:

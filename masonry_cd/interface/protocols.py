@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
+
 from loads.motion import LoadTable, Part, RunGrid
 from loads.readers.source import RawRecord, Request, Source
+from masonry_cd.analysis.limit.part import Whole
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
+from structures.macro_elements.element import MacroElement
 
 
 class StructureKind(Protocol):
@@ -70,3 +74,37 @@ class Report(Protocol):
 
     def write(self, results: Results, folder: Path, /) -> None:
         """Write it, from the results alone."""
+
+
+class LimitMechanism(Protocol):
+    """``masonry_cd.mechanisms``: how a macro-element may give way as rigid bodies; the load factor is found by limit analysis."""
+
+    def __call__(self, whole: Whole, element: MacroElement, direction: np.ndarray, /) -> Iterable[Sequence[np.ndarray]]:
+        """Bodies, as numbers of blocks of the part each, once for every height or angle that is tried; the least factor counts.
+
+        Args:
+            whole: the structure: ``whole.assembly.centre`` (B, 3) [m] are the centres of mass.
+            element: the part: ``element.blocks`` (N,) are the numbers of its blocks.
+            direction: (3,) of the push.
+        """
+
+
+@runtime_checkable
+class JointLaw(Protocol):
+    """``masonry_cd.joint_laws``: a law beside contact and friction, for ``mc.Simulation(scene, law="name")``; ``mc.JointLaw`` is one."""
+
+    @property
+    def function(self) -> Callable[[np.ndarray, np.ndarray, np.ndarray, float, np.ndarray], Any]:
+        """``f(opening, slip, history, step, stress)`` over K points at once, which fills the stresses (K, 3) [Pa]."""
+
+    @property
+    def stiffness(self) -> float:
+        """The largest that it has anywhere [Pa/m]."""
+
+    @property
+    def history(self) -> int:
+        """How many numbers a point remembers."""
+
+    @property
+    def joints(self) -> Sequence[int] | None:
+        """The joints that have it; all of them where None."""

@@ -23,7 +23,7 @@ from masonry_cd.app.step_contacts import Contacts, contacts_of, reactions_of
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.events import EVENTS, Events
-from masonry_cd.interface.joint_law import BoundLaw, JointLaw
+from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
 from masonry_cd.interface.own_forces import OwnForces, Pushing, own_forces
 from masonry_cd.interface.own_motions import driven
 from masonry_cd.interface.scenes import Scene, scene
@@ -55,7 +55,7 @@ class Simulation:
         motions: imposed on blocks by name: each a function of time that gives the velocity (3,) [m/s], or a pair of arrays, times and
             velocities (N, 3). The blocks do not turn, and move on top of what the scene's loads do to all supports.
         velocities: that free blocks begin with, by name: (3,) [m/s], or (6,) with the angular ones [rad/s].
-        law: of the joints, beside contact and friction.
+        law: of the joints, beside contact and friction; or the name of one that an installed package adds.
 
     Raises:
         InputError: anything wrong with the scene, the forces, the motions, the velocities or the law.
@@ -77,7 +77,7 @@ class Simulation:
         forces: Any = None,
         motions: Mapping[str, Any] | None = None,
         velocities: Mapping[str, Any] | None = None,
-        law: JointLaw | None = None,
+        law: JointLaw | str | None = None,
     ) -> None:
         self.scene = scene(source)
         """The scene that is stepped."""
@@ -88,7 +88,7 @@ class Simulation:
         assembly = self._case.assembly
         items: tuple[Pushing, ...] = tuple(own_forces(item, assembly) for item in given)
         if law is not None:
-            items = (*items, BoundLaw(law, self._case.joints, assembly, checked.run.longest_step))
+            items = (*items, BoundLaw(law_of(law), self._case.joints, assembly, checked.run.longest_step))
         self._own = OwnForces(self._case.loading.forces, items, checked.run.dt, self._case.steps * checked.run.dt)
         first = with_first_velocities(State.at_rest(assembly), velocities or {}, assembly).velocity
         self._stepper = _stepper(self._case, self._own, first)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import subprocess
 import sys
 import tomllib
@@ -112,7 +113,7 @@ def test_the_command_lists_them_and_a_scene_without_them_imports_none(tmp_path: 
     code, said = command("plugins")
     assert code == 0
     assert "structure stack: masonry-cd-stacks 0.1.0, masonry_cd_stacks.stack:build" in said.splitlines()
-    assert {line.partition(" ")[0] for line in said.splitlines()} == {"structure", "load", "reader", "report"}
+    assert {line.partition(" ")[0] for line in said.splitlines()} == {"structure", "load", "reader", "report", "mechanism", "joint"}
     assert not any(name.startswith("masonry_cd_stacks") for name in sys.modules)
 
 
@@ -189,3 +190,62 @@ def test_what_the_example_adds_is_what_the_protocols_say() -> None:
     load = {plugin.group: plugins.load(plugin.group, plugin.name) for plugin in mc.plugins()}
     assert isinstance(load["loads"], protocols.LoadKind) and isinstance(load["readers"], protocols.RecordReader)
     assert isinstance(load["reports"], protocols.Report) and callable(load["structures"])
+    assert isinstance(load["joint_laws"], protocols.JointLaw) and callable(load["mechanisms"])
+
+
+TOWER = (
+    SCENE.partition("[[loads]]")[0]
+    + """\
+[limit]
+push = "x"
+
+[[limit.mechanism]]
+group = "stack"
+direction = "x"
+mechanisms = ["toppling"]
+"""
+)
+
+
+@pytest.mark.usefixtures("installed")
+def test_a_mechanism_of_a_package_has_its_factor(tmp_path: Path) -> None:
+    """Cubes of side a: what topples first is the whole stack, at a / (2 a)."""
+    (tmp_path / "scene.toml").write_text(TOWER)
+    code, said = command("limit", tmp_path / "scene.toml", "-o", tmp_path / "out")
+    assert code == 0, said
+    rows = list(csv.DictReader((tmp_path / "out" / "macro_elements.csv").open(encoding="utf-8")))
+    own = [row for row in rows if row["mechanism"].startswith("toppling")]
+    assert own and min(float(row["alpha0"]) for row in own) == pytest.approx(0.5, rel=1e-3)
+    (tmp_path / "scene.toml").write_text(TOWER.replace("toppling", "topling"))
+    code, said = command("limit", tmp_path / "scene.toml", "-o", tmp_path / "out2")
+    assert code == 2 and '"topling" (did you mean "toppling"?)' in said and said.count("\n") == 1
+
+
+@pytest.mark.usefixtures("installed")
+def test_a_joint_law_of_a_package_holds_what_friction_does_not(tmp_path: Path) -> None:
+    """A push of 0.8 of the weight, above friction: dry it slides, glued it does not."""
+    pulse = 'kind = "pulse"\ndirection = "x"\nacceleration = 7.8\nduration = 0.06'
+    text = SCENE.replace('kind = "surge"\namplitude = 0.1\nlength = 0.05', pulse)
+    (tmp_path / "scene.toml").write_text(
+        text.replace("cubes = 2", "cubes = 1").replace("duration = 0.02", "duration = 0.06").partition("[report]")[0]
+    )
+    gone = {}
+    for law in (None, "glue"):
+        sim = mc.Simulation(mc.scene(tmp_path / "scene.toml"), law=law)
+        start = sim.state.position[-1, 0]
+        sim.run()
+        gone[law] = sim.state.position[-1, 0] - start
+    assert gone[None] > 5e-4 and gone["glue"] < 0.5 * gone[None]
+    with pytest.raises(mc.InputError, match=r'"glu" \(did you mean "glue"'):
+        mc.Simulation(mc.scene(tmp_path / "scene.toml"), law="glu")
+
+
+@pytest.mark.usefixtures("installed")
+def test_the_schema_has_the_keys_of_a_packages_kinds() -> None:
+    code, said = command("schema")
+    assert code == 0
+    keys = json.loads(said)["properties"]
+    (stack,) = [one for one in keys["structure"]["oneOf"] if one["properties"]["kind"]["const"] == "stack"]
+    assert {"cubes", "side", "ground"} <= set(stack["properties"])
+    (surge,) = [one for one in keys["loads"]["items"]["oneOf"] if one["properties"]["kind"]["const"] == "surge"]
+    assert set(surge["required"]) == {"kind", "amplitude", "length"}

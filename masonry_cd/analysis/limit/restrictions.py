@@ -13,10 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.analysis.limit.part import Whole, resting
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.plugins import load
 from structures.macro_elements.element import (
     CORNER,
     HORIZONTAL_BENDING,
     IN_PLANE,
+    MECHANISMS,
     OVERTURNING,
     PIERS,
     VERTICAL_BENDING,
@@ -55,11 +58,24 @@ class Restriction:
 def restrictions(whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
     """The mechanisms that an element names, for a push along a direction (3,)."""
     for name in element.mechanisms:
-        yield from MAKERS.get(name, _none)(whole, element, direction)
+        if name in MAKERS:
+            yield from MAKERS[name](whole, element, direction)
+        elif name not in MECHANISMS:
+            yield from _of_package(name, whole, element, direction)
 
 
-def _none(whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
-    return iter(())
+def _of_package(name: str, whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
+    """A mechanism that an installed package adds: the bodies that it gives, with what rests on them.
+
+    Raises:
+        InputError: the package cannot be used, or gives something else than numbers of blocks.
+    """
+    for bodies in load("mechanisms", name)(whole, element, direction):
+        blocks = tuple(np.asarray(body) for body in bodies)
+        every = np.concatenate(blocks) if blocks else np.zeros(0)
+        if not len(every) or every.dtype.kind not in "iu" or len(np.unique(every)) < len(every) or not np.isin(every, element.blocks).all():
+            raise InputError(f'limit.mechanism: "{name}" of a package: bodies are numbers of blocks of the part, each in one of them')
+        yield _made(whole, name, blocks)
 
 
 def _overturning(whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
