@@ -25,6 +25,14 @@ class InputError(ValueError):
         super().__init__(one_line(message))
 
 
+class InputErrors(InputError):
+    """Several things that the user gave are wrong, a line each."""
+
+    def __init__(self, lines: Sequence[str]) -> None:
+        self.lines = tuple(map(one_line, lines))
+        ValueError.__init__(self, "\n".join(self.lines))
+
+
 def one_line(message: str) -> str:
     """A message that a terminal can show: control characters and lone surrogates by their codes, quoted values and endless words cut."""
     shown = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in message)

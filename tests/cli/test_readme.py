@@ -20,6 +20,7 @@ from loads.kinds.sequence import SequenceTable
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.sinusoidal import SinusoidalTable
 from loads.kinds.tilt import PushTable, TiltTable
+from loads.kinds.vehicle import VehicleTable
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.case import prepare
@@ -30,10 +31,13 @@ from masonry_cd.app.static_loads import CurveTable
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
+from structures.bridge.table import AbutmentTable, FillTable, SpanTable
+from structures.bridge.table import WallTable as BridgeWallTable
 from structures.files.blockfile import read
 from structures.floors import AnchorTable, FloorTable
 from structures.kinds.aqueduct import AqueductTable
 from structures.kinds.arch import ArchTable
+from structures.kinds.bridge import BridgeTable
 from structures.kinds.church import ChurchTable
 from structures.kinds.column import ColumnTable
 from structures.kinds.dome import DomeTable
@@ -79,6 +83,11 @@ def test_the_block_file_of_the_page_is_sound(tmp_path):
     [
         ('| `kind = "arch"`', ArchTable),
         ('| `kind = "aqueduct"`', AqueductTable),
+        ('| `kind = "bridge"`', BridgeTable),
+        ("| `[[structure.spans]]`", SpanTable),
+        ("| `[[structure.piers]]`", AbutmentTable),
+        ("| `[structure.walls]`", BridgeWallTable),
+        ("| `[structure.fill]`", FillTable),
         ('| `kind = "wall"`', WallTable),
         ("| `[[structure.openings]]`", OpeningTable),
         ("| `[[structure.floors]]`", FloorTable),
@@ -105,6 +114,7 @@ def test_the_block_file_of_the_page_is_sound(tmp_path):
         ('| `kind = "spreading"`', SpreadingTable),
         ('| `kind = "point"`', PointTable),
         ('| `kind = "tie"`', TieTable),
+        ('| `kind = "vehicle"`', VehicleTable),
         ('| `kind = "gravity"`', GravityTable),
         ("| `[limit.check]`", CheckTable),
         ("| `[limit.curve]`", CurveTable),
