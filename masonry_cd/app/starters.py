@@ -25,6 +25,7 @@ COLUMN, WIDTH = 36, 138  # where texts begin and end
 FIRST: dict[str, dict[str, Any]] = {
     "arch": {"span": 4.0, "thickness": 0.4, "width": 1.0, "voussoirs": 27},
     "aqueduct": {"spans": 3, "clear_span": 5.0, "pier_width": 2.0, "ring_thickness": 0.6, "width": 2.0},
+    "bridge": {"spans": [{"span": 6.0, "rise": 1.8, "thickness": 0.5}], "width": 4.0, "cover": 0.4},
     "wall": {"length": 4.0, "height": 3.0, "thickness": 0.4, "course_height": 0.25},
     "tower": {"side": 5.0, "height": 20.0, "thickness": 0.8, "course_height": 1.0},
     "column": {"height": 6.0, "diameter": 0.9, "drums": 7},

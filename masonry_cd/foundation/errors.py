@@ -27,12 +27,13 @@ class InputError(ValueError):
 
 
 class InputErrors(InputError):
-    """All that is wrong with something, a line each."""
+    """All that is wrong with something, a line each; ``lines`` are those that are shown."""
 
     def __init__(self, messages: Sequence[str]) -> None:
         lines = [one_line(message) for message in dict.fromkeys(messages)]
         more = len(lines) - MOST_LINES
-        ValueError.__init__(self, "\n".join([*lines[:MOST_LINES], f"and {more} more faults"] if more > 0 else lines))
+        self.lines = (*lines[:MOST_LINES], f"and {more} more faults") if more > 0 else tuple(lines)
+        ValueError.__init__(self, "\n".join(self.lines))
 
 
 def one_line(message: str) -> str:

@@ -24,6 +24,7 @@ from reports.limit.picture import DOT, dots, moving_layers, through, view_of_mot
 
 LETTERS = "abcdefgh"
 DOTTED = STATES[1:4]  # states of joints that are marked by a dot
+LONGEST = 500.0  # of a tie that is drawn [m]: the bars by which fill resists are longer
 SLACK = 1e-9  # tension, over the mean weight of a block, below which a tie pulls nothing
 WIDE = 150  # letters of the line below the title
 PIXELS = 460  # width of the picture of a marked point
@@ -157,4 +158,6 @@ def _ties(stage: Stage) -> Ties:
     """The ties where they are, without labels; those that are slack pull nothing."""
     tension = np.zeros(len(stage.pulling))
     tension[stage.pulling] = stage.best.bars
-    return Ties(stage.loads.bars.points, ("",) * len(tension), np.where(tension > SLACK, tension, 0.0))
+    ends = stage.loads.bars.points
+    rods = np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1)) < LONGEST
+    return Ties(ends[rods], ("",) * int(rods.sum()), np.where(tension > SLACK, tension, 0.0)[rods])

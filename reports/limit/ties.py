@@ -13,6 +13,7 @@ import numpy as np
 from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import force
+from masonry_cd.mechanics.model.fill import BARS
 from reports.drawing.parts import Ties
 
 CSV = "ties.csv"
@@ -78,12 +79,18 @@ def limit_ties(names: Sequence[str], bars: Bars, pulls: np.ndarray, blocks: Sequ
 def tie_lines(ties: Sequence[LimitTie], most: int) -> list[str]:
     """What the ties pull, in words; of more than ``most`` those that pull most."""
     first = sorted(ties, key=lambda tie: -tie.total)[:most]
-    lines = [f'tie "{tie.label}": {tie.words} at collapse' for tie in ties if tie in first]
+    lines = [f"{_named(tie)}: {tie.words} at collapse" for tie in ties if tie in first]
     return [*lines, f"{len(ties) - most} more ties: see {CSV}"] if len(ties) > most else lines
 
 
+def _named(tie: LimitTie) -> str:
+    """A tie, or the fill that resists as one."""
+    return tie.label if tie.label.startswith(BARS) else f'tie "{tie.label}"'
+
+
 def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Ties:
-    """Ties as a picture shows them; ``moved`` says where points (n, 3) of blocks (n,) are drawn."""
+    """Ties as a picture shows them, without the fill; ``moved`` says where points (n, 3) of blocks (n,) are drawn."""
+    ties = [tie for tie in ties if not tie.label.startswith(BARS)]
     ends = [[moved(tie.points[:, k], tie.blocks[:, k]).mean(axis=0) for k in range(2)] for tie in ties]
     pulls = np.array([tie.total for tie in ties])
     return Ties(np.array(ends, dtype=float).reshape(-1, 2, 3), tuple(tie.words for tie in ties), pulls)

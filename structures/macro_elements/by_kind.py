@@ -73,6 +73,6 @@ def _groups(layout: Layout) -> list[MacroElement]:
 
 
 KINDS: Mapping[str, Callable[[Layout], list[MacroElement]]] = {
-    "church": church.parts, "wall": _wall, "tower": _tower, "arch": bridges.arch, "aqueduct": bridges.aqueduct, "vault": bridges.vault,
-    "column": _whole, "dome": _whole,
+    "church": church.parts, "wall": _wall, "tower": _tower, "arch": bridges.arch, "aqueduct": bridges.aqueduct, "bridge": bridges.bridge,
+    "vault": bridges.vault, "column": _whole, "dome": _whole,
 }  # fmt: skip
