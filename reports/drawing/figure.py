@@ -37,6 +37,8 @@ INK, FAINT, COLOURS = palette.INK, palette.FAINT, palette.CURVES
 PITCH, SIGN = 29.0, 46.0  # of the rows of a key, and width of a sign
 LETTER = 8.6  # mean width of a letter of a note
 
+FIXED_TEXTS: dict[Any, Any] = {"svg.hashsalt": "masonry_cd", "svg.fonttype": "path", "pdf.fonttype": 42}
+
 Box = tuple[float, float, float, float]  # left, bottom, width, height
 
 
@@ -92,42 +94,59 @@ def in_metres(value: float) -> str:
     return f"{value * 100:.3g} cm" if value >= 0.1 else f"{value * 1000:.3g} mm"
 
 
-def plain_axes(axes: Any, words: str) -> None:
-    """A faint grid, a title at the axis, no frame."""
-    axes.set_ylabel(words, fontsize=11, color=INK)
-    axes.tick_params(labelsize=10.5, colors=FAINT)
-    axes.grid(color="#e8eaed", linewidth=0.8)
+def blank(size: tuple[float, float], dpi: int = 100, **look: Any) -> Any:
+    """An empty figure of matplotlib, white, of a size [inches]."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure: Any = Figure(figsize=size, dpi=dpi, facecolor="white", **look)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def plain_axes(axes: Any, words: str = "", across: str = "", grid: str = "both") -> None:
+    """Titles at the axes, ticks, a faint grid behind, no frame."""
+    axes.set_ylabel(words, fontsize=11, color=INK, parse_math=False)
+    axes.set_xlabel(across, fontsize=11, color=INK, parse_math=False)
+    axes.tick_params(labelsize=10, colors=FAINT, which="both")
+    axes.grid(axis=grid, color="#e8eaed", linewidth=0.8)
     axes.set_axisbelow(True)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in ("left", "bottom"))
+        spine.set_color(FAINT)
+
+
+def zero_line(axes: Any) -> None:
+    """A line at zero, from edge to edge."""
     axes.margins(x=0.0)
     axes.axhline(0.0, color=FAINT, linewidth=0.6)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
 
 
-def save(figure: Any, path: Path) -> None:
-    """Write a figure of matplotlib as a PNG.
+def save(figure: Any, path: Path, title: str = "") -> Path:
+    """Write a figure of matplotlib as PNG, SVG or PDF by its ending, with nothing in it that depends on the day; return the path.
 
     Raises:
         InputError: the file cannot be written.
     """
+    import matplotlib
+
+    form = path.suffix[1:]
+    undated: dict[str, Any] = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(form, {})
     try:
-        with replacing(path) as part:
-            figure.savefig(part)
+        with matplotlib.rc_context(FIXED_TEXTS), replacing(path) as part:
+            figure.savefig(part, format=form, metadata=undated | ({"Title": title} if title else {}))
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+    return path
 
 
 class Sheet:
     """A figure whose coordinates are pixels from the lower left corner."""
 
     def __init__(self, plan: Layout) -> None:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
         self.plan = plan
         self._image: np.ndarray | None = None  # of the model
-        self.figure: Any = Figure(figsize=(plan.size[0] / 100, plan.size[1] / 100), dpi=100, facecolor="white")
-        FigureCanvasAgg(self.figure)
+        self.figure = blank((plan.size[0] / 100, plan.size[1] / 100))
 
     def axes(self, left: float, bottom: float, width: float, height: float) -> Any:
         """Axes in a box of pixels, whose own coordinates are pixels from the box's lower left corner."""

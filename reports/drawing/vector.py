@@ -8,13 +8,10 @@ plane come last, since nothing lies before them.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.polygon import next_in_loop
 from reports.drawing import palette
 from reports.drawing.bands import DrawnJoints
@@ -26,7 +23,6 @@ from reports.drawing.scene import Scene, cut_layers, joint_layers, ties_of
 OUTLINE = 0.55  # width of the edges of blocks [points]
 POINT = 0.72 / 2.0  # points of a line that is a pixel of the sampled image wide
 NEAR = 1e-3  # how far beside a joint it is asked what covers it, as a share of the joint's extent
-FIXED_TEXTS: dict[Any, Any] = {"svg.hashsalt": "masonry_cd", "svg.fonttype": "path", "pdf.fonttype": 42}
 CAPS, TRACES, LAST = 1.0, 2.0, 3.0  # ranks behind that of the last block: of caps, of joints in the plane, of what is before everything
 
 
@@ -62,25 +58,6 @@ def draw_polygons(axes: Any, scene: Scene) -> None:
         flat, colour = scene.view.plane(ends), palette.PULLING if tension > 0.0 else palette.SLACK
         axes.plot(*flat.T, color=colour, linewidth=1.6, solid_capstyle="butt")
         axes.annotate(text, flat.mean(axis=0), (0, 5), textcoords="offset points", color=colour, fontsize=6, ha="center")
-
-
-def save_vector(figure: Any, paths: list[Path], title: str) -> list[Path]:
-    """Write a figure as SVG and PDF, by the endings of the paths; return these.
-
-    Raises:
-        InputError: a file that cannot be written.
-    """
-    import matplotlib
-
-    with matplotlib.rc_context(FIXED_TEXTS):
-        for path in paths:
-            undated: dict[str, Any] = {"Date": None} if path.suffix == ".svg" else {"CreationDate": None}
-            try:
-                with replacing(path) as part:
-                    figure.savefig(part, format=path.suffix[1:], metadata={"Title": title} | undated)
-            except OSError as error:
-                raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-    return paths
 
 
 def _painted(scene: Scene) -> _Painting:

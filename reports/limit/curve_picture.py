@@ -14,7 +14,7 @@ from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.stage import Stage
-from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
+from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes, save, zero_line
 from reports.drawing.palette import AT_WORK, PULLING
 from reports.drawing.parts import Ties, View, Window
 from reports.drawing.render import render
@@ -46,17 +46,13 @@ def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: s
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     marks = curve.marks
     images = _images(curve, view)
     tall = max(image.shape[0] / image.shape[1] for image in images)
     width, each = 12.0, 11.6 / len(marks)
     below = min(each * tall, 5.2) + 0.45
     height = 1.0 + 4.6 + 0.5 + below
-    figure: Any = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = blank((width, height), DPI)
     figure.text(
         0.02,
         1.0 - 0.32 / height,
@@ -96,8 +92,8 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     """The line, its marks, what the dynamics says, and where the mechanism changes."""
     largest = float(np.abs(curve.displacement).max())
     _, scale, unit = next(row for row in UNITS if largest < row[0])
-    plain_axes(axes, "load factor")
-    axes.set_xlabel(f"displacement of the control block [{unit}]", fontsize=11, color=INK)
+    plain_axes(axes, "load factor", f"displacement of the control block [{unit}]")
+    zero_line(axes)
     x = scale * curve.displacement
     _line(axes, x, curve)
     upper = np.array([stage.associated for stage in curve.stages])

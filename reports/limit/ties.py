@@ -100,10 +100,6 @@ def write_limit_ties(ties: Sequence[LimitTie], folder: Path) -> list[Path]:
     """Write ties.csv; nothing without ties."""
     if not ties:
         return []
-    write_csv(folder / CSV, COLUMNS, [[_text(cell) for cell in tie.row().values()] for tie in ties])
+    rows = ((tie.row() | {"yields": str(tie.yields)}).values() for tie in ties)
+    write_csv(folder / CSV, COLUMNS, rows, digits=6)
     return [folder / CSV]
-
-
-def _text(cell: object) -> str:
-    """Forces with six digits; where a tie never yields, nothing."""
-    return f"{cell:.6g}" if isinstance(cell, float) else "" if cell is None else str(cell)

@@ -28,13 +28,12 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing import palette
 from reports.drawing.bands import DrawnJoints
-from reports.drawing.figure import Sheet, in_metres
+from reports.drawing.figure import Sheet, in_metres, save
 from reports.drawing.parts import BEHIND, Layer, Panel, Sign, Surface, Ties, painted
 from reports.drawing.render import LABELLED
 from reports.drawing.scene import Scene
 from reports.drawing.solids import block_layers, structure_window, two_colours, within_sight
 from reports.drawing.ties import ties_at
-from reports.drawing.vector import save_vector
 from reports.maps.framing import Framing, MapStyle, framing, largest_displacement, view_and_cut
 from reports.maps.thrust import ribbons
 
@@ -144,7 +143,8 @@ def vector_maps(results: Results, folder: Path, style: MapStyle, frame: int = -1
     """
     frame = frame_index(results, frame)
     scene = crack_scene(results, frame, framing(results, [frame], style))
-    return save_vector(Sheet.as_polygons(scene).figure, [folder / name for name in VECTOR], scene.title)
+    figure = Sheet.as_polygons(scene).figure
+    return [save(figure, folder / name, scene.title) for name in VECTOR]
 
 
 def sheet_of(results: Results, frame: int, framed: Framing) -> Sheet:

@@ -23,11 +23,10 @@ from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
 from reports.drawing import palette
-from reports.drawing.figure import Sheet, in_metres
+from reports.drawing.figure import Sheet, in_metres, save
 from reports.drawing.parts import RULER, ColourClasses, Panel, Sign, painted, rgb
 from reports.drawing.scene import Scene
 from reports.drawing.solids import within_sight
-from reports.drawing.vector import save_vector
 from reports.maps.crack_map import Subject, other_signs, shape_in_words
 from reports.maps.framing import MapStyle, framing
 from reports.maps.meshed_solids import Facetted
@@ -116,7 +115,8 @@ def vector_stress_maps(results: Results, folder: Path, frame: int | None, style:
         InputError: as :func:`stress_sheet`, or a folder that cannot be written into.
     """
     scene = stress_scene(results, frame, style)
-    return save_vector(Sheet.as_polygons(scene).figure, [folder / name for name in VECTOR], scene.title)
+    figure = Sheet.as_polygons(scene).figure
+    return [save(figure, folder / name, scene.title) for name in VECTOR]
 
 
 def stress_scene(results: Results, frame: int | None, style: MapStyle) -> Scene:

@@ -231,8 +231,7 @@ def _levels(level: np.ndarray, most: int) -> list[float]:
 
 def _write_table(path: Path, table: Mapping[str, np.ndarray | list[str]]) -> None:
     """A row per joint."""
-    columns = [[f"{value:.6g}" if isinstance(value, float) else value for value in column] for column in table.values()]
-    write_csv(path, ("joint", *table), ((j, *cells) for j, cells in enumerate(zip(*columns, strict=True))))
+    write_csv(path, ("joint", *table), ((j, *cells) for j, cells in enumerate(zip(*table.values(), strict=True))), digits=6)
 
 
 def _lines(runs: JointRuns, thresholds: Thresholds, pairs: list[tuple[str, str]]) -> list[str]:

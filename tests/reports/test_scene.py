@@ -13,12 +13,11 @@ from pictures import BASE, COLUMN, model_area, shares
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.deformed import Solids, solids_of
 from masonry_cd.io.results import Results
-from reports.drawing.figure import Sheet
+from reports.drawing.figure import Sheet, save
 from reports.drawing.parts import hexed, view_named
 from reports.drawing.scene import Scene
 from reports.drawing.solids import structure_window
 from reports.drawing.structure_picture import structure_picture
-from reports.drawing.vector import save_vector
 from reports.maps.crack_map import at_rest as scene_at_rest
 from reports.maps.crack_map import crack_scene
 from reports.maps.framing import MapStyle, framing
@@ -44,7 +43,7 @@ def test_a_picture_and_its_polygons_have_the_colour_that_the_scene_gives_to_a_jo
     joint = int(np.flatnonzero(scene.joints.shown)[0])
     colour = scene.joints.colours[0][joint]
     assert shares(model_area(Sheet.drawn(scene).pixels(), scene.window.width / scene.window.height), colour[None])[0] > 50
-    svg, _ = save_vector(Sheet.as_polygons(scene).figure, [tmp_path / "a.svg", tmp_path / "a.pdf"], "hinge")
+    svg = save(Sheet.as_polygons(scene).figure, tmp_path / "a.svg")
     assert f"fill: {hexed(colour)}" in svg.read_text()
 
 
