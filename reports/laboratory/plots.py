@@ -24,6 +24,7 @@ SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "n
 WORDS = {"points": "displacement", "joint_gauges": "joint", "cracks": "crack gauge", "supports": "reaction"}
 MEASURED = (("displacement", "displacement [m]", "u", "d"), ("force", "force [N]", "f", "v"))  # heads of columns, without regard to case
 
+FEW = 8  # points up to which a computed curve is shown by them
 INSIDE = 5  # curves at most whose legend goes into the plot
 
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
@@ -53,31 +54,34 @@ def curves_figure(
     return figure
 
 
-def beside_figure(computed: Sequence[Curve], others: Sequence[Curve], labels: tuple[str, str], title: str) -> Figure:
-    """Curves over any axis, and those that were measured or come from others."""
+def beside_figure(
+    computed: Sequence[Curve], others: Sequence[Curve], labels: tuple[str, str], title: str, points: Sequence[Curve] = ()
+) -> Figure:
+    """Curves over any axis, those that were measured or come from others, and points of these with no line between."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.0, 4.2), layout="constrained")
     axes = figure.add_subplot()
-    for k, (name, x, y) in enumerate(others):
+    for k, (name, x, y) in enumerate([*others, *points]):
         axes.plot(
             x,
             y,
             color=FAINT,
             lw=1.0,
-            ls="--" if len(x) > 1 else "none",
+            ls="--" if k < len(others) and len(x) > 1 else "none",
             marker="os^vD<>"[k % 7],
             ms=4.0,
             markevery=max(1, len(x) // 12),
             label=name,
         )
     for k, (name, x, y) in enumerate(computed):
-        axes.plot(x, y, color=COLOURS[k % len(COLOURS)], lw=1.4, label=name)
+        dots = {"marker": "x", "ls": "none"} if len(x) <= FEW else {}
+        axes.plot(x, y, color=COLOURS[k % len(COLOURS)], lw=1.4, label=name, **dots)
     axes.set_xlabel(labels[0])
     axes.set_ylabel(labels[1])
     axes.set_title(title, color=INK, fontsize=11, loc="left")
     axes.grid(color="#e3e6e8", lw=0.6)
-    if len(computed) + len(others) > INSIDE:
+    if len(computed) + len(others) + len(points) > INSIDE:
         figure.legend(frameon=False, fontsize=7, loc="outside right upper")
     else:
         axes.legend(frameon=False, fontsize=7)
