@@ -20,6 +20,7 @@ SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "n
 WORDS = {"points": "displacement", "joint_gauges": "joint", "cracks": "crack gauge", "supports": "reaction"}
 MEASURED = (("displacement", "displacement [m]", "u", "d"), ("force", "force [N]", "f", "v"))  # heads of columns, without regard to case
 
+FEW = 8  # points up to which a computed curve is shown by them
 INSIDE = 5  # curves at most whose legend goes into the plot
 
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
@@ -43,18 +44,21 @@ def curves_figure(curves: Sequence[Curve], measured: Sequence[Curve] = (), title
     return figure
 
 
-def beside_figure(computed: Sequence[Curve], others: Sequence[Curve], labels: tuple[str, str], title: str) -> Any:
-    """Curves over any axis, and those that were measured or come from others."""
+def beside_figure(
+    computed: Sequence[Curve], others: Sequence[Curve], labels: tuple[str, str], title: str, points: Sequence[Curve] = ()
+) -> Any:
+    """Curves over any axis, those that were measured or come from others, and points of these with no line between."""
     figure = blank((7.0, 4.2), layout="constrained")
     axes = figure.add_subplot()
-    for k, (name, x, y) in enumerate(others):
+    for k, (name, x, y) in enumerate([*others, *points]):
         look = {"marker": "os^vD<>"[k % 7], "ms": 4.0, "markevery": max(1, len(x) // 12)}
-        axes.plot(x, y, color=FAINT, lw=1.0, ls="--" if len(x) > 1 else "none", label=name, **look)
+        axes.plot(x, y, color=FAINT, lw=1.0, ls="--" if k < len(others) and len(x) > 1 else "none", label=name, **look)
     for k, (name, x, y) in enumerate(computed):
-        axes.plot(x, y, color=COLOURS[k % len(COLOURS)], lw=1.4, label=name)
+        dots = {"marker": "x", "ls": "none"} if len(x) <= FEW else {}
+        axes.plot(x, y, color=COLOURS[k % len(COLOURS)], lw=1.4, label=name, **dots)
     plain_axes(axes, labels[1], labels[0])
     axes.set_title(title, color=INK, fontsize=11, loc="left")
-    if len(computed) + len(others) > INSIDE:
+    if len(computed) + len(others) + len(points) > INSIDE:
         figure.legend(frameon=False, fontsize=7, loc="outside right upper")
     else:
         axes.legend(frameon=False, fontsize=7)

@@ -40,6 +40,7 @@ class Found:
 
     rows: list[Row] = field(default_factory=list)
     measured: list[Curve] = field(default_factory=list)
+    points: list[Curve] = field(default_factory=list)  # measured, one by one, with no line between
     computed: list[Curve] = field(default_factory=list)
     axes: tuple[str, str] = ("displacement [mm]", "force [kN]")
 

@@ -115,5 +115,5 @@ def compare(kinds: Sequence[Kind], folder: Path, say: Callable[[str], object]) -
             if bilinear is not None:
                 found.rows.append(Row(f"{name}: stiffness of the bilinear curve", "kN/mm", stiffness, None, 1e-6 * bilinear["stiffness"]))
             found.computed.append((f"{name}, elastic joints", 1e3 * u, 1e-3 * f))
-            found.measured.append((f"{name}, peaks", 10.0 * HEIGHT * np.array(test.drifts), np.array(test.peaks)))
+            found.points.append((f"{name}, peaks", 10.0 * HEIGHT * np.array(test.drifts), np.array(test.peaks)))
     return found

@@ -49,7 +49,7 @@ def validate(name: str, folder: Path, say: Callable[[str], object]) -> Outcome:
     found = case.compute(folder, say)
     table, figure = folder / TABLE, folder / FIGURE
     table.write_text(json.dumps([row._asdict() for row in found.rows], indent=1) + "\n", encoding="utf-8")
-    save(beside_figure(_thinned(found.computed), found.measured, found.axes, case.title), figure)
+    save(beside_figure(_thinned(found.computed), found.measured, found.axes, case.title, found.points), figure)
     return Outcome([case.title, f"source: {case.source}", *table_lines(found)], [table, figure])
 
 
