@@ -14,9 +14,11 @@ from masonry_cd.foundation.errors import InputErrors
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
-from structures.building import junctions, openings, polygons
+from structures.building import columns, junctions, openings, polygons, vaults
+from structures.building.added_walls import added
 from structures.building.axes import Facet, Leg, legs_of
 from structures.building.beds import beds
+from structures.building.cuts import with_pockets
 from structures.building.footprints import Plan, order
 from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay
@@ -41,10 +43,18 @@ def blocks_of(table: BuildingTable, density: float) -> list[Block]:
         InputErrors: all that is wrong with it, a line each.
     """
     faults: list[str] = []
+    rows = columns.rows_of(table, faults)
+    table = table.model_copy(update={"walls": (*table.walls, *added(table, rows, faults))})
     walls = prepared(table, faults)
+    over = vaults.vaults_of(walls.plan, table, faults) if walls is not None else []
     refuse(faults)
     assert walls is not None
-    return welded([block for number in range(len(table.walls)) for block in _wall_blocks(walls, number, density)])
+    blocks = [block for number in range(len(table.walls)) for block in _wall_blocks(walls, number, density)]
+    vaulted = [block for vault in over for block in vaults.blocks_of(vault, table.block_length, density)]
+    if vaulted:
+        blocks = list(with_pockets(blocks, [part for block in vaulted for part in block.convex_parts]))
+    blocks += [block for row in rows for block in columns.blocks_of(row, table, density)]
+    return welded([*blocks, *vaulted])
 
 
 def refuse(faults: Sequence[str]) -> None:

@@ -114,8 +114,9 @@ def _with_defaults(keys: WallOpeningTable, around: Around) -> WallOpeningTable:
             raise ValueError(
                 f"its rise must be {least:.4g} m or more{f', and at most {most:.4g} m' if most < math.inf else ''}, got {new['rise']:g}"
             )
-        if new["height"] <= new["rise"]:
-            raise ValueError(f"its height must exceed the rise of its head, {new['rise']:.4g} m, got {new['height']:g}")
+        new["height"] = keys.height or max(new["height"], new["rise"])
+        if new["height"] < new["rise"] * (1.0 - 1e-9):
+            raise ValueError(f"its height must be at least the rise of its head, {new['rise']:.4g} m, got {new['height']:g}")
     if arched or shape == "rose":
         new["ring"] = keys.ring or max(0.2 * width, min(0.8 * around.course, 0.35 * width))
     elif keys.ring is None:

@@ -16,7 +16,7 @@ from structures.building.frames import Around, Frame, frame_of
 from structures.building.panels import Laying
 from structures.building.table import BuildingTable
 
-LEAST_JAMB = 0.1  # masonry between a frame and an end of its wall, a junction or another frame [m]
+LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction or another frame [m]
 Frames = dict[tuple[int, int], list[Frame]]
 
 

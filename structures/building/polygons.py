@@ -38,8 +38,13 @@ def loop(shape: Polygon) -> np.ndarray:
     return ring if polygon_area(ring) > 0.0 else ring[::-1]
 
 
-def without_straight(ring: np.ndarray) -> np.ndarray:
-    """A loop (n, 2) without doubled corners and those in the middle of a side."""
+def without_straight(ring: np.ndarray, closed: bool = True) -> np.ndarray:
+    """A loop (n, 2), or a line that is not closed, without doubled corners and those in the middle of a side."""
+    if not closed:
+        ring = ring[[True, *(np.hypot(*np.diff(ring, axis=0).T) > SAME)]]
+        before, after = np.diff(ring[:-1], axis=0), np.diff(ring[1:], axis=0)
+        bends = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > 1e-6 * np.hypot(*before.T) * np.hypot(*after.T)
+        return np.asarray(ring[[True, *bends, True]])
     ring = ring[np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) > SAME]
     before, after = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
