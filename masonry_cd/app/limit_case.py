@@ -24,6 +24,7 @@ from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
 from masonry_cd.app.limit_parts import mechanisms_along
 from masonry_cd.app.limit_search import Ways, search_numbers, search_words, ways
 from masonry_cd.app.limit_structure import limit_structure
+from masonry_cd.app.limit_vehicle import CROSSING_OUTPUTS, Crossing, at_worst, write_crossing
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force, in_words
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from reports.limit.ties import LimitTie
 
 OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "ties.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
-EVERY = (*OUTPUTS, *CURVE_OUTPUTS)  # that a folder of an analysis may hold
+EVERY = (*OUTPUTS, *CURVE_OUTPUTS, *CROSSING_OUTPUTS)  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
 SAME = 1e-4  # share of the factor by which the least and the associated one may differ and agree
@@ -61,6 +62,7 @@ class LimitCase:
     seconds: float
     curve: FollowedCurve | None = None
     verdict: Judgement | None = None  # the one that all outputs show; None where no check is asked for
+    crossing: Crossing | None = None  # of a vehicle whose worst place was looked for
 
     @cached_property
     def collapse(self) -> Collapse:
@@ -101,6 +103,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
     from masonry_cd.app.static_loads import CurveTable
 
     begin = time.perf_counter()
+    scene, crossing = at_worst(scene)
     structure = limit_structure(scene)
     asked, assembly, joints, notes = structure.asked, structure.assembly, structure.joints, list(structure.made.notes)
     try:
@@ -148,7 +151,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             "joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value"
         )
     seconds = time.perf_counter() - begin
-    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict)
+    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict, crossing)
 
 
 def _along(parts: Sequence[PartMechanism], loads: StaticLoads) -> list[Mechanism]:
@@ -219,6 +222,8 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "seconds": case.seconds,
         "notes": list(case.notes),
     }
+    if case.crossing is not None:
+        out["crossing"] = case.crossing.numbers()
     if not analysis.stands or analysis.unlimited:
         return out
     if analysis.problem.moves_support:
@@ -264,6 +269,8 @@ def found_lines(case: LimitCase) -> list[str]:
         out.append(f"does not stand under its dead loads{borne}: {_who(case)} give way")
         return out
     out.append("stands under its dead loads")
+    if case.crossing is not None:
+        out.append(case.crossing.line())
     if analysis.unlimited:
         return [*out, *unlimited_lines(case.loads, case.assembly)]
     if analysis.problem.moves_support:
@@ -347,6 +354,8 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
         write_json(case.check.numbers(), folder / "check.json")
         write_check(case.check.numbers(), folder / "check.csv")
         written += [folder / "check.json", folder / "check.csv"]
+    if case.crossing is not None:
+        written += write_crossing(case.crossing, folder, case.scene.title, pictures)
     drawn = draw(case, folder, view) if pictures else []
     if case.curve is not None:
         written += write_curve(case.curve, case.assembly.names, folder)

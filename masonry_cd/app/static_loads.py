@@ -74,6 +74,9 @@ class LimitTable(Table):
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
     """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves ten or
     twenty cone programmes, 4 with a check of up to 10,000 contact points and none else."""
+    positions: Annotated[Count, Field(ge=3, le=2000)] | None = None
+    """At which the worst place of a live vehicle without a position is looked for, before those around it; 60 in a plane, 16 in space when
+    not given."""
     begin: Annotated[str, Field(min_length=1)] | None = Field(None, alias="from")
     """Folder of a run of these blocks, from that of the scene on: the analysis is of where it left them."""
     time: Annotated[float, Unit("s"), Field(ge=0.0)] | None = None
