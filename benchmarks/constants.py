@@ -144,15 +144,15 @@ SCENES: dict[str, Scene] = {
 # What each constant is set to where it is switched off.
 SWITCHED: dict[str, Any] = {
     "GRAINS": 10**9,  # no scene is swept
+    "SINGLE": np.inf,  # all are in space, stacks of blocks too
     "SWEEPS": 400,
-    "FEWEST": 1000,  # ADMM always has as many iterations
-    "MOST": 15,
-    "FACTOR": 1,
+    "MOST": 15,  # ADMM always has as many iterations
+    "FACTOR": 1,  # or 1,000
     "PIVOTS": 30,
     "CENTRES": 120,
     "ROUGH": -1.0,  # pivoting is not asked
     "LAST": 120,
-    "OPERATIONS": 1e18,  # the interior point method has all its iterations on any structure
+    "OPERATIONS": 0.0,  # the interior point method is not asked
     "admm.OPEN": 1.0,  # R of open contacts as of those that stick
     "admm.SLIDES": 1.0,
     "interior.LEAVE": 1.0,  # the damped path is followed to the tolerance, that by its length to CLOSE

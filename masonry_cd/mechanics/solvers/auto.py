@@ -11,6 +11,7 @@
 4. Proximal points, by pivoting in a plane and by Newton's method in space, continue from the best so far: they solve what slides or rocks
    as a whole. Pivoting is not asked where friction is ROUGH.
 5. The interior point method begins near the impulses of the last step, not where the others got stuck, and ends nearly all that is left.
+   Half of its way solves hardly anything: it has all of its factorisations, or, on a structure where these would take minutes, none.
 6. A problem without a step before, which is solved once, may take what each method takes by itself.
 
 ``python -m benchmarks.constants`` shows what each constant gains.
@@ -30,11 +31,11 @@ from masonry_cd.mechanics.solvers.options import MOST_ITERATIONS, Options
 
 GRAINS, SINGLE = 300, 2.0  # contacts at least, and contacts of a joint in the mean at most, of what is swept
 SWEEPS = 4000
-FEWEST, MOST, FACTOR = 15, 1000, 4  # iterations of ADMM before the next method, and by what their number changes
+MOST, FACTOR = 1000, 4  # iterations of ADMM before the next method, and by what their number changes
 PIVOTS, CENTRES = 120, 17  # factorisations of proximal points
 ROUGH = 1.0  # friction above which there are several solutions, and pivoting from soft springs may end in one that moves
 LAST = 700  # factorisations of the interior point method
-OPERATIONS = 2e10  # that they may take together, beyond those of its first start: some seconds
+OPERATIONS = 1e11  # of these together, at most: some ten seconds, beyond which it is not asked
 
 METHODS = {"accelerated": accelerated, "admm": admm, "newton": newton, "pivoting": pivoting, "interior": interior}
 
@@ -64,7 +65,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         budget = min(FACTOR * budget, MOST)
     else:
         spent = _finish(search, cold)
-        budget = min(max(budget // FACTOR, spent, FEWEST), MOST) if search.error <= options.tolerance else MOST
+        budget = min(max(budget // FACTOR, spent, 1), MOST) if search.error <= options.tolerance else MOST
     learnt = search.memory.learnt
     if budget != learnt.budget:
         search.memory = replace(search.memory, learnt=replace(learnt, budget=budget))
@@ -78,8 +79,8 @@ def _finish(search: _Search, cold: bool) -> int:
         search.turn("pivoting", pivoting.LIMIT if cold else PIVOTS, search.best)
     else:
         search.turn("newton", newton.LIMIT if cold else CENTRES, search.best)
-    if not search.ended:
-        search.turn("interior", interior.MOST if cold else search.affordable(), search.last)
+    if not search.ended and (cold or search.is_affordable):
+        search.turn("interior", interior.MOST if cold else LAST, search.last)
     spent = search.iterations - before
     if cold:  # nor is it left worse than by ADMM alone
         search.memory = replace(search.memory, learnt=Learnt())
@@ -111,12 +112,13 @@ class _Search:
         """Whether the tolerance or the limit is reached."""
         return self.error <= self.options.tolerance or self.iterations >= self.options.limit(MOST_ITERATIONS)
 
-    def affordable(self) -> int:
-        """Factorisations that the interior point method may take."""
-        factors = self.memory.factors
-        if factors is None or not isinstance(self.problem, FrictionProblem):
-            return LAST
-        return int(min(max(OPERATIONS / max(factors.pattern.operations(self.problem.unknowns), 1.0), interior.FIRST), LAST))
+    @property
+    def is_affordable(self) -> bool:
+        """Whether the structure is small enough for the factorisations of the interior point method."""
+        factors, problem = self.memory.factors, self.problem
+        if factors is None or not isinstance(problem, FrictionProblem):
+            return True
+        return LAST * factors.pattern.operations(problem.unknowns) <= OPERATIONS
 
     def turn(self, name: str, limit: int, begin: Solution) -> None:
         """Give a method so many iterations, from the impulses of a solution, unless the search has ended."""
