@@ -110,13 +110,13 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
         loads = structure.loads()
         if asked.check is not None:
             suits(loads, scene.run.gravity)
+        left = None if asked.begin is None else left_state(asked, scene.folder, assembly, joints, loads)
         how = ways(assembly, joints, loads, asked, scene.run.seed)
         analysis, built = _analyse(assembly, joints, loads, how.analysis), (assembly, joints)
         if loads.kind == "push" and analysis.starts > 1 and (parts or analysis.problem.axis is None):
             analysis = with_mechanisms(analysis, assembly, joints, _along(parts or mechanisms_along(structure, loads), loads))
         analysis = _searched_on(analysis, assembly, joints, how)
-        if asked.begin is not None:
-            left = left_state(asked, scene.folder, assembly, joints, loads)
+        if left is not None:
             assembly, joints, loads, whole = left.assembly, left.joints, left.loads, analysis
             analysis = _searched_on(_analyse(assembly, joints, loads, how.analysis), assembly, joints, how)
             notes.append(f"{left.words}; {against_undamaged(analysis, whole)}")

@@ -68,7 +68,7 @@ def left_state(asked: LimitTable, folder: Path, assembly: Assembly, joints: Join
     place = folder / asked.begin
     file = place / "result.h5" if place.is_dir() or not place.suffix else place
     if not file.exists():
-        raise InputError(f"{KEY}: {file}: no such result file")
+        raise InputError(f"{KEY}: {file}: no such result file; it takes the folder of a run, from that of the scene on")
     with Results.open(file) as results:
         _refuse_others(results, assembly)
         frame = _frame(results, asked.time)
@@ -143,7 +143,24 @@ def against_undamaged(now: Analysis, whole: Analysis) -> str:
             if whole.stands
             else "nor did it as built"
         )
-    if now.problem.moves_support or now.unlimited or whole.unlimited or not whole.stands:
-        return "there are no two load factors to compare"
-    factor, before = now.governing.factor, whole.governing.factor
-    return f"load factor {factor:.4g} beside {before:.4g} as built, {100.0 * factor / before:.3g} %"
+    if now.problem.moves_support:
+        return "supports that move have no load factor to compare"
+    if not whole.stands:
+        return f"as built it did not stand under its dead loads; {_factor_words(now)} now"
+    if now.unlimited or whole.unlimited or whole.bears_nothing:
+        return f"{_factor_words(now)} beside {_factor_words(whole)} as built"
+    searched = now.least is not None and whole.least is not None
+    factor, before = ((each.governing if searched else each.associated).factor for each in (now, whole))
+    rule = "" if searched or not (now.starts or whole.starts) else ", both associated: a search came to no end"
+    return f"load factor {factor:.4g} beside {before:.4g} as built, {100.0 * factor / before:.3g} %{rule}"
+
+
+def _factor_words(analysis: Analysis) -> str:
+    """The load factor of a structure that stands, in words."""
+    if analysis.unlimited:
+        return "no finite load factor"
+    return (
+        "no load factor, the least of the load sets it in motion"
+        if analysis.bears_nothing
+        else f"load factor {analysis.governing.factor:.4g}"
+    )

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from models import box
 from typer.testing import CliRunner
 
+from masonry_cd.app import limit_case as limit_case_module
 from masonry_cd.app.case import prepare
 from masonry_cd.app.limit_case import limit_case, lines
+from masonry_cd.app.limit_from import against_undamaged
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
+from masonry_cd.foundation.errors import InputError
 from structures.files import blockfile
 
 WIDE, HIGH = 0.5, 1.5  # of the pillar [m]
@@ -68,7 +72,7 @@ def test_at_the_beginning_it_is_as_built(left):
     ("limit", "high", "message"),
     [
         (', from = "run"', 1.6, 'a run of another structure: block "pillar"'),
-        (', from = "nowhere"', HIGH, "no such result file"),
+        (', from = "nowhere"', HIGH, "no such result file; it takes the folder of a run"),
         (', from = "run", time = 9.0', HIGH, "limit.time: 9 s"),
         (", time = 1.0", HIGH, "time: needs from"),
         (', from = "run", curve = {}', HIGH, "limit.curve: is followed from the structure as built"),
@@ -78,3 +82,25 @@ def test_what_is_no_state_of_it_is_refused(left, limit, high, message):
     done = CliRunner().invoke(app, ["limit", str(scene(left, "bad.toml", limit, high)), "-o", str(left / "bad")])
     assert done.exit_code == 2 and message in done.output and done.output.count("\n") == 1
     assert not (left / "bad" / "limit.json").exists()
+
+
+def test_a_wrong_folder_is_said_before_anything_is_analysed(left, monkeypatch):
+    monkeypatch.setattr(limit_case_module, "analyse", lambda *_: pytest.fail("analysed first"))
+    with pytest.raises(InputError, match="no such result file"):
+        limit_case(scene(left, "bad.toml", ', from = "nowhere"'))
+
+
+@pytest.mark.parametrize(
+    ("now", "whole", "words"),
+    [
+        ({"unlimited": True}, {}, "no finite load factor beside load factor 0.3333 as built"),
+        ({}, {"unlimited": True}, "load factor 0.3333 beside no finite load factor as built"),
+        ({}, {"standing": 0.5}, "as built it did not stand under its dead loads; load factor 0.3333 now"),
+        ({"standing": 0.25}, {}, "as built it bore its dead loads, and now 25 % of them"),
+        ({}, {"least": None}, "both associated: a search came to no end"),
+    ],
+)
+def test_what_has_no_two_factors_says_which_it_lacks(left, now, whole, words):
+    built = limit_case(scene(left, "built.toml")).analysis
+    assert built.least is not None
+    assert words in against_undamaged(replace(built, **now), replace(built, **whole))

@@ -109,17 +109,30 @@ def _rows_of(points: np.ndarray) -> np.ndarray:
     return (3 * points[:, None] + np.arange(3)).ravel()
 
 
-def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray, of_bars: np.ndarray | None = None) -> ConeProgramme:
-    """The programme of the least lambda + sum of prices (P, 3) times r' and ``of_bars`` (T,) times N; its cones must not be strips."""
-    matrix, right = programme.matrix.copy(), programme.right.copy()
+def with_strips(programme: ConeProgramme, strip: np.ndarray) -> ConeProgramme:
+    """A programme with strips s (P,), of others."""
+    cost = programme.cost.copy()
+    cost[len(cost) - len(programme.cones) :] = strip[programme.cones]
+    return replace(programme, cost=cost)
+
+
+def for_the_least(problem: LimitProblem, programme: ConeProgramme) -> ConeProgramme:
+    """The programme of the least factor in place of the largest."""
+    matrix = programme.matrix.copy()
     matrix.data[: matrix.indptr[problem.unknowns]][matrix.indices[: matrix.indptr[problem.unknowns]] == 0] *= -1.0
+    return replace(programme, matrix=matrix, sense=-1.0)
+
+
+def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray, of_bars: np.ndarray | None = None) -> ConeProgramme:
+    """The programme of the least lambda + prices (P, 3) times r' + ``of_bars`` (T,) times N, of one of the least lambda with cones."""
+    right = programme.right.copy()
     asked = prices[programme.cones].copy()
     asked[:, 0] /= problem.mu[programme.cones]
     right[1 : 1 + programme.edges.shape[1]] = programme.edges.T @ prices.ravel()
     right[1 + programme.lines :] = asked.ravel()
     if of_bars is not None:
         right[1 + programme.lines - len(of_bars) : 1 + programme.lines] = of_bars
-    return replace(programme, matrix=matrix, right=right, sense=-1.0)
+    return replace(programme, right=right)
 
 
 def least_unborne_in_space(problem: LimitProblem, sides: int = 0) -> Optimum:

@@ -8,15 +8,17 @@ without its ties, of one of its macro-elements, of a few rigid bodies. Four cone
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from masonry_cd.analysis.limit import nonassociated, nonassociated_space
+from masonry_cd.analysis.limit import nonassociated
 from masonry_cd.analysis.limit.crushing import crushed_open
 from masonry_cd.analysis.limit.mechanism import STILL
 from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, Pair, merged
+from masonry_cd.analysis.limit.nonassociated_space import SearchInSpace
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Unbounded
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -41,10 +43,10 @@ def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float)
             yield; others are passed over.
         cap: the largest factor that is looked for.
     """
-    ends = []
+    ends, descend = [], _descent(problem, cap)
     for velocity in mechanisms:
         power = float(problem.live @ velocity)
-        end = _descend(problem, velocity / power, cap) if power > 0.0 and not _held(problem, velocity) else None
+        end = descend(velocity / power) if power > 0.0 and not _held(problem, velocity) else None
         if end is not None:
             ends.append(end)
     return ends
@@ -83,13 +85,19 @@ def admitted(problem: LimitProblem, assembly: Assembly, velocity: np.ndarray, cr
     return None
 
 
-def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | None:
+def _descent(problem: LimitProblem, cap: float) -> Callable[[np.ndarray], Pair | None]:
+    """The descent from velocities (unknowns,) with w_1 . v = 1."""
     if problem.axis is not None:
-        return nonassociated.descend(problem, velocity)
-    try:
-        return nonassociated_space.descend(problem, velocity, cap)
-    except Unbounded:
-        return None
+        return partial(nonassociated.descend, problem)
+    programmes = SearchInSpace(problem, cap)
+
+    def descend(velocity: np.ndarray) -> Pair | None:
+        try:
+            return programmes.descend(velocity)
+        except Unbounded:
+            return None
+
+    return descend
 
 
 def begun_at(problem: LimitProblem, before: Searched, mechanisms: Sequence[np.ndarray], cap: float) -> Searched:
