@@ -48,6 +48,9 @@ class AnchorTable(Table):
     modulus: Annotated[float, Unit("Pa")] = Field(MODULI["steel"], gt=0.0, description="Young's modulus")
     yield_force: Annotated[float, Unit("N")] | None = Field(None, gt=0.0, description="at which one yields or pulls out; by default never")
     damping: float = Field(0.02, ge=0.0, lt=1.0, description="share of the critical damping")
+    walls: tuple[str, ...] | None = Field(
+        None, strict=False, min_length=1, description="that it is tied to; on the others it rests; by default all in which it has seats"
+    )
 
 
 class FloorTable(Table):
@@ -78,6 +81,7 @@ class _Floor:
     high: np.ndarray  # (3,) [m]
     seat_low: np.ndarray  # (3,) of what is cut out for it: it reaches over the gaps [m]
     seat_high: np.ndarray  # (3,) [m]
+    tied: tuple[Side, ...]  # those of the seats that have anchors
 
     @property
     def block(self) -> Block:
@@ -144,7 +148,7 @@ def _placed(blocks: Sequence[Block], keys: FloorTable, where: str, name: str) ->
         short = keys.gap if side.owners and side not in seats else 0.0
         (seat_high if side.sign > 0 else seat_low)[side.axis] = side.place + side.sign * into
         (high if side.sign > 0 else low)[side.axis] = side.place + side.sign * (into - short)
-    return _Floor(keys, where, name, seats, low, high, seat_low, seat_high)
+    return _Floor(keys, where, name, seats, low, high, seat_low, seat_high, _tied(solids, seats, keys.anchors, where))
 
 
 def _with_seats(blocks: Sequence[Block], floor: _Floor) -> Iterator[Block]:
@@ -165,7 +169,7 @@ def _anchored(solids: Solids, floor: _Floor) -> Iterator[Bar]:
     if keys is None:
         return
     slab = next(i for i, block in enumerate(solids.blocks) if block.name == floor.name)
-    for side in floor.seats:
+    for side in floor.tied:
         other = 1 - side.axis
         if keys.length > floor.high[side.axis] - floor.low[side.axis]:
             raise InputError(f"{where}.length: must be at most that of the floor there, got {keys.length:g}")
@@ -175,7 +179,7 @@ def _anchored(solids: Solids, floor: _Floor) -> Iterator[Bar]:
             raise InputError(f"{where}.spacing: makes {wanted:.4g} anchors on a wall, at most {MOST} are taken")
         count = max(1, round(wanted))
         line = {"along": "xy"[side.axis], "height": float(0.5 * (floor.low[2] + floor.high[2]))}
-        row = parse_table(TieRowTable, line | keys.model_dump(exclude={"spacing", "length"}), where)
+        row = parse_table(TieRowTable, line | keys.model_dump(exclude={"spacing", "length", "walls"}), where)
         allowed = _in_wall(solids, side)
         for k in range(count):
             through = np.array([0.0, 0.0, row.height])
@@ -184,6 +188,24 @@ def _anchored(solids: Solids, floor: _Floor) -> Iterator[Bar]:
             inner[side.axis] = side.place - side.sign * keys.length
             for anchor in anchors_at(solids, row, side.axis, through, allowed, side.sign, where):
                 yield bar_between(solids, row, Anchor(slab, inner, 1.0), anchor, where, f"{floor.name}.{side.name}{k + 1}")
+
+
+def _tied(solids: Solids, seats: tuple[Side, ...], keys: AnchorTable | None, where: str) -> tuple[Side, ...]:
+    """Those of the sides with seats on which a floor is anchored.
+
+    Raises:
+        InputError: a wall in which it has no seat.
+    """
+    if keys is None or keys.walls is None:
+        return seats
+    tied: list[Side] = []
+    for wall in keys.walls:
+        own = solids.members(wall, f"{where}.anchors.walls")
+        sides = [side for side in seats if own[list(side.owners)].any()]
+        if not sides:
+            raise InputError(f'{where}.anchors.walls: the floor has no seat in "{wall}"')
+        tied += [side for side in sides if side not in tied]
+    return tuple(tied)
 
 
 def _in_wall(solids: Solids, side: Side) -> np.ndarray:

@@ -30,7 +30,9 @@ def build(
     picture: Annotated[bool, typer.Option(help="Draw structure.png, or problem.png of blocks that are refused.")] = True,
     format_: Annotated[
         list[str] | None,
-        typer.Option("--format", metavar="NAME", help="json, obj, stl, vtu, vtm or vtkhdf; as often as needed.", show_default="json"),
+        typer.Option(
+            "--format", metavar="NAME", help="json, obj, stl, vtu, vtm, vtkhdf, step, brep or msh; as often as needed.", show_default="json"
+        ),
     ] = None,
     repair: Annotated[
         list[str] | None, typer.Option(metavar="WHAT", help="Of a file: shells, or gaps=0.002 [m] to close gaps up to that width.")
@@ -67,7 +69,7 @@ def build(
         from masonry_cd.app.case import make_structures
         from masonry_cd.app.doubts import structure_doubts
         from structures import summary
-        from structures.files import blockfile, meshfile
+        from structures.files import blockfile, meshfile, solidfile
         from structures.geometry.checks import Unsound
 
         try:
@@ -82,7 +84,8 @@ def build(
         output.mkdir(parents=True, exist_ok=True)
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:
-            (blockfile if path.suffix == ".json" else meshfile).write(path, blocks)
+            writer = blockfile if path.suffix == ".json" else solidfile if path.suffix in solidfile.ENDINGS else meshfile
+            writer.write(path, blocks)
         if picture:
             from reports.drawing.structure_picture import structure_picture
             from structures.ties import lines_of
@@ -96,7 +99,7 @@ def _formats(asked: list[str] | None) -> tuple[str, ...]:
     """The formats of blocks to write, each once."""
     from masonry_cd.foundation.errors import InputError
 
-    known = ("json", "obj", "stl", "vtu", "vtm", "vtkhdf")
+    known = ("json", "obj", "stl", "vtu", "vtm", "vtkhdf", "step", "brep", "msh")
     for name in asked or ():
         if name not in known:
             raise InputError(f'--format: "{name}" is none; formats: {", ".join(known)}')

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.geometry import Polyhedron
 from masonry_cd.mechanics.model.polygon import loop_planes
 from structures.geometry.checks import Unsound
-from structures.geometry.compound_block import GRID, compound_block
+from structures.geometry.compound_block import compound_block
 from structures.geometry.convex import halves, split
+from structures.layout.seats import hanging_together
 
 Planes = tuple[np.ndarray, np.ndarray]  # normals (F, 3) and offsets (F,) [m] of the faces of a solid
 SAME = 1e-8  # planes this close are one, their normals and their offsets [m]
@@ -45,7 +45,7 @@ def without(block: Block, solids: Sequence[Polyhedron]) -> list[Block]:
     middle = np.array([cell.vertices.mean(axis=0) for cell in cells])
     taken = np.any([(middle @ normals.T - offsets < 0.0).all(axis=1) for normals, offsets in sides], axis=0)
     left = [cell for cell, gone in zip(cells, taken.tolist(), strict=True) if not gone]
-    return [_stone(block, [left[i] for i in own]) for own in _connected(left)] if left else []
+    return [_stone(block, [left[i] for i in own]) for own in hanging_together(left)] if left else []
 
 
 def _distinct(sides: Sequence[Planes]) -> list[tuple[np.ndarray, float]]:
@@ -82,12 +82,3 @@ def _stone(block: Block, cells: Sequence[Block]) -> Block:
         return split(replace(whole, parts=()))
     except Unsound:
         return whole
-
-
-def _connected(cells: Sequence[Block]) -> list[list[int]]:
-    """The cells that hang together by whole faces, in groups."""
-    owner = np.repeat(np.arange(len(cells)), [len(cell.faces) for cell in cells])
-    centres = np.array([cell.vertices[list(face)].mean(axis=0) for cell in cells for face in cell.faces])
-    first, second = np.nonzero(np.abs(centres[:, None] - centres[None]).max(axis=2) < GRID)
-    label = connected_components(owner[first], owner[second], len(cells))
-    return [np.flatnonzero(label == k).tolist() for k in dict.fromkeys(label.tolist())]

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
+from shapely.geometry import Point
 
 from masonry_cd.foundation.errors import InputErrors
 from masonry_cd.mechanics.model.blocks import Block
@@ -16,7 +18,7 @@ from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
 from structures.building import columns, junctions, openings, polygons, vaults
 from structures.building.added_walls import added
-from structures.building.axes import Facet, Leg, legs_of
+from structures.building.axes import SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
 from structures.building.cuts import with_pockets
 from structures.building.footprints import Plan, order
@@ -24,6 +26,8 @@ from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay
 from structures.building.stones import Part, across, parts_of, stone, welded
 from structures.building.table import BuildingTable, BuildingWallTable
+
+LEAST_SEAT = 0.02  # share of the footprint of a wall that something has to be under
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +51,8 @@ def blocks_of(table: BuildingTable, density: float) -> list[Block]:
     table = table.model_copy(update={"walls": (*table.walls, *added(table, rows, faults))})
     walls = prepared(table, faults)
     over = vaults.vaults_of(walls.plan, table, faults) if walls is not None else []
+    if walls is not None:
+        _check_feet(walls.plan, rows, faults)
     refuse(faults)
     assert walls is not None
     blocks = [block for number in range(len(table.walls)) for block in _wall_blocks(walls, number, density)]
@@ -133,6 +139,23 @@ def _check_courses(plan: Plan, layings: Sequence[Laying], faults: list[str]) -> 
             except ValueError as fault:
                 faults.append(str(fault))
                 break
+
+
+def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -> None:
+    """A wall that begins above the lowest one has walls or columns under it."""
+    lowest = min(leg.base for leg in plan.legs)
+    for leg in plan.legs:
+        if leg.base < lowest + SAME:
+            continue
+        under = [vaults.footprint(plan, other) for other in plan.legs if vaults.stands(other, leg.base)]
+        under += [
+            Point(*at).buffer(0.5 * row.keys.size) for row in rows for at in row.places if row.keys.base + row.keys.height > leg.base - SAME
+        ]
+        own = vaults.footprint(plan, leg)
+        if own.intersection(shapely.union_all(under)).area < LEAST_SEAT * own.area:
+            faults.append(
+                f"wall {leg.keys.name}: nothing is under it at {vaults.place(leg.facets[0].start)}, where it begins at z = {leg.base:g} m"
+            )
 
 
 def _wall_blocks(walls: Walls, number: int, density: float) -> list[Block]:

@@ -123,7 +123,7 @@ def _bay(plan: Plan, keys: BuildingVaultTable) -> Bay:
         if len(facets) != 4:
             raise ValueError(f"a vault of this shape springs from four walls, got {len(facets)}")
         room, along = _within(facets), facets[0][0][1].along
-    standing = [_world(plan, leg, facet) for leg in plan.legs for facet in leg.facets if _stands(leg, keys.springing)]
+    standing = [_world(plan, leg, facet) for leg in plan.legs for facet in leg.facets if stands(leg, keys.springing)]
     clear = polygons.polygons(room.difference(shapely.union_all(standing)), 1e-4)
     if not clear:
         raise ValueError(f"there is no room between walls {', '.join(keys.walls)}")
@@ -187,9 +187,14 @@ def _rectangle(shape: Polygon, along: np.ndarray) -> Bay:
     )
 
 
-def _stands(leg: Leg, z: float) -> bool:
+def stands(leg: Leg, z: float) -> bool:
     """Whether a leg stands at a height, or up to it."""
     return leg.base < z - 1e-6 and max(top for _, top in leg.tops) >= z - 1e-6
+
+
+def footprint(plan: Plan, leg: Leg) -> BaseGeometry:
+    """A leg with its corners filled, in the world."""
+    return shapely.union_all([_world(plan, leg, facet) for facet in leg.facets])
 
 
 def _world(plan: Plan, leg: Leg, facet: Facet) -> Polygon:
@@ -215,7 +220,7 @@ def _carried(plan: Plan, vault: Vault) -> None:
         sides = [
             (x - t if x < 0 else x, x if x < 0 else x + t, y - t if y < 0 else y, y if y < 0 else y + t) for x in (-a, a) for y in (-b, b)
         ]
-    standing = shapely.union_all([_world(plan, leg, facet) for leg in plan.legs for facet in leg.facets if _stands(leg, keys.springing)])
+    standing = shapely.union_all([_world(plan, leg, facet) for leg in plan.legs for facet in leg.facets if stands(leg, keys.springing)])
     for x0, x1, y0, y1 in sides:
         seat = Polygon(vault.bay.world(np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])))
         share = seat.intersection(standing).area / seat.area

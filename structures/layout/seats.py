@@ -40,7 +40,7 @@ def without_box(block: Block, low: np.ndarray, high: np.ndarray, least: float) -
         return [block]
     for piece in left:
         _refuse_sliver(piece, block.name, low, high, least)
-    groups = _connected(left) if left else []
+    groups = hanging_together(left) if left else []
     stones = [compound_block(block.name, [(left[i].vertices, left[i].faces) for i in own], block.density, block.group) for own in groups]
     if len(stones) == 1 and stones[0].parts:
         parts = [replace(block, vertices=part.vertices, faces=part.faces, parts=()) for part in block.convex_parts]
@@ -75,7 +75,7 @@ def _refuse_sliver(piece: Block, name: str, low: np.ndarray, high: np.ndarray, l
             )
 
 
-def _connected(cells: Sequence[Block]) -> list[list[int]]:
+def hanging_together(cells: Sequence[Block]) -> list[list[int]]:
     """The cells that hang together by whole faces, in groups."""
     owner = np.repeat(np.arange(len(cells)), [len(cell.faces) for cell in cells])
     centres = np.array([cell.vertices[list(face)].mean(axis=0) for cell in cells for face in cell.faces])

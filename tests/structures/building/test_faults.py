@@ -53,6 +53,7 @@ CASES: dict[str, tuple[list[dict[str, Any]], dict[str, Any], str]] = {
         "walls a and b: both tops slope or step within their junction at x = 0 m, y = 0 m",
     ),
     "two names": ([A, A], {}, r'structure.walls\[1\].name: wall 0 has the name "a", too'),
+    "nothing under it": ([A, wall("b", [[0, 3], [6, 3]], base=1.2)], {}, "wall b: nothing is under it at x = 0 m, y = 3 m"),
     "no height": ([{"name": "a", "axis": [[0, 0], [3, 0]], "thickness": 0.5}], {}, "wall a: give height, or top"),
     "turns back": ([wall("a", [[0, 0], [3, 0], [0, 0.1]])], {}, "wall a: its axis turns back by 178 degrees at x = 3 m, y = 0 m"),
     "arc in line": ([wall("a", [[0, 0], {"to": [3, 0], "through": [1, 0]}])], {}, "wall a: its arc from x = 0 m, y = 0 m passes through"),

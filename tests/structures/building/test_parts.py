@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from plans import free_volume, prepare, volume_of_plan, wall
 from solids import build
 from statics3d import assembled, can_stand, in_one_piece
 
+import structures
 from masonry_cd.foundation.errors import InputError
 from structures.macro_elements import macro_elements
 
@@ -99,6 +101,18 @@ def _slice(part: Any, z: float) -> Any:
             if (a[2] - z) * (b[2] - z) < 0.0:
                 points.append(a[:2] + (z - a[2]) / (b[2] - a[2]) * (b[:2] - a[:2]))
     return shapely.MultiPoint(np.array(points)).convex_hull
+
+
+def test_a_floor_has_its_seats_in_walls_by_name_and_is_tied_to_those_asked_for() -> None:
+    floor: dict[str, Any] = {"height": 1.8, "thickness": 0.2, "mass": 300.0, "walls": ["s", "n"]}
+    floor["anchors"] = {"spacing": 1.2, "walls": ["n"]}
+    made = structures.make({"kind": "building", "walls": ROOM, "floors": [floor]}, 2000.0, Path())
+    slab = next(block for block in made.blocks if block.name == "floor1")
+    assert np.ptp(slab.vertices[:, 1]) == pytest.approx(1.8 + 2 * 0.2)
+    assert {bar.blocks[1].split(".")[0] for bar in made.ties} | {bar.blocks[0].split(".")[0] for bar in made.ties} == {"floor1", "n"}
+    floor["anchors"] = {"walls": ["w"]}
+    with pytest.raises(InputError, match=r'anchors\.walls: the floor has no seat in "w"'):
+        structures.make({"kind": "building", "walls": ROOM, "floors": [floor]}, 2000.0, Path())
 
 
 FAULTS: dict[str, tuple[dict[str, Any], str]] = {

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from plans import free_volume, prepare, volume_of_plan, wall
 from solids import build
-from statics3d import assembled, in_one_piece
+from statics3d import assembled, can_stand, in_one_piece
 
 CLOSED = [[0, 0], [4, 0], [4.6, 3.2], [0, 3.5], [0, 0]]
 CASES: dict[str, dict[str, Any]] = {
@@ -69,3 +70,46 @@ def test_the_blocks_fill_the_walls_of_the_plan_and_hang_together(case: str) -> N
     assert free_volume(blocks) == pytest.approx(volume_of_plan(prepare(keys)), rel=1e-9)
     assembly, joints = assembled(blocks)
     assert in_one_piece(assembly, joints)
+
+
+def test_a_room_with_every_shape_of_opening_stands() -> None:
+    openings = [
+        {"at": 1.4, "width": 0.8, "height": 1.5},
+        {"at": 3.2, "width": 0.9, "sill": 0.62, "height": 1.1, "shape": "round"},
+        {"at": 4.9, "width": 0.7, "sill": 0.5, "height": 1.2, "shape": "pointed"},
+        {"at": 6.6, "width": 0.9, "height": 1.3, "ring": 0.3},
+    ]
+    more = [
+        {"at": 1.2, "width": 0.8, "sill": 0.9, "shape": "rose"},
+        {"at": 3.0, "width": 0.6, "sill": 0.4, "height": 1.0, "shape": "niche", "rise": 0.2},
+        {"at": 4.4, "width": 0.8, "height": 1.4, "shape": "segmental", "rise": 0.2},
+    ]
+    walls = [
+        wall("front", [[0, 0], [8, 0]], openings=openings),
+        wall("side", [[8, 0], [8.5, 5.6]], openings=more),
+        wall("back", [[8.5, 5.6], [0, 5]]),
+        wall("west", [[0, 5], [0, 0]]),
+    ]
+    blocks = build("building", walls=walls, block_length=0.7)
+    assert free_volume(blocks) == pytest.approx(volume_of_plan(prepare({"walls": walls, "block_length": 0.7})), rel=1e-9)
+    assert can_stand(blocks, 0.6)
+
+
+def test_bonded_courses_take_turns_and_butt_joints_do_not() -> None:
+    """At a corner each wall owns half of the stones on the outer edge; with butt the first one owns all."""
+    walls = [wall("a", [[0, 0], [4, 0]]), wall("b", [[0, 0], [0, 3]])]
+    for bond, expected in (("bonded", [4, 4]), ("butt", [8, 0]), (0.5, [6, 2])):
+        blocks = build("building", walls=walls, junction=bond)
+        corner = [block for block in blocks if not block.fixed and np.hypot(*(block.vertices[:, :2] - [-0.3, -0.3]).T).min() < 1e-9]
+        assert [sum(block.group == name for block in corner) for name in ("a", "b")] == expected
+
+
+def test_equal_seeds_give_equal_blocks_and_corners_agree_to_the_bit() -> None:
+    keys = {"walls": [wall("a", [[0, 0], [4, 0.7]]), wall("b", [[4, 0.7], [5, 3]])], "bond": "irregular", "seed": 5}
+    one, two = build("building", **keys), build("building", **keys)
+    assert all((a.vertices == b.vertices).all() for a, b in zip(one, two, strict=True))
+    other = build("building", **keys | {"seed": 6})
+    assert {block.vertices.tobytes() for block in other} != {block.vertices.tobytes() for block in one}
+    points = np.unique(np.concatenate([block.vertices for block in one if not block.fixed]), axis=0)
+    apart = np.sort(np.linalg.norm(points[:, None] - points[None], axis=2), axis=1)[:, 1]
+    assert apart.min() > 1e-6
