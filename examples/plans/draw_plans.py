@@ -95,7 +95,7 @@ def house(path: Path) -> None:
         for tag in ("H", "S"):
             block.add_attdef(tag, (0, 60 if tag == "H" else 75), dxfattribs={"height": 10})
     doors = (((240, 0), 0, 210), ((535, 190), 90, 205), ((200, 405), 0, 205))
-    windows = (((780, 0), 0), ((45, 190), 90), ((940, 410), 0), ((1115, 190), 90), ((240, 840), 0), ((585, 600), 90))
+    windows = (((780, 0), 0), ((45, 190), 90), ((800, 410), 0), ((1115, 190), 90), ((240, 840), 0), ((585, 600), 90))
     for place, turn, height in doors:
         insert = space.add_blockref("DOOR_90", place, dxfattribs={"layer": "DOORS", "rotation": turn})
         insert.add_attrib("H", f"{height}", place, dxfattribs={"layer": "DOORS"})
@@ -122,7 +122,7 @@ def oratory(path: Path) -> None:
     outline(space, "MURI", [(800, 6600), (7600, 6600), (7600, 7400), (800, 7400)])
     outline(space, "MURI", [(6800, 800), (7600, 800), (7600, 6600), (6800, 6600)])
     outline(space, "MURI", [(7600, 1100, 1.0), (7600, 6300), (7600, 5600, -1.0), (7600, 1800)])
-    outline(space, "PORTE", [(6800, 2000), (7600, 2000), (7600, 5400), (6800, 5400)])
+    outline(space, "PORTE", [(6800, 2500), (7600, 2500), (7600, 4900), (6800, 4900)])
     outline(space, "PORTE", [(0, 3000), (800, 3000), (800, 4400), (0, 4400)])
     outline(space, "FINESTRE", [(3400, 0), (4200, 0), (4200, 800), (3400, 800)])
     outline(space, "FINESTRE", [(3400, 6600), (4200, 6600), (4200, 7400), (3400, 7400)])
@@ -130,7 +130,7 @@ def oratory(path: Path) -> None:
     space.add_line((800, 6600), (6800, 800), dxfattribs={"layer": "VOLTE"})
     text(space, "VOLTE", "crociera imp. 3.80 f=2.30 sp. 25", (2600, 3900), 150)
     text(space, "PORTE", "tutto sesto 140/280", (900, 3300), 150)
-    text(space, "PORTE", "arco trionfale tutto sesto h=4.60", (5000, 3900), 150)
+    text(space, "PORTE", "arco trionfale tutto sesto h=4.20 ghiera 35", (5000, 3900), 150)
     for place in ((3400, 900), (3400, 6300)):
         text(space, "FINESTRE", "ribassato h=1.30 s=3.10", place, 150)
     for words, place in (

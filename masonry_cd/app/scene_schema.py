@@ -23,6 +23,7 @@ from reports.settings import Report
 
 TITLE = "Scene of masonry_cd"
 FILE = Path(__file__).with_name("scene.schema.json")
+PLAN_FILE = FILE.with_name("plan.schema.json")  # what ``masonry-cd schema --plan`` prints
 REFUSED = "additionalProperties"  # set to false where unknown keys are
 
 
@@ -114,6 +115,20 @@ def load_schema(kind: str) -> Schema:
 def schema_text() -> str:
     """The schema as a file."""
     return as_text(scene_schema())
+
+
+def plan_schema_text() -> str:
+    """The schema of a building's plan in JSON as a file: the keys of its table but those by which a drawing is read."""
+    from structures.building.table import BuildingTable
+    from structures.plans.json_plan import OF_A_FILE
+    from structures.plans.keys import PlanKeys
+
+    made = table_schema(BuildingTable)
+    of_drawings = ("plan", *PlanKeys.model_fields)
+    keys: Schema = {"units": {"const": "m", "description": "of all lengths"}, **{key: {"type": "string"} for key in OF_A_FILE}}
+    made["properties"] = keys | {key: value for key, value in made["properties"].items() if key not in of_drawings}
+    made["properties"]["walls"] |= {"minItems": 1}
+    return as_text({"$schema": DRAFT, "title": "Plan of a building for masonry_cd", **made, "required": ["walls"]})
 
 
 def _first_sentence(module: str) -> str:

@@ -46,7 +46,8 @@ def build(
     """Build the structure of a scene alone.
 
     DIR gets blocks.json, which kind = "file" reads back, or the blocks in other formats, and structure.png. Where blocks are refused,
-    problem.png shows which.
+    problem.png shows which. A building's plan is written as plan.json, to be corrected and read again, and drawn as plan.svg;
+    plan_left.csv lists what of a drawing was not understood.
 
     \b
     Examples:
@@ -60,8 +61,10 @@ def build(
     with errors_reported():
         if picture:
             require("structure.png", "pyvista", "matplotlib", "PIL", without=" (or go without: --no-picture)")
+        from masonry_cd.app import plan_files
+
         formats = _formats(format_)
-        free_folder(output, tuple(f"blocks.{name}" for name in formats), force)
+        free_folder(output, (*(f"blocks.{name}" for name in formats), *plan_files.NAMES), force)
         from masonry_cd.app.scene import read_scene
 
         asked = read_scene(scene, [*(set_ or ()), *_repairs(repair)])
@@ -86,6 +89,8 @@ def build(
         for path in written:
             writer = blockfile if path.suffix == ".json" else solidfile if path.suffix in solidfile.ENDINGS else meshfile
             writer.write(path, blocks)
+        if plan_files.is_of_plan(asked):
+            written += plan_files.write_plan_files(asked, output, picture)
         if picture:
             from reports.drawing.structure_picture import structure_picture
             from structures.ties import lines_of

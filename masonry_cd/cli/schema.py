@@ -12,20 +12,23 @@ from masonry_cd.cli.shared import errors_reported
 
 def schema(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write it there instead of printing it.")] = None,
+    plan: Annotated[bool, typer.Option("--plan", help="That of a building's plan in JSON, plan.json.")] = False,
 ) -> None:
-    """Print the JSON schema of the scene file, by which editors complete and check scenes.
+    """Print the JSON schema of the scene file, or of a plan, by which editors complete and check them.
 
     Taplo and Even Better TOML read it where the first line of a scene names it: #:schema ./masonry-cd.schema.json
 
     \b
     Examples:
       masonry-cd schema -o masonry-cd.schema.json
+      masonry-cd schema --plan -o plan.schema.json
     """
     with errors_reported():
-        from masonry_cd.app.scene_schema import schema_text
+        from masonry_cd.app.scene_schema import plan_schema_text, schema_text
 
+        text = plan_schema_text() if plan else schema_text()
         if output is None:
-            typer.echo(schema_text(), nl=False)
+            typer.echo(text, nl=False)
             return
-        output.write_text(schema_text(), encoding="utf-8")
+        output.write_text(text, encoding="utf-8")
         typer.echo(f"written: {output}")

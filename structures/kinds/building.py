@@ -10,28 +10,43 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures.building.table import BuildingTable as BuildingTable  # which structures.tables finds here
 from structures.geometry.checks import check
 from structures.layout import wall_plan
+from structures.plans import Plan, open_plan
+from structures.plans.keys import PlanKeys
+
+if TYPE_CHECKING:
+    from structures.plans.recognised import Left
 
 
-def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
-    """Build a building on its base.
+def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
+    """Build a building on its base; the notes say what of its plan was assumed, and what was not understood.
 
     Raises:
         InputError: a key that is wrong, or all that is wrong with the plan, a line each.
     """
     from structures.building import engine
 
-    keys = table_of(table, folder)
+    keys, plan = _opened(table, folder)
     blocks = engine.blocks_of(keys, density)
     blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
     check(blocks)
-    return blocks
+    return blocks, plan.notes
+
+
+def plan_tables(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], list[Left]]:
+    """All that scene and plan say of a building, as tables of a plan in JSON, and what of a drawing was not understood.
+
+    Raises:
+        InputError: a key that is wrong, or a plan that cannot be read.
+    """
+    keys, plan = _opened(table, folder)
+    return keys.model_dump(mode="json", exclude_unset=True, exclude={"plan", *PlanKeys.model_fields}), plan.left
 
 
 def table_of(table: Mapping[str, Any], folder: Path) -> BuildingTable:
@@ -40,12 +55,15 @@ def table_of(table: Mapping[str, Any], folder: Path) -> BuildingTable:
     Raises:
         InputError: a key that is wrong, or a plan that cannot be read.
     """
+    return _opened(table, folder)[0]
+
+
+def _opened(table: Mapping[str, Any], folder: Path) -> tuple[BuildingTable, Plan]:
+    """The keys of a table and its plan; an empty one where it names none."""
     keys = parse_table(BuildingTable, table, "structure")
     if keys.plan is None:
-        return keys
-    from structures.plans import read
-
+        return keys, Plan({}, [], [])
     own = {key: value for key, value in table.items() if key != "plan"}
-    rest = read(folder / keys.plan, own)
-    lists = {key: [*rest[key], *own[key]] for key in own if isinstance(own[key], (list, tuple)) and key in rest}
-    return parse_table(BuildingTable, {**rest, **own, **lists}, "structure")
+    plan = open_plan(folder / keys.plan, own)
+    lists = {key: [*plan.tables[key], *own[key]] for key in own if isinstance(own[key], (list, tuple)) and key in plan.tables}
+    return parse_table(BuildingTable, {**plan.tables, **own, **lists}, "structure"), plan

@@ -92,9 +92,8 @@ def _set_back(walls: Sequence[Wall]) -> list[Wall]:
                 continue
             a, b = min(((a, b) for a in (0, -1) for b in (0, -1)), key=lambda e: math.dist(_corner(out[i], e[0]), _corner(out[j], e[1])))
             pieces = out[i].pieces[a], out[j].pieces[b]
-            crossed = [
-                w for w in out if w is not out[i] and w is not out[j] and w.ground().distance(shapely.Point(_corner(out[i], a))) < 1e-6
-            ]
+            tip = shapely.Point(_corner(out[i], a))
+            crossed = [wall for k, wall in enumerate(out) if k not in (i, j) and wall.ground(cap="square").distance(tip) < 1e-6]
             if crossed and all(p.centre is None for p in pieces) and turn_between(*pieces) < SHARPEST:
                 depth = SET_BACK * crossed[0].thickness
                 out[i], out[j] = _shortened(out[i], a, depth), _shortened(out[j], b, depth)

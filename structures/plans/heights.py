@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -39,7 +40,7 @@ def height_keys(wall: Wall, k: int, walls: Sequence[Wall], notes: Sequence[Note]
     for note in notes:
         if note.marks.profile:
             stations = np.linspace(0.0, wall.length, len(note.marks.profile))
-            return keys | {"top": [[round(float(s), 4), z] for s, z in zip(stations, note.marks.profile, strict=True)]}
+            return keys | {"top": [[_within(float(s), wall), z] for s, z in zip(stations, note.marks.profile, strict=True)]}
     tall = [(note.at, _height(note.marks, base)) for note in notes if _height(note.marks, base)]
     if not tall:
         return None if default is None else keys | {"height": default}
@@ -47,6 +48,11 @@ def height_keys(wall: Wall, k: int, walls: Sequence[Wall], notes: Sequence[Note]
         return keys | {"height": tall[0][1]}
     top = _steps(wall, k, walls, tall)
     return keys | ({"height": top[0][1]} if len(top) == 2 and top[0][1] == top[1][1] else {"top": top})
+
+
+def _within(s: float, wall: Wall) -> float:
+    """A place along a wall to a tenth of a millimetre, and never beyond its end [m]."""
+    return min(round(s, 4), math.floor(1e6 * wall.length) / 1e6)
 
 
 def _height(marks: Marks, base: float) -> float:
@@ -67,7 +73,7 @@ def _steps(wall: Wall, k: int, walls: Sequence[Wall], tall: Sequence[tuple[float
         if before != after:
             place = round(station + (half if before > after else -half), 4)  # the wall that meets it there stands to the greater height
             top += [[place, before], [place, after]]
-    return [*top, [round(wall.length, 4), heights[-1]]]
+    return [*top, [_within(wall.length, wall), heights[-1]]]
 
 
 def _crossings(wall: Wall, k: int, walls: Sequence[Wall]) -> list[tuple[float, float]]:

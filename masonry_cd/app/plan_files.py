@@ -1,0 +1,62 @@
+"""What ``build`` writes of a building's plan: plan.json, from which one can go on by hand, plan.svg, and what was not understood."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.app.scene import Scene
+from masonry_cd.foundation.atomic import replacing
+
+NAMES = ("plan.json", "plan.svg", "plan_left.csv")
+
+
+def is_of_plan(scene: Scene) -> bool:
+    """Whether the structure of a scene is a building with a plan."""
+    return not scene.structures and scene.structure.get("kind") == "building"
+
+
+def write_plan_files(scene: Scene, folder: Path, picture: bool) -> list[Path]:
+    """Write the plan of a building; the paths of what was written.
+
+    Args:
+        scene: of a building that can be built.
+        folder: which gets the files.
+        picture: whether plan.svg is asked for.
+
+    Raises:
+        InputError: a file cannot be written.
+    """
+    from structures.kinds.building import plan_tables
+    from structures.plans.json_plan import write_json
+    from structures.tables import CommonTable
+
+    own = {key: value for key, value in scene.structure.items() if key != "kind" and key not in CommonTable.model_fields}
+    tables, left = plan_tables(own, scene.folder)
+    for name in NAMES[1:]:  # of a former build
+        (folder / name).unlink(missing_ok=True)
+    written = [folder / NAMES[0]]
+    write_json(written[0], tables)
+    if picture:
+        written.append(folder / NAMES[1])
+        _draw(tables, written[-1], scene.title)
+    if left:
+        written.append(folder / NAMES[2])
+        with replacing(written[-1]) as part, part.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([("handle", "layer", "drawn_as", "why"), *left])
+    return written
+
+
+def _draw(tables: dict[str, Any], path: Path, title: str) -> None:
+    from reports.drawing.plan_picture import WallDrawing, plan_picture
+    from structures.plans.outlines import outline_of
+
+    walls = [WallDrawing(*outline_of(wall)) for wall in tables["walls"]]
+    others = [(vault["shape"], np.array(vault["corners"], dtype=float)) for vault in tables.get("vaults", ()) if vault.get("corners")]
+    for column in tables.get("columns", ()):
+        at, half = np.array(column["at"], dtype=float), 0.5 * float(column.get("size", 0.6))
+        others += [("", place + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])) for place in at.reshape(-1, 2)]
+    plan_picture(walls, others, path, title)

@@ -1,0 +1,153 @@
+"""A plan and the elevations of its walls as a line drawing in SVG or PNG, in one scale, with names and measures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
+from reports.drawing.palette import EDGE, FAINT, INK, OPENED, STONE
+
+WIDE = 14.0  # of the drawing [inches]
+GAP = 1.5  # between elevations [m]
+FIXED: dict[str, Any] = {"svg.hashsalt": "masonry_cd", "svg.fonttype": "path"}
+
+
+class WallDrawing(NamedTuple):
+    """A wall as drawn."""
+
+    name: str
+    line: np.ndarray  # (P, 2) axis in plan [m]
+    thickness: float  # [m]
+    top: np.ndarray  # (T, 2) distance along the axis, z [m]
+    base: float  # z [m]
+    openings: Sequence[tuple[str, np.ndarray]]  # name, corners (Q, 2): distance along the axis, z [m]
+
+
+def plan_picture(walls: Sequence[WallDrawing], others: Sequence[tuple[str, np.ndarray]], path: Path, title: str) -> None:
+    """Draw a plan above the elevations of its walls, each seen from its right side.
+
+    Args:
+        walls: of the plan.
+        others: names and corners (Q, 2) of columns and vaults in plan [m].
+        path: of the SVG or PNG.
+        title: of the drawing.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with rc_context(FIXED):
+        figure: Any = Figure(facecolor="white")
+        FigureCanvasAgg(figure)
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_axis_off()
+        axes.set_aspect("equal")
+        corners = np.concatenate([wall.line for wall in walls])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        width = 1.6 * max(float(high[0] - low[0]), *(float(wall.top[-1, 0]) for wall in walls))
+        _ground(axes, walls, low)
+        for wall in walls:
+            _in_plan(axes, wall, low)
+        for name, ring in others:
+            axes.fill(*(ring - low).T, facecolor="none", edgecolor=OPENED, linewidth=0.7, linestyle="--")
+            _words(axes, ring.mean(axis=0) - low, name, 7)
+        _extents(axes, high - low)
+        foot = _elevations(axes, walls, width, -3.0 * GAP)
+        top = float(high[1] - low[1]) + 2.0 * GAP
+        axes.set_xlim(-2.0 * GAP, width + 2.0 * GAP)
+        axes.set_ylim(foot, top)
+        axes.text(-1.5 * GAP, top - 0.2, title, fontsize=15, weight="bold", color=INK, va="top", parse_math=False)
+        figure.set_size_inches(WIDE, WIDE * (top - foot) / (width + 4.0 * GAP))
+        try:
+            with replacing(path) as part:
+                figure.savefig(part, dpi=100, metadata={"Date": None} if path.suffix == ".svg" else None)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _ground(axes: Any, walls: Sequence[WallDrawing], low: np.ndarray) -> None:
+    """The ground of all walls as one."""
+    import shapely
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Line
+
+    bands = [shapely.LineString(w.line - low).buffer(0.5 * w.thickness, cap_style="square", join_style="mitre") for w in walls]
+    ground = shapely.union_all(bands)
+    for part in getattr(ground, "geoms", [ground]):
+        rings = Line.make_compound_path(*(Line(np.array(ring.coords)[:, :2]) for ring in (part.exterior, *part.interiors)))
+        axes.add_patch(PathPatch(rings, facecolor=STONE, edgecolor=EDGE, linewidth=0.8))
+
+
+def _in_plan(axes: Any, wall: WallDrawing, low: np.ndarray) -> None:
+    """What is in a wall in plan: its openings, white, and its name."""
+    line = wall.line - low
+    for _, outline in wall.openings:
+        start, end = float(outline[:, 0].min()), float(outline[:, 0].max())
+        axes.fill(*_band(_between(line, start, end), wall.thickness).T, facecolor="white", edgecolor=EDGE, linewidth=0.6)
+    place = _between(line, 0.5 * wall.top[-1, 0], 0.5 * wall.top[-1, 0] + 0.01)[0]
+    _words(axes, place, f"{wall.name} {wall.thickness:.2f}", 7)
+
+
+def _band(line: np.ndarray, thickness: float) -> np.ndarray:
+    """The ring (2P, 2) around a line."""
+    along = np.gradient(line, axis=0)
+    along /= np.hypot(*along.T)[:, None]
+    left = 0.5 * thickness * np.column_stack([-along[:, 1], along[:, 0]])
+    return np.concatenate([line + left, (line - left)[::-1]])
+
+
+def _between(line: np.ndarray, start: float, end: float) -> np.ndarray:
+    """The part of a line between two distances from its start."""
+    at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    inner = at[(at > start) & (at < end)]
+    places = np.array([start, *inner, end])
+    return np.column_stack([np.interp(places, at, line[:, k]) for k in (0, 1)])
+
+
+def _extents(axes: Any, size: np.ndarray) -> None:
+    """The extent of the axes in plan along x and y."""
+    for (a, b), words, turn in (
+        (((0.0, -GAP), (size[0], -GAP)), f"{size[0]:.2f}", 0),
+        (((-GAP, 0.0), (-GAP, size[1])), f"{size[1]:.2f}", 90),
+    ):
+        axes.annotate("", a, b, arrowprops={"arrowstyle": "<->", "color": FAINT, "linewidth": 0.7})
+        _words(axes, 0.5 * (np.array(a) + np.array(b)), words, 8, turn)
+
+
+def _elevations(axes: Any, walls: Sequence[WallDrawing], width: float, under: float) -> float:
+    """The elevations in rows below a level; how far down they reach."""
+    left, row = 0.0, 0.0
+    for wall in walls:
+        length, high = float(wall.top[-1, 0]), float(wall.top[:, 1].max() - wall.base)
+        if left > 0.0 and left + length > width:
+            left, under, row = 0.0, under - row - 2.0 * GAP, 0.0
+        row = max(row, high)
+        _elevation(axes, wall, np.array([left, under - high - wall.base]))
+        left += length + GAP
+    return under - row - 2.0 * GAP
+
+
+def _elevation(axes: Any, wall: WallDrawing, corner: np.ndarray) -> None:
+    length = float(wall.top[-1, 0])
+    ring = np.array([(0.0, wall.base), (length, wall.base), *wall.top[::-1]]) + corner
+    axes.fill(*ring.T, facecolor=STONE, edgecolor=EDGE, linewidth=0.8)
+    for name, outline in wall.openings:
+        axes.fill(*(outline + corner).T, facecolor="white", edgecolor=EDGE, linewidth=0.7)
+        (left, sill), (right, top) = outline.min(axis=0), outline.max(axis=0)
+        words = f"{name}\n{right - left:.2f} x {top - sill:.2f}\n{sill - wall.base:.2f}".lstrip("\n")
+        _words(axes, np.array([0.5 * (left + right), 0.5 * (sill + top)]) + corner, words, 6)
+    highest = wall.top[int(np.argmax(wall.top[:, 1]))]
+    _words(axes, highest + corner + np.array([0.0, 0.3]), f"{highest[1]:+.2f}", 7)
+    _words(axes, np.array([0.5 * length, wall.base - 0.6]) + corner, f"{wall.name} {length:.2f}", 8)
+
+
+def _words(axes: Any, place: np.ndarray, words: str, size: float, turn: float = 0.0) -> None:
+    axes.text(place[0], place[1], words, fontsize=size, color=INK, ha="center", va="center", rotation=turn, parse_math=False)

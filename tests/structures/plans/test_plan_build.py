@@ -1,0 +1,117 @@
+"""A scene whose building is drawn: what ``build`` writes of its plan, and that one can go on from it."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+from drawings import Drawing
+from json_schema import faults
+from places import EXAMPLES
+from typer.testing import CliRunner
+
+from masonry_cd.app.scene_schema import PLAN_FILE, plan_schema_text
+from masonry_cd.cli.app import app
+from structures.kinds.building import build, table_of
+from structures.plans import open_plan
+
+SCENE = """title = "Hut"
+[structure]
+kind = "building"
+plan = "{plan}"
+block_length = 1.0
+course_height = 0.5
+{more}
+[material]
+density = 2000.0
+friction = 0.6
+[run]
+dt = 1e-3
+duration = 1.0
+"""
+
+
+@pytest.fixture
+def hut(tmp_path: Path) -> Path:
+    """A folder with the drawing of a hut and its scene."""
+    drawing = Drawing()
+    drawing.box((0.0, 0.0), (5.0, 4.0))
+    drawing.box((0.5, 0.5), (4.5, 3.5))
+    drawing.box((2.0, 0.0), (3.0, 0.5), "DOORS")
+    drawing.text("h=2.0", (2.1, 0.6), "DOORS")
+    drawing.lines((1, 1), (2, 2), layer="TABLE")
+    drawing.document.saveas(tmp_path / "hut.dxf")
+    (tmp_path / "scene.toml").write_text(SCENE.format(plan="hut.dxf", more="wall_height = 3.0"))
+    return tmp_path
+
+
+def built(folder: Path, scene: str, out: str) -> str:
+    result = CliRunner().invoke(app, ["build", str(folder / scene), "-o", str(folder / out), "--no-picture"])
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def test_build_writes_a_plan_from_which_one_goes_on_to_equal_blocks(hut: Path):
+    said = built(hut, "scene.toml", "first")
+    assert "hut.dxf: 1 entities are not understood" in said
+    assert "layer TABLE: LINE" in said
+    assert (hut / "first" / "plan_left.csv").read_text().splitlines()[1].split(",")[1:3] == ["TABLE", "LINE"]
+    (hut / "again.toml").write_text(SCENE.format(plan="first/plan.json", more=""))
+    built(hut, "again.toml", "second")
+    assert not (hut / "second" / "plan_left.csv").exists()
+    first, second = (json.loads((hut / out / "plan.json").read_text()) for out in ("first", "second"))
+    assert first == second
+    blocks = [(hut / out / "blocks.json").read_bytes() for out in ("first", "second")]
+    assert blocks[0] == blocks[1]
+
+
+def test_keys_of_the_scene_win_over_the_plan_and_lists_add_to_it(hut: Path):
+    built(hut, "scene.toml", "first")
+    own = {
+        "plan": "first/plan.json",
+        "course_height": 0.25,
+        "walls": [{"name": "x", "axis": [[9, 0], [9, 3]], "thickness": 0.5, "height": 1.0}],
+    }
+    keys = table_of(own, hut)
+    assert keys.course_height == 0.25
+    assert keys.block_length == 1.0
+    assert [wall.name for wall in keys.walls] == ["w1", "w2", "w3", "w4", "x"]
+
+
+def test_a_wrong_key_in_a_plan_is_named(hut: Path):
+    (hut / "first").mkdir()
+    (hut / "first" / "plan.json").write_text('{"walls": [{"name": "a", "axis": [[0, 0], [3, 0]], "thicknes": 0.5, "height": 3.0}]}')
+    (hut / "again.toml").write_text(SCENE.format(plan="first/plan.json", more=""))
+    result = CliRunner().invoke(app, ["build", str(hut / "again.toml"), "-o", str(hut / "out"), "--no-picture"])
+    assert result.exit_code == 2
+    assert 'walls[0].thicknes: unknown key (did you mean "thickness"?)' in result.stderr
+    assert not (hut / "out").exists()
+
+
+def test_the_schema_of_plans_takes_what_build_writes_and_no_more(hut: Path):
+    built(hut, "scene.toml", "first")
+    schema = json.loads(plan_schema_text())
+    assert PLAN_FILE.read_text(encoding="utf-8") == plan_schema_text(), "masonry-cd schema --plan -o masonry_cd/app/plan.schema.json"
+    plan = json.loads((hut / "first" / "plan.json").read_text())
+    assert faults(plan, schema) == []
+    assert faults(plan | {"layers": {}}, schema)
+    assert faults(plan | {"walls": [{"name": "a", "thickness": -1.0}]}, schema)
+
+
+@pytest.mark.parametrize(
+    ("name", "walls", "left"),
+    [
+        ("church", {"facciata", "lato_sud", "lato_nord", "abside", "torre_o", "torre_s", "torre_e"}, 0),
+        ("house", {"party", "front", "cross", "back", "spine", "court", "yard", "end"}, 9),
+        ("oratory", {"facciata", "sud", "nord", "arco_trionfale", "abside"}, 0),
+    ],
+)
+def test_the_plans_of_the_examples_stand_as_they_are_drawn(name: str, walls: set[str], left: int):
+    plan = open_plan(EXAMPLES / "plans" / f"{name}.dxf", {})
+    assert {wall["name"] for wall in plan.tables["walls"]} == walls
+    assert len(plan.left) == left
+    keys = tomllib.loads((EXAMPLES / "plans" / f"{name}.toml").read_text())["structure"]
+    blocks, _ = build({"plan": f"{name}.dxf", **{k: keys[k] for k in ("block_length", "course_height")}}, 2000.0, EXAMPLES / "plans")
+    assert {block.group for block in blocks} >= walls
