@@ -1,7 +1,7 @@
 """Every source file names its licence in its first line, as SPDX has it.
 
-``python .ci/license_headers.py`` writes what is missing, ``--check`` lists it. A file that begins with #! keeps that line first. Kernels are
-stamped by the bytes of their sources, so that all are compiled again.
+``python .ci/license_headers.py`` writes what is missing, ``--check`` lists it. A file that begins with #! keeps that line first.
+Kernels are stamped by the bytes of their sources, so that all are compiled again.
 """
 
 from __future__ import annotations
