@@ -2,7 +2,7 @@
 # make demo    set-up, then the main job: an aqueduct under a sinusoidal load, to out/demo/crack_map.png
 # make test    set-up, then the core tests of every package
 # make test-all        make test, then all tests that are marked slow; it judges how long each takes, and wants Chromium for those of pages
-# make check   set-up, then lint, format, types, and which package imports which, and that all imports are declared
+# make check   set-up, then lint, format, types, and which package imports which, that all imports are declared, and spelling
 # make docs    set-up, then the documentation as a site: out/docs/index.html
 # make validation      set-up, then the long comparisons with published numbers, closed forms and limit analysis; it prints their tables
 # make test-portable   set-up, then the numerical tests with kernels compiled for any x86-64 and for this very processor: rounding differs there
@@ -64,6 +64,7 @@ check: libraries $(STAMP)
 	$(VENV)/bin/mypy
 	$(VENV)/bin/lint-imports --no-logo
 	$(VENV)/bin/deptry masonry_cd structures loads reports
+	$(VENV)/bin/codespell README.md CONTRIBUTING.md CHANGELOG.md docs masonry_cd structures loads reports examples benchmarks
 
 docs: libraries $(STAMP)
 	@NO_MKDOCS_2_WARNING=1 $(VENV)/bin/python -m mkdocs build --quiet --strict -f docs/site/mkdocs.yml

@@ -59,7 +59,7 @@ def corner(bonded: bool = True) -> list[Block]:
 
 
 def cross_vault_on_piers() -> list[Block]:
-    """The cross vault with piers of free blocks in the place of its supports, on the ground."""
+    """The cross vault with piers of free blocks instead of its supports, on the ground."""
     blocks = []
     for block in of_table(TABLES["cross vault"] | {"ground": False}):
         if not block.fixed:

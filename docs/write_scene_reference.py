@@ -44,19 +44,22 @@ def _section(name: str, schema: dict[str, Any], about: str = "") -> Iterator[str
     yield f"## {name}\n"
     if about:
         yield about
+    kinds = {kind["properties"]["kind"]["const"]: list(_keys(kind, "")) for kind in schema.get("oneOf", [])}
+    common = [row for row in next(iter(kinds.values()), []) if all(row in rows for rows in kinds.values())]
     for kind in schema.get("oneOf", []):
         about = kind["properties"]["kind"]
         yield f'### kind = "{about["const"]}"\n\n{about["description"]}.\n'
-        yield from _rows(kind, ("kind",))
-    if "oneOf" not in schema:
-        yield from _rows(schema, ())
+        yield from _table([row for row in kinds[about["const"]] if row not in common and not row.startswith("| `kind`")])
+    if common:
+        yield "### Keys of every kind\n"
+    if common or not kinds:
+        yield from _table(common or list(_keys(schema, "")))
 
 
-def _rows(schema: dict[str, Any], without: tuple[str, ...]) -> Iterator[str]:
+def _table(rows: list[str]) -> Iterator[str]:
     """A table of keys; those of tables inside it by their path."""
-    yield "| key | default | |\n|---|---|---|"
-    yield from (row for row in _keys(schema, "") if row.split("`")[1] not in without)
-    yield ""
+    if rows:
+        yield "\n".join(["| key | default | |\n|---|---|---|", *rows, ""])
 
 
 def _keys(schema: dict[str, Any], before: str) -> Iterator[str]:

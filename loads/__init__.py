@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from loads import fill
 from loads.combine import support_motions
 from loads.kinds.driven import check_inertia, check_together
 from loads.kinds.forces import Forces, TieTable, bar, collect
@@ -23,6 +24,7 @@ from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.extensions import Entries
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.guides import Guide
 
 __all__ = ["KINDS", "Loading", "build", "parse_load", "suggest"]
@@ -75,6 +77,7 @@ def build(
     longest: float | None = None,
     ties: Sequence[tuple[str, Mapping[str, Any]]] = (),
     own: Sequence[Part] = (),
+    fills: Sequence[Fill] = (),
 ) -> Loading:
     """Sum all [[loads]] tables, and the ties of the structure.
 
@@ -88,15 +91,16 @@ def build(
         longest: the longest step where it adapts [s].
         ties: tables of kind "tie", with what the structure calls them; nothing is said of each of them.
         own: what code beside the scene adds.
+        fills: of the bridges of the structure.
 
     Raises:
         InputError: an unknown kind, a bad key, or a bad record file.
     """
-    grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly, longest)
+    grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly, longest, fills)
     asked = [parse_load(table, f"loads[{i}]", grid.folder) for i, table in enumerate(tables)]
     falls = _gravity_tables(asked)
     parts = [load_kind(table.kind, f"loads[{i}]", grid.folder).part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
-    parts += own
+    parts += [*own, *(fill.part(each, grid, fill.shakes(asked)) for each in fills)]
     if not falls:
         parts.append(KINDS["gravity"].part(GravityTable(), grid, "gravity"))
     tied = [bar(parse_table(TieTable, table, where), grid, where) for where, table in ties]
@@ -128,20 +132,20 @@ def build(
 
 
 def end_of(
-    tables: Sequence[Mapping[str, Any]], dt: float, gravity: Sequence[float], folder: Path, assembly: Assembly
+    tables: Sequence[Mapping[str, Any]], dt: float, gravity: Sequence[float], folder: Path, assembly: Assembly, fills: Sequence[Fill] = ()
 ) -> tuple[float, float]:
     """When all loads have done what they do, and how long the structure should rest after it [s], for a run that states no duration.
 
     Raises:
         InputError: no load says when it ends.
     """
-    grid = RunGrid(float(dt), 1, np.asarray(gravity, dtype=float), Path(folder), assembly)
+    grid = RunGrid(float(dt), 1, np.asarray(gravity, dtype=float), Path(folder), assembly, fills=fills)
     end, rest = 0.0, 0.0
     for i, given in enumerate(tables):
         table, where = parse_load(given, f"loads[{i}]"), f"loads[{i}]"
         kind = KINDS[table.kind]
         last = 0.0 if kind.end is None else kind.end(table, grid, where)
-        slow = getattr(table, "control", "") == "displacement" or table.kind in ("prop", "gravity", "tie")
+        slow = getattr(table, "control", "") == "displacement" or table.kind in ("prop", "gravity", "tie", "vehicle")
         end, rest = max(end, last), rest if slow else REST
     if not end > 0.0:
         raise InputError("run.duration: missing, and no load says how long the run is to last")

@@ -8,7 +8,7 @@ blocks gives an acceleration at the times t_k = k dt of the run. Loads add up.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +19,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
 
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.fill import Fill
 
 STANDARD_GRAVITY = 9.80665  # [m/s2], the g in which records are written (CGPM 1901); not the site's gravity
 ROUNDING = 1e-10
@@ -36,6 +37,7 @@ class RunGrid:
     folder: Path
     assembly: Assembly | None = None  # None: no structure yet; then no load may name a block
     longest: float | None = None  # the longest step where it adapts [s]
+    fills: Sequence[Fill] = ()  # of bridges
 
     @cached_property
     def times(self) -> np.ndarray:

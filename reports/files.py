@@ -1,47 +1,79 @@
-"""The files that a run may leave in its folder, each declared once: its name, and what it holds.
+"""The outputs in the folder of a run, each declared once: its files with what they hold, when it is asked for, and what writes it.
 
-The command that runs a scene clears and lists them, the page names those it carries, and docs/outputs.md has them all. A further report
-declares its own (:mod:`reports.extra`).
+A module of ``reports/outputs`` lists its own in ``OUTPUTS``, by a name. A run and the command ``report`` write those that are asked for, a
+new run clears them, the page carries the tables that say so, and docs/outputs.md has them all. So a new output is one new file there. What
+a scene is to ask for by a name of its own choice is an extra report (:mod:`reports.extra`).
 """
 
 from __future__ import annotations
 
-from reports.extra import EXTRA
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-FILES = {
-    "result.h5": "all that the run recorded, frame by frame and step by step, with its blocks and its scene",
-    "joints.csv": "every joint: largest and last opening and sliding, rotation, contact lost, state",
-    "summary.json": "the run in numbers, the verdict on it among the first",
-    "damage.csv": "every part: counts, largest and last values, drift, mechanism, grade with its reason",
-    "damage_history.csv": "every part over time",
-    "hinges.csv": "joints that were hinges, and where they touched",
-    "drift.csv": "displacement and drift of every part, level by level",
-    "damage.json": "the tables of damage in one document, with all thresholds",
-    "damage_shocks.csv": "every part after each shock",
-    "ties.csv": "every tie: largest tension and when, tension at the end, from when it yielded",
-    "force_displacement.csv": "every push by displacement, step by step: displacement, reaction, inertia left in it",
-    "push_cycles.csv": "every cycle of a push: dissipated energy, equivalent damping",
-    "force_displacement.png": "the curves of pushes by displacement",
-    "points.csv": "the motion of the points that the scene watches",
-    "joint_gauges.csv": "the joints that the scene watches: opening, slip, forces, compressed depth",
-    "cracks.csv": "the gauges between two points that the scene names",
-    "supports.csv": "the reaction of every support over time",
-    "gauges.png": "the histories of watched points, joints and gauges",
-    "crack_map.png": "the structure at the end, its joints coloured by opening and sliding",
-    "crack_map.svg": "that map as polygons",
-    "crack_map.pdf": "that map as polygons",
-    "crack_map.gif": "that map through the run",
-    "report.html": "the page that shows the run to any browser",
-    "report.pdf": "the page on A4",
-    "stress.csv": "every block: largest mean compression and tension and when, its stress at the end, the share of its strength",
-    "joint_stress.csv": "every joint: largest compression at its edge, largest normal force",
-    "element_stress.csv": "every element of meshed blocks: largest compression and tension and when, stress at the end",
-    "stress_map.png": "the structure, its blocks coloured by their largest compression",
-    "stress_map.svg": "that map as polygons",
-    "stress_map.pdf": "that map as polygons",
-}
+from masonry_cd.foundation.extensions import Entries
+from reports.settings import Report
+
+if TYPE_CHECKING:  # scenes are checked before HDF5 is loaded
+    from masonry_cd.analysis.damage.part_damage import PartDamage
+    from masonry_cd.io.results import Results
+
+
+@dataclass(eq=False)
+class Job:
+    """The folder of a run that is to get outputs."""
+
+    results: Results
+    folder: Path
+    settings: Report
+    summary: Mapping[str, Any]
+    time: float | None = None  # of the frame that maps show [s]; None: of the last
+    asked: Mapping[str, bool] = field(default_factory=dict)  # of outputs that are wanted, or not, whatever the settings say
+    more: dict[str, Any] = field(default_factory=dict)  # what outputs add to the summary
+
+    @cached_property
+    def damage(self) -> PartDamage:
+        """The damage by part."""
+        from masonry_cd.analysis.damage.part_damage import part_damage
+        from reports.damage.joint_files import damage_settings
+
+        return part_damage(self.results, damage_settings(self.settings))
+
+    def wants(self, name: str) -> bool:
+        """Whether an output is asked for."""
+        return self.asked.get(name, OUTPUTS[name].asked(self))
+
+    def write(self) -> list[Path]:
+        """Write all that are asked for, in their order; return the files."""
+        order = sorted(OUTPUTS, key=lambda name: OUTPUTS[name].place)
+        return [path for name in order if self.wants(name) for path in OUTPUTS[name].write(self)]
+
+
+def _nothing(_: Job) -> Iterable[Path]:
+    return ()
+
+
+@dataclass(frozen=True)
+class Output:
+    """Files that belong together."""
+
+    files: Mapping[str, str]  # what each holds, by its name
+    write: Callable[[Job], Iterable[Path]] = _nothing  # by default the run itself writes them, step by step
+    asked: Callable[[Job], bool] = lambda _: False
+    place: int = 0  # in the order in which they are written
+    carried: tuple[str, ...] = ()  # tables that the page carries
+
+
+OUTPUTS: Entries[Output] = Entries("reports.outputs", "OUTPUTS")
 
 
 def known_files() -> dict[str, str]:
-    """All of them with what they hold, those of further reports last."""
-    return FILES | {name: report.meaning for report in EXTRA.values() for name in report.files}
+    """All files with what they hold."""
+    return {name: meaning for output in OUTPUTS.values() for name, meaning in output.files.items()}
+
+
+def carried_files() -> list[str]:
+    """Those that the page carries."""
+    return [name for output in OUTPUTS.values() for name in output.carried]

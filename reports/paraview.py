@@ -31,7 +31,7 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds, classify
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
-from masonry_cd.analysis.deformed import Pose, base_shift, joint_corners, moved_nodes, solids_of
+from masonry_cd.analysis.deformed import Pose, base_shift, moved_nodes, solids_of
 from masonry_cd.analysis.stress.peaks import principal, strengths
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
@@ -41,6 +41,9 @@ from masonry_cd.io.layout import EDGE_STRESS, JOINT_HISTORIES
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import rotation_matrices
+from reports.drawing.bands import DrawnJoints
+from reports.drawing.parts import Surface
+from reports.drawing.solids import block_layers
 
 Format = Literal["vtkhdf", "pvd"]
 Arrays = dict[str, np.ndarray]
@@ -95,8 +98,11 @@ def blocks_as_polydata(results: Results, frame: int, thresholds: Thresholds) -> 
 
 
 def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
-    """The faces of the blocks."""
+    """The faces of the blocks, those of their scene."""
     solids = solids_of(results.blocks)
+    faces = block_layers(solids, solids.vertices, np.ones((len(results.blocks), 3)))[0]
+    assert isinstance(faces, Surface) and faces.owner is not None
+    block = faces.owner
     groups = list(dict.fromkeys(block.group for block in results.blocks))
     group = np.array([groups.index(block.group) for block in results.blocks], dtype=np.int32)
 
@@ -108,21 +114,20 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
         moved = points - solids.vertices - base_shift(results, solids, position)
         down = DamageSnapshot.at(results, frame, thresholds).down
         velocity = np.asarray(results.velocity[frame, :, :3])
-        faces = solids.face_block
-        data = {"fallen": down[faces].astype(np.uint8), "velocity": velocity[faces]}
+        data = {"fallen": down[block].astype(np.uint8), "velocity": velocity[block]}
         if results.has_stress:
             stress = np.asarray(results.stress[frame], dtype=float)
-            data |= {"stress": stress[faces], "principal_stress": principal(stress)[faces]}
+            data |= {"stress": stress[block], "principal_stress": principal(stress)[block]}
         return points, {"displacement": moved}, data
 
     return Mesh(
         name="blocks",
-        loops=solids.loops,
-        loop_start=solids.loop_start,
+        loops=faces.loops,
+        loop_start=faces.loop_start,
         fixed={
-            "block": solids.face_block.astype(np.int32),
-            "group": group[solids.face_block],
-            "fixed": solids.fixed[solids.face_block].astype(np.uint8),
+            "block": block.astype(np.int32),
+            "group": group[block],
+            "fixed": solids.fixed[block].astype(np.uint8),
         },
         at=at,
     )
@@ -136,8 +141,7 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
     def at(frame: int) -> Instant:
         position = np.asarray(results.position[frame], dtype=float)
         snapshot = DamageSnapshot.at(results, frame, thresholds)
-        on_a, on_b = joint_corners(joints, solids, snapshot.pose)
-        points = (on_a + on_b) / 2.0
+        points = DrawnJoints.at(joints, solids, snapshot.pose, 1.0, 0.0).middles
         data: Arrays = {name: results.joints_at(name, frame) for name in histories}
         if results.has_stress:
             edge = results.joints_at(EDGE_STRESS, frame)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,14 +37,10 @@ def write_ties(results: Results, folder: Path) -> list[dict[str, Any]]:
     """Write ties.csv, and return its rows; nothing is written without ties."""
     rows = [tie.row() for tie in histories(results)]
     if rows:
-        write_csv(folder / CSV, COLUMNS, map(_cells, rows))
+        write_csv(folder / CSV, COLUMNS, map(_cells, rows), digits=10)
     return rows
 
 
-def _cells(row: dict[str, Any]) -> Sequence[object]:
-    first, second = row["blocks"]
-    named = row | {"tie": row["name"], "block_a": first, "block_b": second, "yielded": str(row["yielded"]).lower()}
-    return [
-        "" if named[column] is None else f"{named[column]:.10g}" if isinstance(named[column], float) else named[column]
-        for column in COLUMNS
-    ]
+def _cells(row: dict[str, Any]) -> list[object]:
+    named = row | {"tie": row["name"], "block_a": row["blocks"][0], "block_b": row["blocks"][1]}
+    return [named[column] for column in COLUMNS]

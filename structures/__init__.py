@@ -2,7 +2,8 @@
 :mod:`structures.site`.
 
 Each kind is a module of :mod:`structures.kinds` with a function ``build(table, density, folder)``, goes by the module's name, and is
-imported when it is asked for. It returns the blocks, or, where it has changed something in making them, the blocks and lines on that.
+imported when it is asked for. It returns the blocks, or, where it has changed something in making them, the blocks and lines on that;
+a bridge returns its fill as well.
 Whatever a kind builds passes :mod:`structures.geometry.checks` before it is returned, and :func:`report` says what it is.
 """
 
@@ -18,9 +19,10 @@ from masonry_cd.foundation.extensions import Extensions
 
 if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs no more
     from masonry_cd.mechanics.model.blocks import Block
+    from masonry_cd.mechanics.model.fill import Fill
     from structures.ties import Bar
 
-Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]]]"
+Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]] | Made]"
 
 FLOORS = "floors"  # key of the tables of structures/floors.py
 FOUNDATIONS = "foundations"  # key of structures/layout/foundations.py
@@ -37,6 +39,7 @@ class Made(NamedTuple):
     blocks: list[Block]
     notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed, noise; and on floors and ties
     ties: Sequence[Bar] = ()
+    fills: Sequence[Fill] = ()  # of bridges: what is no blocks, and loads ask
 
 
 def build(table: Mapping[str, Any], density: float | None, folder: Path) -> list[Block]:
@@ -71,7 +74,8 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FLOORS, FOUNDATIONS, GROUND, NOISE, TIES)}
     with size.limited(table.get(size.KEY, size.MOST)):
         made = (added or KINDS[kind])(rest, math.nan if density is None else density, folder)
-    blocks, notes = made if isinstance(made, tuple) else (made, [])
+    fills = made.fills if isinstance(made, Made) else ()
+    blocks, notes = made[:2] if isinstance(made, tuple) else (made, [])
     from structures.layout.ground import needs_ground, with_ground
 
     if GROUND in table:
@@ -99,7 +103,7 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
 
         blocks, more = noise.with_noise(blocks, table[NOISE])
         notes = [*notes, *more]
-    return Made(blocks, notes, bars)
+    return Made(blocks, notes, bars, fills)
 
 
 def _own_kind(kind: str, folder: Path) -> Build:
@@ -119,7 +123,7 @@ def _own_kind(kind: str, folder: Path) -> Build:
 
     def checked(table: Mapping[str, Any], density: float, folder: Path) -> list[Block] | tuple[list[Block], list[str]]:
         made = build(table, density, folder)
-        blocks, notes = made if isinstance(made, tuple) else (made, [])
+        blocks, notes = made[:2] if isinstance(made, tuple) else (made, [])
         check(blocks)
         return list(blocks), list(notes)
 

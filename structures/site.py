@@ -95,7 +95,8 @@ class Place:
         """A block of the structure in the world, under its full name."""
         parts = tuple(Polyhedron(self.points(part.vertices), part.faces) for part in own.parts)
         name, group = f"{self.name}.{own.name}", f"{self.name}.{own.group}"
-        return replace(own, name=name, group=group, structure=self.name, vertices=self.points(own.vertices), parts=parts)
+        carried = None if own.carried is None else own.carried.moved(self.turn, self.points)
+        return replace(own, name=name, group=group, structure=self.name, vertices=self.points(own.vertices), parts=parts, carried=carried)
 
     def bar(self, own: Bar, number: int) -> Bar:
         """A tie of the structure in the world, of the structure with a number among all."""
@@ -120,7 +121,8 @@ def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Pa
     check(blocks)
     bars = [place.bar(bar, i) for i, (place, one) in enumerate(zip(places, made, strict=True)) for bar in one.ties]
     notes = [f"{place.name}: {note}" for place, one in zip(places, made, strict=True) for note in one.notes]
-    return Made(blocks, notes, bars)
+    fills = [fill.placed(p.name, p.turn, p.at, p.points) for p, one in zip(places, made, strict=True) for fill in one.fills]
+    return Made(blocks, notes, bars, fills)
 
 
 def _place_of(table: Mapping[str, Any], number: int) -> Place:

@@ -35,6 +35,11 @@ def rebonded(table: Mapping[str, Any]) -> list[tuple[str, Keys]]:
         where = "between rings" if kind == "vault" else "where walls meet"
         bonded = bool(table.get("bonded", True))
         found.append((f"{'straight joints' if bonded else 'bonded'} {where}", {"bonded": not bonded}))
+    if kind == "building":
+        butt = table.get("junction", "bonded") == "butt"
+        found.append((f"{'bonded' if butt else 'straight joints'} where walls meet", {"junction": "bonded" if butt else "butt"}))
+        if table.get("bond", "regular") != "regular":
+            found.append(("other seed of the bond", {"seed": table.get("seed", 0) + 1}))
     if kind == "solid":
         running = table.get("bond", "running") == "running"
         found.append(("straight joints" if running else "running bond", {"bond": "stack" if running else "running"}))
@@ -121,6 +126,7 @@ def _both(first: Callable[[Keys, float], None], second: Callable[[Keys, float], 
 _SIZES: dict[str, Callable[[Keys, float], None]] = {
     "aqueduct": _aqueduct,
     "arch": _both(_counts("voussoirs", least=2), _counts("buttress_courses")),
+    "building": _lengths("block_length", "course_height"),
     "church": _lengths("block_length", "course_height"),
     "column": _counts("drums"),
     "dome": _dome,

@@ -8,7 +8,8 @@ import numpy as np
 from made_run import box
 
 from reports.drawing.figure import layout
-from reports.maps.crack_key import OPENING_COLOURS, Scale
+from reports.drawing.palette import OPENING
+from reports.drawing.parts import Scale
 
 BASE = box("base", (-1.5, -0.5, -0.3), (1.5, 0.5, 0), "base", fixed=True)
 COLUMN = [BASE, *(box(f"d{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(3))]
@@ -40,4 +41,4 @@ def model_area(image: np.ndarray, aspect: float) -> np.ndarray:
 
 
 def opening_scale() -> Scale:
-    return Scale(1e-4, 0.05, OPENING_COLOURS)
+    return Scale(1e-4, 0.05, OPENING)

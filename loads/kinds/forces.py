@@ -243,6 +243,13 @@ def bar(table: TieTable, grid: RunGrid, where: str) -> Part:
     )
 
 
+def bar_of(assembly: Assembly, ends: tuple[int, int], points: np.ndarray, stiffness: float, limit: float, damping: float, name: str) -> Tie:
+    """A bar without first tension, of a stiffness [N/m], that yields at a limit [N]; ``damping`` is a share of the critical one."""
+    length, heard = math.hypot(*(points[1] - points[0])), felt_mass(assembly, ends, points)
+    dashpot = 2.0 * damping * math.sqrt(stiffness * heard)
+    return Tie(ends, points - assembly.centre[list(ends)], length, 1.0, stiffness, 0.0, dashpot, limit, name)
+
+
 def collect(parts: Sequence[Part], grid: RunGrid) -> Forces | None:
     """The forces of all tables, None where there are none.
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from masonry_cd.io.results import Results
 from masonry_cd.io.tie_bars import TieBar
+from masonry_cd.mechanics.model.fill import BARS
 
 AT_LIMIT = 1.0 - 1e-9  # share of its yield force from which on a bar counts as yielding
 
@@ -67,14 +68,14 @@ class TieHistory:
 
 
 def histories(results: Results) -> list[TieHistory]:
-    """The ties of a run, in the order in which they were given; none before its first step."""
+    """The ties of a run, in the order in which they were given, without the bars by which fill resists; none before its first step."""
     tension, time = results.per_step("ties/tension"), results.per_step("step_time")
     bars = results.ties
     if not bars or not len(tension):
         return []
     names = [bar.name or f"\0{i}" for i, bar in enumerate(bars)]
     found = []
-    for name in dict.fromkeys(names):
+    for name in dict.fromkeys(name for name in names if not name.startswith(BARS)):
         mine = [i for i, other in enumerate(names) if other == name]
         strongest = max(mine, key=lambda i: bars[i].section)
         first, second = (results.blocks[b].name for b in bars[strongest].blocks)

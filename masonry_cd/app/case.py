@@ -37,6 +37,7 @@ from masonry_cd.mechanics.solvers import cores
 if TYPE_CHECKING:
     from loads import Loading
     from loads.motion import Part
+    from masonry_cd.mechanics.model.fill import Fill
     from structures import Made
     from structures.ties import Bar
 
@@ -72,6 +73,7 @@ class Structure:
     notes: tuple[str, ...]  # on what was changed in making them
     bars: Sequence[Bar]  # ties
     assembly: Assembly
+    fills: Sequence[Fill] = ()  # of bridges
 
     @cached_property
     def joints(self) -> Joints:
@@ -105,8 +107,8 @@ def structure_of(scene: Scene) -> Structure:
     Raises:
         InputError: with file and line of the scene where a key is at fault.
     """
-    blocks, notes, bars = make_structures(scene)
-    return assembled(scene, blocks, tuple(notes), bars)
+    made = make_structures(scene)
+    return replace(assembled(scene, made.blocks, tuple(made.notes), made.ties), fills=made.fills)
 
 
 def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: Sequence[Bar]) -> Structure:
@@ -174,7 +176,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     begin = time.perf_counter()
     scene.refuse_static()
     structure = structure or structure_of(scene)
-    scene, lasting = _timed(scene, structure.assembly)
+    scene, lasting = _timed(scene, structure)
     try:
         if scene.limit:
             from masonry_cd.app.static_loads import limit_table
@@ -189,7 +191,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         assembly, run = structure.assembly, scene.run
         longest = run.longest_step if run.adaptive else None
         ties = [(bar.where, bar.load()) for bar in structure.bars]
-        loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties, own)
+        loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties, own, structure.fills)
         plane = _plane(assembly, loading, run)
         strained = unknowns_of_strain(assembly, plane)
     except InputError as error:
@@ -240,7 +242,7 @@ def _guides(loading: Loading, assembly: Assembly) -> tuple[GuideGauge, ...]:
     )
 
 
-def _timed(scene: Scene, assembly: Assembly) -> tuple[Scene, list[str]]:
+def _timed(scene: Scene, structure: Structure) -> tuple[Scene, list[str]]:
     """The scene with a duration, and a line on it where it follows from the loads.
 
     Raises:
@@ -251,7 +253,7 @@ def _timed(scene: Scene, assembly: Assembly) -> tuple[Scene, list[str]]:
     if scene.run.timed:
         return scene, []
     try:
-        end, rest = loads.end_of(scene.loads, scene.run.dt, scene.run.gravity, scene.folder, assembly)
+        end, rest = loads.end_of(scene.loads, scene.run.dt, scene.run.gravity, scene.folder, structure.assembly, structure.fills)
         run = scene.run.lasting(end + rest)
     except InputError as error:
         raise scene.at_fault(error) from None

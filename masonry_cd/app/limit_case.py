@@ -13,16 +13,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement, judgement, refused
-from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse
+from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
 from masonry_cd.analysis.limit.candidates import UNTIED, with_mechanisms, with_untied
-from masonry_cd.analysis.limit.mechanism import STATES
+from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
 from masonry_cd.app.limit_finite import unlimited_lines
 from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
-from masonry_cd.app.limit_search import search_numbers, search_words, ways
+from masonry_cd.app.limit_parts import mechanisms_along
+from masonry_cd.app.limit_search import Ways, search_numbers, search_words, ways
 from masonry_cd.app.limit_structure import limit_structure
+from masonry_cd.app.limit_vehicle import CROSSING_OUTPUTS, Crossing, at_worst, write_crossing
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force, in_words
@@ -37,12 +39,12 @@ if TYPE_CHECKING:
     from reports.limit.ties import LimitTie
 
 OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "ties.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
-EVERY = (*OUTPUTS, *CURVE_OUTPUTS)  # that a folder of an analysis may hold
+EVERY = (*OUTPUTS, *CURVE_OUTPUTS, *CROSSING_OUTPUTS)  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
 SAME = 1e-4  # share of the factor by which the least and the associated one may differ and agree
 ALONG = 0.999  # cosine of the angle between two pushes up to which they are one
-BEGUN = 6  # mechanisms of parts at which the search begins, four cone programmes each
+BEGUN = 6  # mechanisms of parts at which the search begins, three or four cone programmes each
 NAMED = 6  # blocks that a line names
 
 
@@ -60,6 +62,7 @@ class LimitCase:
     seconds: float
     curve: FollowedCurve | None = None
     verdict: Judgement | None = None  # the one that all outputs show; None where no check is asked for
+    crossing: Crossing | None = None  # of a vehicle whose worst place was looked for
 
     @cached_property
     def collapse(self) -> Collapse:
@@ -100,6 +103,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
     from masonry_cd.app.static_loads import CurveTable
 
     begin = time.perf_counter()
+    scene, crossing = at_worst(scene)
     structure = limit_structure(scene)
     asked, assembly, joints, notes = structure.asked, structure.assembly, structure.joints, list(structure.made.notes)
     try:
@@ -108,12 +112,13 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             suits(loads, scene.run.gravity)
         how = ways(assembly, joints, loads, asked, scene.run.seed)
         analysis, built = _analyse(assembly, joints, loads, how.analysis), (assembly, joints)
-        if analysis.starts and analysis.problem.sections is None and loads.kind == "push":
-            analysis = with_mechanisms(analysis, assembly, joints, _along(parts, loads))
+        if loads.kind == "push" and analysis.starts > 1 and (parts or analysis.problem.axis is None):
+            analysis = with_mechanisms(analysis, assembly, joints, _along(parts or mechanisms_along(structure, loads), loads))
+        analysis = _searched_on(analysis, assembly, joints, how)
         if asked.begin is not None:
             left = left_state(asked, scene.folder, assembly, joints, loads)
             assembly, joints, loads, whole = left.assembly, left.joints, left.loads, analysis
-            analysis = _analyse(assembly, joints, loads, how.analysis)
+            analysis = _searched_on(_analyse(assembly, joints, loads, how.analysis), assembly, joints, how)
             notes.append(f"{left.words}; {against_undamaged(analysis, whole)}")
         table = asked.curve or (CurveTable() if curve else None)
         if table is not None and asked.begin is not None:
@@ -146,14 +151,14 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             "joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value"
         )
     seconds = time.perf_counter() - begin
-    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict)
+    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict, crossing)
 
 
-def _along(parts: Sequence[PartMechanism], loads: StaticLoads) -> list[np.ndarray]:
-    """Velocities (B, 6) of the mechanisms of least factor of parts that are pushed as the whole is."""
+def _along(parts: Sequence[PartMechanism], loads: StaticLoads) -> list[Mechanism]:
+    """The mechanisms of least factor of parts that are pushed as the whole is."""
     way = np.asarray(loads.direction)
     some = sorted((one for one in parts if one.found and float(one.direction @ way) > ALONG), key=lambda one: one.oscillator.alpha)
-    return [one.found.mechanism.velocity for one in some[:BEGUN] if one.found]
+    return [one.found.mechanism for one in some[:BEGUN] if one.found]
 
 
 def _unchecked(analysis: Analysis) -> Judgement:
@@ -179,6 +184,13 @@ def _analyse(assembly: Assembly, joints: Joints, loads: StaticLoads, options: Op
         if not found.stands or abs(factor - last) <= SAME_TILT * (1.0 + abs(factor)):
             return analyse(assembly, joints, turned, options) if found.stands and options.starts else found
     raise InputError(f"limit.tilt: the angle of collapse is not found in {TURNS} rounds; push gives the factor of a body force")
+
+
+def _searched_on(analysis: Analysis, assembly: Assembly, joints: Joints, how: Ways) -> Analysis:
+    """An analysis whose search goes on until starts agree, where one was made."""
+    if not analysis.starts:
+        return analysis
+    return with_more_starts(analysis, assembly, joints, how.analysis.starts, how.most, how.analysis.seed)
 
 
 def summary(case: LimitCase) -> dict[str, Any]:
@@ -210,6 +222,8 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "seconds": case.seconds,
         "notes": list(case.notes),
     }
+    if case.crossing is not None:
+        out["crossing"] = case.crossing.numbers()
     if not analysis.stands or analysis.unlimited:
         return out
     if analysis.problem.moves_support:
@@ -255,6 +269,8 @@ def found_lines(case: LimitCase) -> list[str]:
         out.append(f"does not stand under its dead loads{borne}: {_who(case)} give way")
         return out
     out.append("stands under its dead loads")
+    if case.crossing is not None:
+        out.append(case.crossing.line())
     if analysis.unlimited:
         return [*out, *unlimited_lines(case.loads, case.assembly)]
     if analysis.problem.moves_support:
@@ -338,6 +354,8 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
         write_json(case.check.numbers(), folder / "check.json")
         write_check(case.check.numbers(), folder / "check.csv")
         written += [folder / "check.json", folder / "check.csv"]
+    if case.crossing is not None:
+        written += write_crossing(case.crossing, folder, case.scene.title, pictures)
     drawn = draw(case, folder, view) if pictures else []
     if case.curve is not None:
         written += write_curve(case.curve, case.assembly.names, folder)

@@ -13,6 +13,7 @@ import numpy as np
 from masonry_cd.analysis.limit.analysis import Analysis
 from masonry_cd.analysis.limit.candidates import Candidate, Untied, candidates
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
+from masonry_cd.analysis.limit.linkage import CRUSHES
 from masonry_cd.analysis.limit.oscillator import ANOTHER, Oscillator, oscillator
 from masonry_cd.app.limit_search import Ways, doubt, search_numbers, search_words
 from masonry_cd.foundation.errors import InputError
@@ -78,7 +79,7 @@ def check_mechanism(
     if table.by_displacements and elsewhere and not how.curve.starts and not made.doubt:
         made = replace(made, end="a curve follows the mechanism without dilation only where limit.starts asks for it")
     elif table.by_displacements and structure[0].laws.crushing.any():
-        made = replace(made, end="joints that crush are not followed at finite displacements")
+        made = replace(made, end=CRUSHES)
     elif table.by_displacements and not made.doubt:
         curve = known
         if curve is None or not curve.falls or not least.mechanism.moving[curve.control.block]:

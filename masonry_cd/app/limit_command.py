@@ -91,5 +91,5 @@ def looked_at(scene: Scene, every: bool = False, curve: bool = False, jobs: int 
 def has_pattern(scene: Scene) -> bool:
     """Whether a scene names what a limit analysis of the whole multiplies."""
     return any(scene.limit.get(name) for name in PATTERNS) or any(
-        load.get("kind") in KINDS and load.get("control") != "displacement" for load in scene.loads
+        load.get("kind") == "vehicle" or (load.get("kind") in KINDS and load.get("control") != "displacement") for load in scene.loads
     )

@@ -15,6 +15,7 @@ import numpy as np
 from masonry_cd.analysis.code_check.verdicts import Judgement
 from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, analyse_element
 from masonry_cd.analysis.limit.part import Whole
+from masonry_cd.app.limit_parts import whole_of
 from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.macro_parts import elements_of
 from masonry_cd.app.macro_verdicts import MacroRow, judged, rows_of
@@ -61,7 +62,6 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
     """
     from loads.motion import parse_direction
     from structures.macro_elements import macro_elements
-    from structures.macro_elements.by_kind import rests
 
     begin = time.perf_counter()
     built = limit_structure(scene)
@@ -71,8 +71,7 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
         named = macro_elements(str(scene.structure.get("kind", "")), built.made.blocks)
         elements = elements_of(asked.mechanism, named, every, assembly)
         loads = built.loads(asked.model_copy(update={"push": parse_direction("x"), "tilt": None, "live": ()}))  # each part has its own push
-        gravity = math.hypot(*scene.run.gravity)
-        structure = Whole(assembly, joints, loads.at().dead, loads.bars, gravity, rests, loads.masses, loads.arms)
+        structure = whole_of(built, loads)
         effort = Effort(
             STARTS if asked.starts is None else asked.starts,
             SEARCHED if asked.starts is None else 2**62,
@@ -80,7 +79,7 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
             asked.check is not None and asked.check.by_displacements,
         )
         parts = _analysed(structure, elements, effort, jobs or cores())
-        rows = rows_of(parts, asked.check, scene.folder, (gravity, _ground(assembly)), effort)
+        rows = rows_of(parts, asked.check, scene.folder, (structure.gravity, _ground(assembly)), effort)
     except InputError as error:
         raise scene.at_fault(error) from None
     notes = [*built.made.notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
@@ -98,10 +97,6 @@ def _suits(asked: LimitTable, scene: Scene) -> None:
         raise InputError("limit: macro-elements need gravity, but run.gravity is zero")
     if asked.begin is not None:
         raise InputError("limit.from: macro-elements are those of the structure as built")
-    if any(law.compressive_strength for law in scene.material.joint_laws.values()):
-        raise InputError(
-            "material.joints: joints of macro-elements do not crush; without compressive_strength they are those of rigid joints"
-        )
     if asked.check is not None and asked.check.limit_state == "SLC":
         raise InputError(
             "limit.check.limit_state: SLC is checked by displacements only, and of macro-elements the least mechanism alone is followed"

@@ -16,9 +16,9 @@ from masonry_cd.mechanics.model.joints import Joints
 if TYPE_CHECKING:
     from masonry_cd.app.static_loads import LimitTable, StaticLoads
 
-STARTS = 4  # of the search in a plane, and for a check in space: two from each end of what normal forces may be
-SEARCHED = 10_000  # contact points in space up to which a check searches unasked: two starts take 50 s of processor time at 7,500 and 250 s
-# at 14,500, and with ties the search is made twice
+STARTS = 4  # of the search in a plane; for a check in space at most, until starts agree: two from each end of what normal forces may be
+FIRST = 2  # of these that are made in any case, one from each end
+SEARCHED = 15_000  # contact points in space up to which a check searches unasked: a start takes some 15 s of processor time at 10,000
 ASK = "limit.starts = 2 does"
 
 
@@ -28,28 +28,29 @@ class Ways:
 
     analysis: Options
     curve: Options  # of the points of a capacity curve
+    most: int  # starts to which the search of the analysis goes on until some agree
 
 
 def ways(assembly: Assembly, joints: Joints, loads: StaticLoads, asked: LimitTable, seed: int) -> Ways:
     """How to solve as a table ``[limit]`` asks for it.
 
-    In space each start is expensive: unasked a search is made for a check only, of a structure that is not large, and no curve is followed
-    by it.
+    In space each start is expensive: unasked a search is made for a check only, of a structure that is not large, and ends where starts
+    agree; no curve is followed by it.
     """
     planar = plane_of(assembly, loads.at()) is not None
     usual = asked.starts if asked.starts is not None else STARTS if planar else 0
     options = Options(asked.sides, usual, seed)
     if asked.starts is not None or planar or asked.check is None or asked.sides:
-        return Ways(options, options)
+        return Ways(options, options, usual)
     small = interfaces(assembly, joints, None).count <= SEARCHED
-    return Ways(replace(options, starts=STARTS if small else 0), options)
+    return Ways(replace(options, starts=FIRST if small else 0), options, STARTS if small else 0)
 
 
 def search_words(analysis: Analysis) -> str:
     """What a search came to: the least factor, starts, agreement and spread; or why there is no such factor."""
     least = analysis.least
     if least is None:
-        off = f"not searched for; {ASK}, at some twenty times the cost of the associated factor each"
+        off = f"not searched for; {ASK}, at some ten times the cost of the associated factor each"
         sought = f"of {analysis.starts} starts none came to an end" if analysis.starts else off
         return f"sliding without dilation may give way at less: {sought}"
     open_end = least.starts - len(least.found)

@@ -35,7 +35,7 @@ class LimitStructure:
         from masonry_cd.app.static_loads import static_loads
 
         scene, ties = self.scene, [(bar.where, bar.load()) for bar in self.made.ties]
-        return static_loads(scene.loads, asked or self.asked, scene.run.gravity, scene.folder, self.assembly, ties)
+        return static_loads(scene.loads, asked or self.asked, scene.run.gravity, scene.folder, self.assembly, ties, self.made.fills)
 
 
 def limit_structure(scene: Scene) -> LimitStructure:

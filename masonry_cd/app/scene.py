@@ -29,7 +29,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.output_table import OutputTable
 from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, override, parse_toml, place_of, read_text
-from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.errors import InputError, InputErrors, parse_table, suggest
 from masonry_cd.foundation.fields import Table
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
@@ -169,6 +169,8 @@ class Scene:
 
     def at_fault(self, error: InputError) -> InputError:
         """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
+        if isinstance(error, InputErrors):
+            return InputErrors([str(self.at_fault(InputError(line))) for line in error.lines])
         message = str(error)
         key = re.match(r"((?:structure|material|loads|run|report|limit|assess|output|title|quiet_checks)[^\s:]*)(?::| )", message)
         return InputError(f"{self.origin.of(key.group(1))}: {message}") if key else error

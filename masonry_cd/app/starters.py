@@ -25,19 +25,28 @@ COLUMN, WIDTH = 36, 138  # where texts begin and end
 FIRST: dict[str, dict[str, Any]] = {
     "arch": {"span": 4.0, "thickness": 0.4, "width": 1.0, "voussoirs": 27},
     "aqueduct": {"spans": 3, "clear_span": 5.0, "pier_width": 2.0, "ring_thickness": 0.6, "width": 2.0},
+    "bridge": {"spans": [{"span": 6.0, "rise": 1.8, "thickness": 0.5}], "width": 4.0, "cover": 0.4},
     "wall": {"length": 4.0, "height": 3.0, "thickness": 0.4, "course_height": 0.25},
     "tower": {"side": 5.0, "height": 20.0, "thickness": 0.8, "course_height": 1.0},
     "column": {"height": 6.0, "diameter": 0.9, "drums": 7},
     "vault": {"form": "barrel", "span": 4.0, "thickness": 0.5, "voussoirs": 15},
     "dome": {"span": 6.0, "thickness": 0.5, "sides": 16},
     "church": {"block_length": 1.5, "length": 24.0, "width": 9.0, "height": 10.0},
+    "building": {
+        "walls": [
+            {"name": "south", "axis": [[0.0, 0.0], [6.0, 0.0]], "thickness": 0.5, "height": 3.0, "openings": [{"at": 3.0, "width": 1.0}]},
+            {"name": "east", "axis": [[6.0, 0.0], [6.0, 5.0]], "thickness": 0.5, "height": 3.0},
+            {"name": "north", "axis": [[6.0, 5.0], [0.0, 5.0]], "thickness": 0.5, "height": 3.0},
+            {"name": "west", "axis": [[0.0, 5.0], [0.0, 0.0]], "thickness": 0.5, "height": 3.0},
+        ]
+    },
     "packing": {"diameters": [0.1, 0.06], "fill": 0.3},
     "file": {"path": "blocks.json"},
     "solid": {"path": "solid.geo", "units": "m", "course_height": 0.5},
 }
 """What is set of the keys of a kind."""
 MATERIAL = {"density": 2200.0, "friction": 0.6}
-MASONRY = {"wall": "squared stone", "tower": "squared stone", "church": "split stone"}
+MASONRY = {"wall": "squared stone", "tower": "squared stone", "building": "split stone", "church": "split stone"}
 """Of kinds whose elasticity decides how they are shaken; the others keep rigid joints, as the method has them."""
 LOAD = {"kind": "sinusoidal", "direction": "x", "amplitude": 0.2, "frequency": 2.0, "cycles": 5}
 RUN = {"dt": 2e-3, "duration": 4.0, "tolerance": 1e-6}

@@ -4,7 +4,7 @@ Constant are gravity, and the point loads at their full size. The pattern is one
 
     push          lambda |g| d on every kilogram, along a direction d
     tilt          gravity turned by phi towards d: cos(phi) (g + lambda |g| d) with lambda = tan(phi)
-    live          point loads of the scene, each times lambda
+    live          point loads or vehicles of the scene, each times lambda
     settlement    supports that move, by themselves or apart: the force that they still bear
 
 A push or a tilt acts on the masses of the blocks, and on those whose weights ``[limit] masses`` names among the point loads.
@@ -23,9 +23,11 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 import loads
+from loads import fill
 from loads.kinds.forces import PointLoad, PointTable, Tie, TieTable, bar
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.tilt import PushTable, TiltTable
+from loads.kinds.vehicle import VehicleTable
 from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_direction
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.limit.problem import Arms, Bars, Loads, PointMasses
@@ -34,8 +36,10 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import Count, Table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.fill import Fill
 
 NO_STEP = 1e-12  # of a grid that has none [s]: no tie is too stiff for it
+NO_LOAD = -1  # number of forces that are of no table of [[loads]]
 PULSE = 100.0  # steps that stand for the pulse of a settlement
 LEVEL = 1e-9
 
@@ -61,7 +65,7 @@ class LimitTable(Table):
     tilt: DirectionKey | None = None
     """Or: to this level direction the structure is tilted, lambda is the tangent of the angle."""
     live: Annotated[tuple[Annotated[Count, Field(ge=0)], ...], Field(json_schema_extra={"default": []})] = ()
-    """Or: numbers of the [[loads]] of kind point that are multiplied, from 0; the others are constant."""
+    """Or: numbers of the [[loads]] of kind point or vehicle that are multiplied, from 0; the others are constant."""
     masses: Annotated[tuple[Annotated[Count, Field(ge=0)], ...], Field(json_schema_extra={"default": []})] = ()
     """Numbers of the [[loads]] of kind point that are weights of masses, which a push or a tilt moves as it moves the blocks (Q_k of
     [C8.7.1.1]); the others are forces without mass."""
@@ -70,6 +74,9 @@ class LimitTable(Table):
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
     """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves ten or
     twenty cone programmes, 4 with a check of up to 10,000 contact points and none else."""
+    positions: Annotated[Count, Field(ge=3, le=2000)] | None = None
+    """At which the worst place of a live vehicle without a position is looked for, before those around it; 60 in a plane, 16 in space when
+    not given."""
     begin: Annotated[str, Field(min_length=1)] | None = Field(None, alias="from")
     """Folder of a run of these blocks, from that of the scene on: the analysis is of where it left them."""
     time: Annotated[float, Unit("s"), Field(ge=0.0)] | None = None
@@ -137,36 +144,48 @@ def static_loads(
     folder: Path,
     assembly: Assembly,
     made: Sequence[tuple[str, Mapping[str, Any]]] = (),
+    fills: Sequence[Fill] = (),
 ) -> StaticLoads:
     """The loads of a scene's tables ``[[loads]]`` and ``[limit]``, and the ties ``made`` by its structure (see :func:`loads.build`).
+
+    Of ``fills``, those of bridges, the pressures are constant; their passive resistance is that of ties.
 
     Raises:
         InputError: no pattern, several, one that needs gravity where there is none, or a bad table.
     """
     asked = [loads.parse_load(table, f"loads[{i}]") for i, table in enumerate(tables)]
     down, free = np.asarray(gravity, dtype=float), ~assembly.fixed
-    grid = RunGrid(NO_STEP, 1, down, folder, assembly)
+    grid = RunGrid(NO_STEP, 1, down, folder, assembly, fills=fills)
     weight, nothing = np.zeros((assembly.count, 6)), np.zeros((assembly.count, 6))
     weight[free, :3] = assembly.mass[free, None] * down
-    parts = {i: loads.KINDS[t.kind].part(t, grid, f"loads[{i}]") for i, t in enumerate(asked) if isinstance(t, (PointTable, TieTable))}
-    points = {i: part.forces[0] for i, part in parts.items() if isinstance(part.forces[0], PointLoad)}
-    for key in ("live", "masses"):
+    parts = {
+        i: loads.KINDS[t.kind].part(_standing(t), grid, f"loads[{i}]")
+        for i, t in enumerate(asked)
+        if isinstance(t, (PointTable, TieTable, VehicleTable))
+    }
+    wheels = {i: part.forces for i, part in parts.items() if isinstance(asked[i], VehicleTable)}
+    points = {i: part.forces[0] for i, part in parts.items() if isinstance(asked[i], PointTable)}
+    for key, some in (("live", {**points, **wheels}), ("masses", points)):
         for i in getattr(limit, key):
-            if i not in points:
-                raise InputError(f"limit.{key}: loads[{i}] is no load of kind point of this scene")
+            if i not in some:
+                raise InputError(f"limit.{key}: loads[{i}] is no load of kind point{' or vehicle' if key == 'live' else ''} of this scene")
     kind, direction, words, support, at = _pattern(asked, limit, down, grid)
     masses = _masses({i: points[i] for i in limit.masses}, direction, down)
     weight += masses.under(down, assembly.count)
     forces = {i: force for i, force in points.items() if i not in limit.masses}
-    constant = sum((_wrench(force, assembly) for i, force in forces.items() if i not in limit.live), nothing)
-    live = sum((_wrench(points[i], assembly) for i in limit.live), nothing)
+    filled = [fill.part(each, grid, direction is not None) for each in fills]
+    thrusts = [force for part in filled for force in part.forces if isinstance(force, PointLoad)]
+    numbered = list(forces.items()) + [(i, force) for i, each in wheels.items() for force in each]
+    constant = sum((_wrench(force, assembly) for i, force in numbered if i not in limit.live), nothing)
+    constant = sum((_wrench(force, assembly) for force in thrusts), constant)
+    live = sum((_wrench(force, assembly) for i, force in numbered if i in limit.live), nothing)
     if direction is not None:
         live = nothing.copy()
         live[free, :3] = math.hypot(*down) * assembly.mass[free, None] * np.array(direction.vector)
         live += masses.under(math.hypot(*down) * np.array(direction.vector), assembly.count)
     bars = [bar(parse_table(TieTable, table, where), grid, where) for where, table in made]
-    ties = [part.forces[0] for part in (*parts.values(), *bars) if isinstance(part.forces[0], Tie)]
-    used = (PointTable, TieTable, PushTable, TiltTable) if support is None else (PointTable, TieTable)
+    ties = [force for part in (*parts.values(), *bars, *filled) for force in part.forces if isinstance(force, Tie)]
+    used = (PointTable, TieTable, VehicleTable, PushTable, TiltTable) if support is None else (PointTable, TieTable, VehicleTable)
     left = [
         f"loads[{i}] ({t.kind})"
         for i, t in enumerate(asked)
@@ -176,8 +195,14 @@ def static_loads(
     if limit.check is not None:
         notes += _without_mass({i: force for i, force in forces.items() if i not in limit.live}, down)
     vector = None if direction is None else direction.vector
-    arms, names = _arms(forces, limit.live, masses, down, vector), tuple(tie.name for tie in ties)
+    every = [*numbered, *((NO_LOAD, force) for force in thrusts)]
+    arms, names = _arms(every, limit.live, masses, down, vector), tuple(tie.name for tie in ties)
     return StaticLoads(kind, words, vector, weight, constant, live, _bars(ties, assembly), names, support, arms, notes, masses)
+
+
+def _standing(table: LoadTable) -> LoadTable:
+    """A load as a limit analysis takes it: all of it there."""
+    return table.model_copy(update={"speed": 0.0, "start": 0.0, "ramp": 0.0}) if isinstance(table, VehicleTable) else table
 
 
 def _masses(points: Mapping[int, PointLoad], direction: Direction | None, down: np.ndarray) -> PointMasses:
@@ -221,7 +246,8 @@ def _pattern(
     if limit.tilt is not None:
         return _body_force("tilt", limit.tilt, down, "limit.tilt", None)
     if limit.live:
-        return "live", None, f"live loads: {', '.join(f'loads[{i}]' for i in limit.live)}", None, None
+        kinds = [f" ({asked[i].kind})" if asked[i].kind != "point" else "" for i in limit.live]
+        return "live", None, f"live loads: {', '.join(f'loads[{i}]{kind}' for i, kind in zip(limit.live, kinds, strict=True))}", None, None
     kinds = (PushTable, TiltTable, SettlementTable, SpreadingTable)
     there = [(i, table) for i, table in enumerate(asked) if isinstance(table, kinds) and not _by_displacement(table)]
     if not there:
@@ -263,13 +289,13 @@ def _wrench(force: PointLoad, assembly: Assembly) -> np.ndarray:
 
 
 def _arms(
-    points: Mapping[int, PointLoad], live: Sequence[int], masses: PointMasses, down: np.ndarray, way: tuple[float, float, float] | None
+    points: Sequence[tuple[int, PointLoad]], live: Sequence[int], masses: PointMasses, down: np.ndarray, way: tuple[float, ...] | None
 ) -> Arms:
-    """Where point loads by number act, those that are ``live`` and the others, and masses under gravity (3,) and a push along ``way``."""
-    forces = np.array([load.force for load in points.values()]).reshape(-1, 3)
-    lives = np.isin(np.array(list(points), dtype=np.int64), np.array(live, dtype=np.int64))[:, None]
-    block = np.array([load.block for load in points.values()], dtype=np.int64)
-    arm = np.array([load.arm for load in points.values()]).reshape(-1, 3)
+    """Where loads by number act, those that are ``live`` and the others, and masses under gravity (3,) and a push along ``way``."""
+    forces = np.array([load.force for _, load in points]).reshape(-1, 3)
+    lives = np.isin(np.array([i for i, _ in points], dtype=np.int64), np.array(live, dtype=np.int64))[:, None]
+    block = np.array([load.block for _, load in points], dtype=np.int64)
+    arm = np.array([load.arm for _, load in points]).reshape(-1, 3)
     weights = masses.mass[:, None] * down
     shaken = masses.mass[:, None] * math.hypot(*down) * np.array(way or (0.0, 0.0, 0.0))
     dead, lively = np.concatenate([np.where(lives, 0.0, forces), weights]), np.concatenate([np.where(lives, forces, 0.0), shaken])

@@ -71,7 +71,7 @@ def build(
         from structures.geometry.checks import Unsound
 
         try:
-            blocks, notes, ties = make_structures(asked)
+            blocks, notes, ties = make_structures(asked)[:3]
         except Unsound as fault:
             if picture:
                 _draw_problem(fault, output)

@@ -29,7 +29,8 @@ def limit(
     """Find the largest load factor of a scene by limit analysis, and the mechanism.
 
     What is multiplied is the scene's load of kind push, tilt, settlement or spreading, or what its table [limit] names: push = "x",
-    tilt = "x", or live = [0] for point loads. In a plane, and for a check in space, the least factor without dilation is searched for.
+    tilt = "x", or live = [0] for point loads or a vehicle, whose worst place is looked for where it has none: crossing.csv and .png.
+    In a plane, and for a check in space, the least factor without dilation is searched for.
     DIR gets limit.json, blocks.csv, joints.csv, mechanism.png, thrust.png and limit.html, a page with all of it; with ties also
     ties.csv, what they pull at collapse; with a table [limit.check] check.json and check.csv, the check by a code;
     with --curve, or a table [limit.curve], the capacity curve: the factor that the moved structure still bears, over the displacement
@@ -52,7 +53,7 @@ def limit(
         from masonry_cd.app.limit_case import EVERY
         from masonry_cd.app.limit_command import Asked, limit_command
         from masonry_cd.app.macro_files import MACRO_OUTPUTS
-        from reports.drawing.render import view_named
+        from reports.drawing.parts import view_named
 
         free_folder(output, (*EVERY, *MACRO_OUTPUTS), force)
         if picture and view != "auto":

@@ -57,42 +57,25 @@ def report(
             from masonry_cd.io.summary_file import NAME
             from reports import outputs
             from reports.damage import joint_files, part_files
+            from reports.files import Job
 
-            settings = report_of(results.scene, view=view, scale=scale, cut=cut, thrust=thrust, vector=vector or None, extra=extra or None)
+            changes = {"view": view, "scale": scale, "cut": cut, "thrust": thrust, "vector": vector or None, "animation": animation}
+            settings = report_of(results.scene, **changes, extra=extra or None)
             outputs.check_again(settings, results)
-            frame = outputs.frame_at(results, time)
+            names = dict.fromkeys([*settings.extra, *(["energy"] if energy else [])])
             chosen = outputs.parse_times(results, times) if times is not None else []
+            settings = settings.model_copy(update={"times": tuple(chosen), "extra": tuple(names)})
             summary, words = summary_of(results, folder)
             summary |= joint_files.write_joint_damage(results, folder, settings)
             typer.echo("\n".join([*verdict_lines(summary), damage_line(summary)]))
-            damage = outputs.damage_of(results, settings)
-            typer.echo("\n".join(part_files.part_lines(damage.parts)))
-            written = [folder / "joints.csv", *part_files.write_part_damage(damage, folder)]
-            if stress_map or results.has_stress:
-                files, summary["stress"] = outputs.write_stress(results, folder, settings, time, stress_map)
-                written += files
+            asked = {"damage": True, "crack_map": crack_map, "stress": stress_map or results.has_stress, "stress_map": stress_map}
+            job = Job(results, folder, settings, summary, time, asked | {"page": html or pdf, "pdf": pdf})
+            typer.echo("\n".join(part_files.part_lines(job.damage.parts)))
+            written = [folder / "joints.csv", *job.write()]
             if not (folder / NAME).exists() and results.closing:
-                if settings.damage:
-                    summary["parts"] = part_files.in_short(damage.parts)
-                write_json(summary, folder / NAME)
+                added = {key: value for key, value in job.more.items() if key != "parts" or settings.damage}
+                write_json(summary | added, folder / NAME)
                 written.append(folder / NAME)
-            if crack_map:
-                written.append(folder / "crack_map.png")
-                outputs.draw_crack_map(results, written[-1], settings, frame)
-            if vector:
-                written += outputs.draw_vector(results, folder, settings, frame)
-            if chosen:
-                written += outputs.draw_times(results, folder, settings, chosen)
-            if animation:
-                written.append(folder / outputs.ANIMATION)
-                outputs.draw_animation(results, written[-1], settings)
-            written += outputs.write_extra(results, folder, [*settings.extra, *(["energy"] if energy else [])])
-            if html or pdf:
-                written.append(folder / outputs.PAGE)
-                outputs.write_page(results, written[-1], settings, summary, damage)
-            if pdf:
-                written.append(folder / outputs.PRINT)
-                outputs.write_pdf(folder / outputs.PAGE, written[-1])
         typer.echo(f"written: {', '.join(map(str, written))}")
         warn([*results.words, *words])
 

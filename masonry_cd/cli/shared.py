@@ -49,7 +49,7 @@ def exclude(first: tuple[str, object], second: tuple[str, object]) -> None:
 
 
 def silent(line: str = "", **_: object) -> None:
-    """Take a line in the place of typer.echo, and say nothing."""
+    """Take a line instead of typer.echo, and say nothing."""
 
 
 def warn(lines: Iterable[str]) -> None:

@@ -98,9 +98,10 @@ def tell_end(found: dict[str, Any], output: Path, quiet: bool) -> None:
 
 def _write_report(output: Path, quiet: bool) -> None:
     """Write what follows from the runs, and tell it."""
+    from masonry_cd.analysis.verdict import Verdict
     from reports.study.outputs import write_study
 
     summary = write_study(output)
     if not quiet:
-        typer.echo("\n".join([*summary["lines"], f"page: {output / 'study.html'}"]))
+        typer.echo("\n".join([Verdict(**summary["verdict"]).line, *summary["lines"], f"page: {output / 'study.html'}"]))
     warn(summary["warnings"])

@@ -8,6 +8,7 @@ every name is then what it was. What this program reads, it reads by number and 
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -20,17 +21,28 @@ DIRECTIONS = {f"{sign}{axis}" for sign in "+-" for axis in "xyz"}  # columns of 
 SEPARATORS = ',;"\t\r\n|'
 
 
-def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]], digits: int = 0) -> None:
     """Write a table; the file is there whole or not at all.
 
     Args:
         path: of the file.
         header: names of the columns.
-        rows: cells, of which each is written as ``str`` shows it.
+        rows: cells, of which each is written as ``str`` shows it, or by :func:`cell` where digits are given.
+        digits: of numbers.
     """
-    lines = (",".join(map(_field, row)) for row in (header, *rows))
+    table = ((cell(value, digits) for value in row) for row in rows) if digits else rows
+    lines = (",".join(map(_field, row)) for row in (header, *table))
     with replacing(path) as part:
         part.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="")
+
+
+def cell(value: object, digits: int) -> str:
+    """A value with so many digits; nothing where it is unknown, lists with blanks between."""
+    if isinstance(value, (list, tuple)):
+        return " ".join(cell(one, digits) for one in value)
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.{digits}g}"
+    return "" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def unguarded(cell: str) -> str:

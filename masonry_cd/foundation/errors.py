@@ -15,6 +15,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 QUOTED = 300  # most characters of a value that a message quotes
 WORD = 400  # most characters of any other word
+MOST_LINES = 30  # of what is wrong with one thing
 LINE = 900  # most characters of a message; its beginning says where, its end what would do
 
 
@@ -23,6 +24,16 @@ class InputError(ValueError):
 
     def __init__(self, message: str) -> None:
         super().__init__(one_line(message))
+
+
+class InputErrors(InputError):
+    """All that is wrong with something, a line each; ``lines`` are those that are shown."""
+
+    def __init__(self, messages: Sequence[str]) -> None:
+        lines = [one_line(message) for message in dict.fromkeys(messages)]
+        more = len(lines) - MOST_LINES
+        self.lines = (*lines[:MOST_LINES], f"and {more} more faults") if more > 0 else tuple(lines)
+        ValueError.__init__(self, "\n".join(self.lines))
 
 
 def one_line(message: str) -> str:

@@ -22,6 +22,7 @@ cos = _of_arrays(math.cos)
 exp = _of_arrays(math.exp)
 log = _of_arrays(math.log)
 cbrt = _of_arrays(math.cbrt)
+atan = _of_arrays(math.atan)
 
 
 def geometric(first: float, last: float, count: int) -> np.ndarray:

@@ -126,7 +126,7 @@ class Kept:
         return found
 
     def save_overload(self, kinds: Any, result: Any) -> None:
-        """Keep an entry: its machine code, and stubs in the place of the intermediate code, which nothing links."""
+        """Keep an entry: its machine code, and stubs instead of the intermediate code, which nothing links."""
         name = self.file(kinds)
         if not name or result.library.has_dynamic_globals or result.lifted:
             return

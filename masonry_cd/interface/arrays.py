@@ -37,7 +37,7 @@ def hold_arrays(tables: Mapping[str, Any]) -> bool:
 
 
 def into_files(tables: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """The tables of a scene with files in the place of arrays.
+    """The tables of a scene with files instead of arrays.
 
     Args:
         tables: of a scene; what holds no arrays is handed through.

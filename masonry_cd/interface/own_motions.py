@@ -30,7 +30,7 @@ def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[Structure, list[Pa
     numbers = [block_named(name, names, "motions") for name in motions]
     histories = [History(given, (3,), f'motions["{name}"]') for name, given in motions.items()]
     blocks = [replace(block, fixed=block.fixed or i in numbers) for i, block in enumerate(built.blocks)]
-    made = assembled(scene, blocks, built.notes, built.bars)
+    made = replace(assembled(scene, blocks, built.notes, built.bars), fills=built.fills)
     return made, [_part(history, number, blocks) for history, number in zip(histories, numbers, strict=True)]
 
 

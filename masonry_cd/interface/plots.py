@@ -46,28 +46,25 @@ class Plots:
 
         Args:
             time: of the frame.
-            keys: of ``[report]`` in the place of the scene's: view, scale, cut, thrust, opened, slid, largest.
+            keys: of ``[report]`` instead of the scene's: view, scale, cut, thrust, opened, slid, largest.
 
         Raises:
             InputError: an unknown key, a time outside the run, or a cut outside the structure.
         """
         from PIL import Image as images
 
-        from reports.maps.crack_map import sheet_of
-        from reports.maps.framing import framing
-        from reports.outputs import frame_at, style_of
+        from reports.outputs import sheet_at
 
         settings = parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")
         with self._results() as found:
-            frame = frame_at(found, time) % found.frames
-            return images.fromarray(sheet_of(found, frame, framing(found, [frame], style_of(settings))).pixels())
+            return images.fromarray(sheet_at(found, settings, time).pixels())
 
     def stress_map(self, time: float | None = None, **keys: Any) -> Image:
         """The structure with its blocks coloured by their compression: the largest of the run, or that at the frame next to a time [s].
 
         Args:
             time: of the frame; None: of the whole run, block by block.
-            keys: of ``[report]`` in the place of the scene's: view, scale, cut.
+            keys: of ``[report]`` instead of the scene's: view, scale, cut.
 
         Raises:
             InputError: an unknown key, a time outside the run, a cut outside the structure, or a run that kept no stress.

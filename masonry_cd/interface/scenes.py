@@ -119,7 +119,7 @@ class Scene:
         from masonry_cd.interface.structure import Structure
         from structures.ties import lines_of
 
-        blocks, notes, bars = make_structures(self._checked)
+        blocks, notes, bars = make_structures(self._checked)[:3]
         return Structure(blocks, tuple(notes), lines_of(bars))
 
     def to_compas(self) -> list[dict[str, Any]]:

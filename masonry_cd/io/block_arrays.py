@@ -8,7 +8,7 @@ from dataclasses import replace
 import h5py
 import numpy as np
 
-from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block, Carried
 from masonry_cd.mechanics.model.geometry import Faces
 
 
@@ -23,6 +23,10 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
     if any(b.radius for b in blocks):
         group["radius"] = np.array([b.radius for b in blocks])
     group["density"] = np.array([b.density for b in blocks])
+    if any(b.carried is not None for b in blocks):
+        carried = [b.carried or Carried(0.0, np.zeros(3), np.zeros((3, 3))) for b in blocks]
+        for name in Carried._fields:
+            group[f"carried_{name}"] = np.array([getattr(each, name) for each in carried])
     shells = [_kept(b) for b in blocks]
     group["vertex_start"] = np.cumsum([0, *(len(vertices) for vertices, _ in shells)])
     group["vertices"] = np.concatenate([vertices for vertices, _ in shells])
@@ -42,6 +46,7 @@ def read_blocks(group: h5py.Group) -> Iterator[Block]:
     structures = group["structure"].asstr()[...] if "structure" in group else [""] * len(names)
     radii = group["radius"][...] if "radius" in group else np.zeros(len(names))
     arrays = {name: group[name][...] for name in ("fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")}
+    carried = _carried(group, len(names))
     for i, name in enumerate(names):
         vertices = arrays["vertices"][arrays["vertex_start"][i] : arrays["vertex_start"][i + 1]]
         if radii[i]:
@@ -50,4 +55,15 @@ def read_blocks(group: h5py.Group) -> Iterator[Block]:
             continue
         loops = range(arrays["face_start"][i], arrays["face_start"][i + 1])
         faces = tuple(tuple(arrays["loops"][arrays["loop_start"][f] : arrays["loop_start"][f + 1]].tolist()) for f in loops)
-        yield Block(name, vertices, faces, float(arrays["density"][i]), groups[i], bool(arrays["fixed"][i]), structure=structures[i])
+        yield Block(
+            name, vertices, faces, float(arrays["density"][i]), groups[i], bool(arrays["fixed"][i]), structure=structures[i],
+            carried=carried[i],
+        )  # fmt: skip
+
+
+def _carried(group: h5py.Group, count: int) -> list[Carried | None]:
+    """What each block carries."""
+    if "carried_mass" not in group:
+        return [None] * count
+    mass, centre, inertia = (group[f"carried_{name}"][...] for name in Carried._fields)
+    return [Carried(float(m), c, i) if m else None for m, c, i in zip(mass, centre, inertia, strict=True)]

@@ -63,8 +63,10 @@ STEP_PEAKS = ("displacement", "drift", "level_displacement", "level_drift", "hin
 SHOCK_PEAKS = ("drift", "hinge_opening")  # under /shocks/peaks
 JOINT_CONSTANTS = tuple(Joints.__dataclass_fields__)
 BLOCK_ARRAYS = ("name", "group", "fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")
-OPTIONAL_ARRAYS = (  # where a scene has several structures; in new files; where there are spheres; stress of meshed blocks
-    "blocks/structure", "blocks/support", "blocks/radius", *(f"meshes/{name}" for name in MESH_ARRAYS),
+OPTIONAL_ARRAYS = (  # where a scene has several structures; in new files; where there are spheres; where blocks carry fill; stress of
+    # meshed blocks
+    "blocks/structure", "blocks/support", "blocks/radius", "blocks/carried_mass", "blocks/carried_centre", "blocks/carried_inertia",
+    *(f"meshes/{name}" for name in MESH_ARRAYS),
 )  # fmt: skip
 OPTIONAL_ATTRIBUTES = ("ties", "gauges")  # where there are some, see tie_bars.py and gauges.py
 ATTRIBUTES = ("scene", "title", "versions", "run", "inputs")

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.studies.accuracy_ensemble import EnsembleRow
-from reports.drawing.figure import FAINT, INK
-from reports.study.plots import MARKERS, colour, halo, legend, logarithmic, name_axes, save, sheet
+from reports.drawing.figure import FAINT, INK, plain_axes, save
+from reports.study.plots import MARKERS, colour, halo, legend, logarithmic, sheet
 
 PANELS = {"opening_max": "largest opening [mm]", "sliding_max": "largest sliding [mm]", "displacement_max": "largest displacement [mm]"}
 MM = 1e3
@@ -39,7 +39,7 @@ def ensemble_picture(rows: Sequence[EnsembleRow], title: str, path: Path) -> Non
         axes.margins(x=0.12, y=0.12)
         _widen(axes)
         logarithmic(axes.xaxis)
-        name_axes(axes, "processor time of a run, median [s]", words)
+        plain_axes(axes, words, "processor time of a run, median [s]")
     legend(panels[0], min(4, len(lines)))
     save(figure, path)
 

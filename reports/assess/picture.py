@@ -12,8 +12,8 @@ import numpy as np
 
 from masonry_cd.analysis.assessment.assessment import GRADE, Answer, Assessment, Known
 from masonry_cd.analysis.damage.grades import NAMES
-from reports.drawing.figure import FAINT, INK
-from reports.study.plots import halo, name_axes, save, sheet
+from reports.drawing.figure import FAINT, INK, plain_axes, save
+from reports.study.plots import halo, sheet
 
 PICTURE = "assess.png"
 FULL, HOLLOW, BAND, LINE = "#d55e00", "#ffffff", "#d3d9df", "#7a838c"
@@ -45,6 +45,7 @@ def tornado(found: Assessment, path: Path) -> None:
 
 def _panel(axes: Any, found: Assessment, known: list[Known], answer: Answer, first: bool) -> None:
     """The bars of an answer."""
+    plain_axes(axes, "", f"{answer.name}{f' [{answer.unit}]' if answer.unit else ''}")
     low, high = (answer.factor * value for value in found.chance(answer))
     if np.isfinite(low) and high > low:
         axes.axvspan(low, high, color=BAND, zorder=0.5, linewidth=0.0)
@@ -62,7 +63,6 @@ def _panel(axes: Any, found: Assessment, known: list[Known], answer: Answer, fir
         text.set_color(INK)
     axes.set_ylim(len(names) - 0.35, -0.75)
     axes.grid(axis="y", visible=False)
-    name_axes(axes, f"{answer.name}{f' [{answer.unit}]' if answer.unit else ''}", "")
 
 
 def _limits(axes: Any, found: Assessment, answer: Answer) -> tuple[float, float]:

@@ -19,7 +19,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     """Write comparison.csv, comparison.md and comparison.png into a folder, which is made if need be."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"comparison.{ending}" for ending in ("csv", "md", "png")]
-    write_csv(paths[0], comparison.header, ([name, unit, *map(_exact, values)] for name, unit, values in comparison.rows))
+    write_csv(paths[0], comparison.header, ([name, unit, *map(_exact, values)] for name, unit, values in comparison.rows), digits=9)
     with replacing(paths[1]) as part:
         part.write_text(markdown(comparison), encoding="utf-8")
     comparison_picture(comparison, paths[2])
@@ -56,8 +56,6 @@ def _millimetres(value: float | None) -> str:
     return f"{1e3 * value:.0f}" if abs(value) >= 1.0 else f"{1e3 * value:.3g}"
 
 
-def _exact(value: Any) -> str:
-    """A cell for computing: nine digits, empty where unknown."""
-    if value is None or (isinstance(value, float) and np.isnan(value)):
-        return ""
-    return f"{value:.9g}" if isinstance(value, (float, np.floating)) else str(value)
+def _exact(value: Any) -> Any:
+    """A cell for computing: words of a scene as they are."""
+    return value if value is None or isinstance(value, float) else str(value)

@@ -10,7 +10,7 @@ import numpy as np
 from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.verdict import NOT_GRADED
 from reports.compare.comparison import Comparison, Run
-from reports.drawing.figure import COLOURS, FAINT, INK, save
+from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes, save
 from reports.drawing.palette import DARK, GRADES
 
 STROKES = ("-", "--", ":", "-.")
@@ -32,22 +32,16 @@ def comparison_picture(comparison: Comparison, path: Path) -> None:
 
 def comparison_figure(comparison: Comparison) -> Any:
     """A comparison as a figure of matplotlib."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     runs = comparison.runs
     names, grid = _grades(runs)
     tall = 7.6 + max(1.6, 0.32 * len(names) + 1.0)
-    figure: Any = Figure(figsize=(13.0, tall), dpi=100, facecolor="white", layout="constrained")
+    figure = blank((13.0, tall), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.2, h_pad=0.15)
-    FigureCanvasAgg(figure)
     rows = figure.add_gridspec(3, 2, height_ratios=(3.6, 3.4, tall - 7.6))
     _response(figure.add_subplot(rows[0, :]), runs)
     draw_states(figure.add_subplot(rows[1, 0]), runs)
     _widths(figure.add_subplot(rows[1, 1]), runs)
     _grade_table(figure.add_subplot(rows[2, :]), runs, names, grid)
-    for axes in figure.axes:
-        axes.tick_params(labelsize=10, colors=FAINT)
     return figure
 
 
@@ -73,11 +67,8 @@ def _response(axes: Any, runs: list[Run]) -> None:
         axes.set_ylim(-factor * shown, factor * shown)
     axes.axhline(0.0, color=FAINT, linewidth=0.6)
     axes.set_title("Highest block: horizontal displacement relative to the base", **HEAD)
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel(f"[{unit}]")
     axes.legend(fontsize=10, frameon=False, ncols=min(4, len(runs)), loc="upper left", bbox_to_anchor=(0.0, -0.13))
-    axes.margins(x=0.01)
-    _plain(axes)
+    plain_axes(axes, f"[{unit}]", "time [s]", "y")
 
 
 def draw_states(axes: Any, runs: list[Run]) -> None:
@@ -100,7 +91,7 @@ def draw_states(axes: Any, runs: list[Run]) -> None:
     axes.set_xticks(np.arange(len(labels)), [text for _, text in labels])
     axes.set_title("Damage of the structure", **HEAD)
     axes.yaxis.get_major_locator().set_params(integer=True)
-    _plain(axes)
+    plain_axes(axes, "number", grid="y")
 
 
 def _widths(axes: Any, runs: list[Run]) -> None:
@@ -112,12 +103,9 @@ def _widths(axes: Any, runs: list[Run]) -> None:
         values = [run.damage.parts[-1][key] for key in keys]
         axes.bar(np.arange(len(values)) + (k - (len(runs) - 1) / 2) * width, values, width, **_bar(k))
     axes.set_xticks(np.arange(len(bounds)), [f"{1000 * bound:.3g}" for bound in bounds])
-    axes.set_xlabel("residual opening of joints, from ... mm to the next class")
-    axes.set_ylabel("joints")
-    axes.yaxis.get_major_locator().set_params(integer=True)
     axes.set_title("Crack widths", **HEAD)
     axes.yaxis.get_major_locator().set_params(integer=True)
-    _plain(axes)
+    plain_axes(axes, "joints", "residual opening of joints, from ... mm to the next class", "y")
 
 
 def _grades(runs: list[Run]) -> tuple[list[str], np.ndarray]:
@@ -153,7 +141,7 @@ def _grade_table(axes: Any, runs: list[Run], names: list[str], grid: np.ndarray)
     axes.set_xticks(np.arange(len(runs)) + 0.5, [run.name for run in runs])
     axes.xaxis.tick_top()
     axes.set_yticks(np.arange(len(names)) + 0.5, names)
-    axes.tick_params(length=0)
+    axes.tick_params(length=0, labelsize=10, colors=FAINT)
     for side in axes.spines.values():
         side.set_visible(False)
     axes.set_xlabel("grade and mechanism of the structure and its parts; thresholds: those of the first run", fontsize=10, color=FAINT)
@@ -163,11 +151,3 @@ def _mechanism(run: Run, part: str) -> str:
     """The mechanism of a part, empty for none."""
     name = next(row["mechanism"] for row in run.damage.parts if row["part"] == part)
     return "" if name == "none" else str(name)
-
-
-def _plain(axes: Any) -> None:
-    """No frame but the axes, a faint grid behind."""
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
-    axes.grid(axis="y", color="#e3e6e9", linewidth=0.8)
-    axes.set_axisbelow(True)

@@ -48,14 +48,7 @@ def write_joints_csv(table: JointDamage, path: Path, provisional: str = "") -> N
     """
     left_out = {"both", *([BONDED] if np.isnan(table.bonded).all() else [])}
     columns = [item.name for item in fields(table) if item.name not in left_out]
-    cells = [map(_text, getattr(table, name).tolist()) for name in columns]
+    cells = [getattr(table, name).tolist() for name in columns]
     if provisional:
-        columns, cells = [*columns, "provisional"], [*cells, map(str, [provisional] * len(table.joint))]
-    write_csv(path, columns, zip(*cells, strict=True))
-
-
-def _text(value: Any) -> str:
-    """A cell: numbers with nine digits, NaN as nothing."""
-    if isinstance(value, float):
-        return "" if np.isnan(value) else f"{value:.9g}"
-    return str(value)
+        columns, cells = [*columns, "provisional"], [*cells, [provisional] * len(table.joint)]
+    write_csv(path, columns, zip(*cells, strict=True), digits=9)

@@ -138,16 +138,7 @@ def _by_part(history: Sequence[Row]) -> dict[str, Any]:
 
 def _write_csv(rows: Sequence[Row], path: Path, columns: Sequence[str] = ()) -> None:
     """One line per row; lists are joined by blanks, unknown numbers left empty."""
-    write_csv(path, rows[0] if rows else columns, ([_cell(value) for value in row.values()] for row in rows))
-
-
-def _cell(value: Any) -> str:
-    """A cell of a table."""
-    if isinstance(value, (list, tuple)):
-        return " ".join(map(_cell, value))
-    if isinstance(value, (float, np.floating)):
-        return "" if math.isnan(value) else f"{value:.{DIGITS}g}"
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    write_csv(path, rows[0] if rows else columns, (row.values() for row in rows), DIGITS)
 
 
 def _plain(value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""The sheet around a rendered model: title, facts, scale bar and keys, all outside the model's own area.
+"""The sheet around a drawn model: title, facts, scale bar and keys, all outside the model's own area.
 
 Sizes are in pixels and one figure pixel is one image pixel, so that the scale bar is exact. Wide models have their keys below,
 tall ones beside them.
@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,9 @@ from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import nice
 from reports.drawing import palette
-from reports.drawing.render import View
+from reports.drawing.parts import ColourClasses, Panel, Sign, View
+from reports.drawing.render import SAMPLES, Canvas
+from reports.drawing.scene import Scene
 
 WIDTH = 1800  # of the sheet
 MARGIN = 40
@@ -31,8 +34,12 @@ TRIAD = 80.0  # width of the axes beside a scale bar
 SEEN = 0.05  # share of its length that an axis must show in a picture to be drawn
 INK, FAINT, COLOURS = palette.INK, palette.FAINT, palette.CURVES
 
+PITCH, SIGN = 29.0, 46.0  # of the rows of a key, and width of a sign
+LETTER = 8.6  # mean width of a letter of a note
+
+FIXED_TEXTS: dict[Any, Any] = {"svg.hashsalt": "masonry_cd", "svg.fonttype": "path", "pdf.fonttype": 42}
+
 Box = tuple[float, float, float, float]  # left, bottom, width, height
-Paint = Callable[[Any, Box], None]  # paints the sign of a key's row into a box of some axes
 
 
 @dataclass(frozen=True)
@@ -48,14 +55,17 @@ class Layout:
         """Width and height of the model's image."""
         return self.model[2], self.model[3]
 
-    def keys(self, count: int) -> list[Box]:
-        """Boxes (left, bottom, width, height) for the keys, in reading order."""
+    def keys(self, wide: Sequence[int]) -> list[Box]:
+        """Boxes (left, bottom, width, height) of the panels of a key, which take so many places side by side, at most two above another."""
         left, bottom, width, height = self.model
+        places = [min(n, 2) if self.beside else n for n in wide]
+        first = np.concatenate([[0], np.cumsum(places)])
         if self.beside:
-            each = height / count
-            return [(left + width + MARGIN, bottom + height - (k + 1) * each, COLUMN - MARGIN, each) for k in range(count)]
-        each = (self.size[0] - 2 * MARGIN) / count
-        return [(MARGIN + k * each, MARGIN / 2, each - MARGIN, STRIP - MARGIN) for k in range(count)]
+            each = height / first[-1]
+            top = bottom + height
+            return [(left + width + MARGIN, top - each * b, COLUMN - MARGIN, each * (b - a)) for a, b in pairwise(first.tolist())]
+        each = (self.size[0] - 2 * MARGIN) / first[-1]
+        return [(MARGIN + a * each, MARGIN / 2, (b - a) * each - MARGIN, STRIP - MARGIN) for a, b in pairwise(first.tolist())]
 
 
 def layout(aspect: float) -> Layout:
@@ -66,6 +76,11 @@ def layout(aspect: float) -> Layout:
         return Layout((WIDTH, TITLE + height + STRIP), (MARGIN, STRIP, width, height), beside=False)
     width, height = WIDTH - 2 * MARGIN - COLUMN, 1180
     return Layout((WIDTH, TITLE + height + MARGIN), (MARGIN, MARGIN, width, height), beside=True)
+
+
+def layout_of(scene: Scene) -> Layout:
+    """The layout for a scene."""
+    return layout(scene.window.width / scene.window.height)
 
 
 def in_metres(value: float) -> str:
@@ -79,42 +94,59 @@ def in_metres(value: float) -> str:
     return f"{value * 100:.3g} cm" if value >= 0.1 else f"{value * 1000:.3g} mm"
 
 
-def plain_axes(axes: Any, words: str) -> None:
-    """A faint grid, a title at the axis, no frame."""
-    axes.set_ylabel(words, fontsize=11, color=INK)
-    axes.tick_params(labelsize=10.5, colors=FAINT)
-    axes.grid(color="#e8eaed", linewidth=0.8)
+def blank(size: tuple[float, float], dpi: int = 100, **look: Any) -> Any:
+    """An empty figure of matplotlib, white, of a size [inches]."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure: Any = Figure(figsize=size, dpi=dpi, facecolor="white", **look)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def plain_axes(axes: Any, words: str = "", across: str = "", grid: str = "both") -> None:
+    """Titles at the axes, ticks, a faint grid behind, no frame."""
+    axes.set_ylabel(words, fontsize=11, color=INK, parse_math=False)
+    axes.set_xlabel(across, fontsize=11, color=INK, parse_math=False)
+    axes.tick_params(labelsize=10, colors=FAINT, which="both")
+    axes.grid(axis=grid, color="#e8eaed", linewidth=0.8)
     axes.set_axisbelow(True)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in ("left", "bottom"))
+        spine.set_color(FAINT)
+
+
+def zero_line(axes: Any) -> None:
+    """A line at zero, from edge to edge."""
     axes.margins(x=0.0)
     axes.axhline(0.0, color=FAINT, linewidth=0.6)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
 
 
-def save(figure: Any, path: Path) -> None:
-    """Write a figure of matplotlib as a PNG.
+def save(figure: Any, path: Path, title: str = "") -> Path:
+    """Write a figure of matplotlib as PNG, SVG or PDF by its ending, with nothing in it that depends on the day; return the path.
 
     Raises:
         InputError: the file cannot be written.
     """
+    import matplotlib
+
+    form = path.suffix[1:]
+    undated: dict[str, Any] = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(form, {})
     try:
-        with replacing(path) as part:
-            figure.savefig(part)
+        with matplotlib.rc_context(FIXED_TEXTS), replacing(path) as part:
+            figure.savefig(part, format=form, metadata=undated | ({"Title": title} if title else {}))
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+    return path
 
 
 class Sheet:
     """A figure whose coordinates are pixels from the lower left corner."""
 
     def __init__(self, plan: Layout) -> None:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
         self.plan = plan
         self._image: np.ndarray | None = None  # of the model
-        self.figure: Any = Figure(figsize=(plan.size[0] / 100, plan.size[1] / 100), dpi=100, facecolor="white")
-        FigureCanvasAgg(self.figure)
+        self.figure = blank((plan.size[0] / 100, plan.size[1] / 100))
 
     def axes(self, left: float, bottom: float, width: float, height: float) -> Any:
         """Axes in a box of pixels, whose own coordinates are pixels from the box's lower left corner."""
@@ -125,9 +157,43 @@ class Sheet:
         axes.set_axis_off()
         return axes
 
-    def model(self, image: np.ndarray) -> None:
-        """Place the image of the model, (height, width, 3) uint8, pixel by pixel."""
-        self._image = image
+    @classmethod
+    def drawn(cls, scene: Scene, samples: int = SAMPLES) -> Sheet:
+        """The sheet of a scene, drawn off screen; each pixel is the mean of samples x samples rendered ones.
+
+        Raises:
+            InputError: no off-screen OpenGL.
+        """
+        with Canvas(scene.view, layout_of(scene).pixels, samples) as canvas:
+            return cls.drawn_on(canvas, scene)
+
+    @classmethod
+    def drawn_on(cls, canvas: Canvas, scene: Scene, panels: Sequence[Panel] | None = None) -> Sheet:
+        """The sheet of a scene, drawn on a canvas of its size, with all of its key or some ``panels``."""
+        sheet = cls.around(scene, panels)
+        sheet._image = canvas.draw(replace(scene, window=scene.window.fitted(sheet.plan.pixels)))
+        return sheet
+
+    @classmethod
+    def as_polygons(cls, scene: Scene) -> Sheet:
+        """The sheet of a scene whose model is polygons, for SVG and PDF."""
+        from reports.drawing.vector import draw_polygons
+
+        sheet = cls.around(scene)
+        draw_polygons(sheet.axes(*sheet.plan.model), replace(scene, window=scene.window.fitted(sheet.plan.pixels)))
+        return sheet
+
+    @classmethod
+    def around(cls, scene: Scene, panels: Sequence[Panel] | None = None) -> Sheet:
+        """What stands around the model of a scene: title, facts and key, or of the key some ``panels`` alone."""
+        sheet = cls(layout_of(scene))
+        sheet.head(scene.title, scene.facts)
+        boxes = sheet.plan.keys([panel.wide for panel in scene.key]) if scene.key else []
+        pixel = scene.window.fitted(sheet.plan.pixels).width / sheet.plan.pixels[0]
+        for panel, box in zip(scene.key, boxes, strict=True):
+            if panels is None or panel in panels:
+                sheet.panel(panel, box, scene.view, pixel)
+        return sheet
 
     def head(self, title: str, facts: str) -> None:
         """Title and facts at the top; lines of facts that are wider than the sheet are broken between words."""
@@ -184,12 +250,26 @@ class Sheet:
             axes.plot([place[0], place[0] + x], [place[1], place[1] + y], color=colour, linewidth=2.0)
             axes.text(place[0] + 1.45 * x, place[1] + 1.45 * y, name, fontsize=12, color=colour, ha="center", va="center")
 
-    def swatches(self, axes: Any, rows: Sequence[tuple[Paint, str]], left: float, top: float, pitch: float = 32.0) -> None:
-        """A key: per row a function that paints into a box (left, bottom, width, height), and a text."""
-        for k, (paint, text) in enumerate(rows):
-            bottom = top - (k + 1) * pitch
-            paint(axes, (left, bottom + 6, 46.0, 16.0))
-            axes.text(left + 60, bottom + 13, text, fontsize=13, color=INK, va="center", parse_math=False)
+    def panel(self, panel: Panel, box: Box, view: View, pixel: float) -> None:
+        """A part of the key, from the top of its box; a pixel of the model is so large [m]."""
+        axes, (width, top) = self.axes(*box), box[2:]
+        if panel.scale is not None:
+            _draw_scale(axes, width, top, *panel.scale, panel.dashed)
+            top -= 84
+        if panel.ruler:
+            self.scale_bar(axes, pixel, 10, top - 44, width - 60 - TRIAD)
+            self.triad(axes, view, (width - 0.5 * TRIAD, top - 58))
+            top -= 80
+        per_column = max(1, int((top - 4) // PITCH))
+        rows, room = list(panel.signs), per_column * (1 if self.plan.beside else panel.wide)
+        if len(rows) > room:
+            rows = [*rows[: room - 1], Sign("", f"and {len(rows) - room + 1} more")]
+        for k, sign in enumerate(rows):
+            left = k // per_column * (width + MARGIN) / panel.wide
+            bottom = top - 4 - (k % per_column + 1) * PITCH
+            _draw_sign(axes, sign, left, bottom)
+        for k, line in enumerate(textwrap.wrap(panel.note, max(20, int(width / LETTER)))):
+            axes.text(0, top - 10 - PITCH * len(rows) - 24 * k, line, fontsize=12, color=INK, va="center", parse_math=False)
 
     def pixels(self, under: np.ndarray | None = None) -> np.ndarray:
         """The sheet as an image (height, width, 3) uint8, over another of its size whose signs lie beside its own."""
@@ -216,3 +296,35 @@ class Sheet:
                 Image.fromarray(self.pixels()).save(part, format="png", dpi=(100, 100))
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _draw_sign(axes: Any, sign: Sign, left: float, bottom: float) -> None:
+    """A row of a key."""
+    from matplotlib.patches import Rectangle
+
+    middle = bottom + 13
+    if sign.kind == "box":
+        axes.add_patch(Rectangle((left, bottom + 5), SIGN, 16, facecolor=sign.colours[0], edgecolor=palette.EDGE, linewidth=1.0))
+    elif sign.kind == "band":  # a piece of a band, its dashes alternating
+        for k in range(3):
+            colour = sign.colours[k % len(sign.colours)]
+            axes.add_patch(Rectangle((left + k * SIGN / 3, middle - 4), SIGN / 3, 8, facecolor=colour, linewidth=0))
+    elif sign.kind == "line":
+        axes.plot([left, left + SIGN], [middle] * 2, color=sign.colours[0], linewidth=3.0)
+    elif sign.kind == "dot":
+        axes.plot([left + SIGN / 2], [middle], "o", color=sign.colours[0], markersize=7.0)
+    axes.text(left + SIGN + 14, middle, sign.text, fontsize=13, color=INK, va="center", parse_math=False)
+
+
+def _draw_scale(axes: Any, width: float, top: float, name: str, scale: ColourClasses, dashed: bool) -> None:
+    """A row of boxes with their bounds below; dashed ones leave a gap, as the dashes of a map do."""
+    from matplotlib.patches import Rectangle
+
+    bottom, start, each = top - 66, 10, (width - 40) / len(scale.bounds)
+    axes.text(0, top - 24, name, fontsize=14, weight="bold", color=INK, va="center")
+    for k, (bound, colour) in enumerate(zip(scale.bounds, scale.colours, strict=True)):
+        left = start + k * each
+        axes.add_patch(Rectangle((left, bottom), each * (0.66 if dashed else 1.0), 26, facecolor=colour / 255.0, linewidth=0))
+        axes.plot([left, left], [bottom - 6, bottom], color=FAINT, linewidth=1.0)
+        axes.text(left, bottom - 18, f"{bound * scale.factor:.3g}", fontsize=11, color=INK, ha="center", va="center")
+    axes.text(start + len(scale.bounds) * each + 6, bottom + 13, "+", fontsize=14, color=INK, va="center")

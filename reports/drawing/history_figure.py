@@ -10,7 +10,7 @@ import numpy as np
 from masonry_cd.analysis.deformed import Solids, base_shift, solids_of
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.io.results import Results
-from reports.drawing.figure import COLOURS, INK, plain_axes
+from reports.drawing.figure import COLOURS, INK, blank, plain_axes, zero_line
 
 AXES = "xyz"
 STROKES = ("-", "--", ":", "-.")
@@ -27,15 +27,11 @@ def history_figure(results: Results, names: Sequence[str] = (), axis: str = "") 
     Raises:
         InputError: no block has a name, or no such axis.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     solids, time = solids_of(results.blocks), np.asarray(results.time, dtype=float)
     chosen = _chosen(results, solids, names)
     moved, velocity = _motions(results, solids, chosen)
     along = _axis(axis, moved)
-    figure: Any = Figure(figsize=(11.0, 6.2), dpi=110, facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = blank((11.0, 6.2), 110)
     figure.subplots_adjust(left=0.09, right=0.97, bottom=0.09, top=0.86, hspace=0.3)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1.0))
     values = moved[:, :, along]
@@ -47,8 +43,8 @@ def history_figure(results: Results, names: Sequence[str] = (), axis: str = "") 
     upper.legend(fontsize=10, frameon=False, ncols=min(6, len(chosen)), loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
     lower.plot(time, velocity[:, along], color=INK, linewidth=1.3)
     for axes, words in ((upper, f"displacement along {AXES[along]} [{unit}]"), (lower, f"velocity of the\nbase along {AXES[along]} [m/s]")):
-        plain_axes(axes, words)
-    lower.set_xlabel("time [s]", fontsize=12, color=INK)
+        plain_axes(axes, words, "time [s]" if axes is lower else "")
+        zero_line(axes)
     heading = f"Displacement relative to the base: {results.title}"
     figure.text(0.02, 0.96, heading, fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
     return figure

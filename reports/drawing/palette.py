@@ -1,7 +1,4 @@
-"""The colours of pictures, pages and the model on the page: one of each meaning, for VTK, matplotlib, SVG, style sheet and WebGL.
-
-Those of openings and slidings are scales (:mod:`reports.maps.crack_key`).
-"""
+"""The colours of pictures, pages and the model on the page: one of each meaning, for VTK, matplotlib, SVG, style sheet and WebGL."""
 
 from __future__ import annotations
 
@@ -15,3 +12,14 @@ PULLING, SLACK = "#6a1b7a", "#8d8d8d"  # ties: unlike openings, slidings and for
 STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
 SUPPORT, EDGE = "#a9adb0", "#4a4640"
 OPENED, SLID = "#225ea8", "#d7301f"  # the states of a joint, beside PARTED
+# of groups: light enough for black edges, apart in hue and in grey; supports are always the grey one
+GROUPS = ("#e6d9bd", "#9fc3dd", "#e9a77c", "#b9d3a4", "#cbb3d9", "#f3dc84", "#8fb8b0", "#dba3ad", "#b7a58a", "#c6d9ea")
+STRONG = "#1b2a6b"  # joints that a map points out
+THRUST = "#5a146e"  # the line of thrust
+STANDS, MOVES, REST = "#ddd8cc", "#f0d9a8", "#9aa0a6"  # blocks in a mechanism, and their outlines as built
+AT_WORK = {"hinge": "#d55e00", "slide": "#0072b2", "hinge and slide": "#cc79a7", "open": "#009e73"}  # joints in a mechanism
+FAULTY, SOUND = "#c2410c", "#c9ced1"  # blocks that are refused, and the others
+OPENING, SLIDING = ("YlGnBu", 0.4, 1.0), ("OrRd", 0.4, 1.0)  # colour maps of joints, and the part of each in use
+PRESSED = ("YlOrRd", 0.0, 0.9)  # of a compression: pale to dark, distinguishable in grey print
+SHARES = ("YlOrRd", 0.18, 1.0)  # of a probability
+DISPLACED = "viridis"  # of a displacement: orderly also in grey and for colour-blind eyes

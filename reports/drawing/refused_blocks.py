@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,12 +15,12 @@ from masonry_cd.analysis.deformed import Solids
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
 from masonry_cd.mechanics.model.polygon import next_in_loop
-from reports.drawing.figure import INK, Sheet, layout
-from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
-from reports.drawing.structure_picture import EDGE, around, auto_view, box_swatch, no_swatch, rgb
+from reports.drawing.figure import INK, Sheet
+from reports.drawing.palette import EDGE, FAULTY, SOUND
+from reports.drawing.parts import RULER, Lines, Panel, Sign, Surface, Window, painted
+from reports.drawing.scene import Scene
+from reports.drawing.solids import looking_at, structure_window, within_sight
 
-FAULTY = "#c2410c"
-SOUND = "#c9ced1"
 GLASS = 0.10  # opacity of the sound blocks
 NAMES = 12  # most faulty blocks that are named in the picture
 PITCH = 36.0  # of the names [pixels]
@@ -43,18 +41,21 @@ def problem_picture(blocks: Sequence[Block], faulty: Sequence[str], message: str
     drawn = [block for block in blocks if _can_be_drawn(block)]
     solids = _solids(drawn)
     at_fault = np.array([block.name in set(faulty) for block in drawn])
-    view = view_named(auto_view(solids))
-    window = around(view.plane(solids.vertices), 0.06)
-    plan = layout(window.width / window.height)
-    window = window.fitted(plan.pixels)
-    sheet = Sheet(plan)
-    sheet.model(render(_layers(solids, at_fault, view, window), view, window, plan.pixels))
-    count = int(at_fault.sum())
-    sheet.head(
-        f"Refused: {count} of {len(blocks)} blocks at fault", textwrap.shorten(message, 150 if plan.beside else 190, placeholder=" …")
+    view, count, left_out = looking_at(solids), int(at_fault.sum()), len(blocks) - len(drawn)
+    rows = [Sign("box", f"at fault ({count})", (FAULTY,)), Sign("box", f"others ({len(drawn) - count})", (SOUND,))]
+    rows += [Sign("", f"the first {NAMES} are named")] if count > NAMES else []
+    rows += [Sign("", f"{left_out} cannot be drawn")] if left_out else []
+    window, red = structure_window(solids, view), within_sight(solids, solids.vertices)[at_fault[solids.vertex_block]]
+    scene = Scene(
+        view=view,
+        window=window.joined(Window.around(view.plane(red), 0.06)) if len(red) else window,
+        layers=_layers(solids, at_fault),
+        title=f"Refused: {count} of {len(blocks)} blocks at fault",
+        facts=textwrap.shorten(message, 150, placeholder=" …"),
+        key=[Panel(rows), RULER],
     )
-    _names(sheet, drawn, solids, at_fault, view, window)
-    _key(sheet, len(blocks), count, len(blocks) - len(drawn), window)
+    sheet = Sheet.drawn(scene)
+    _names(sheet, drawn, solids, at_fault, scene)
     sheet.save(path)
 
 
@@ -72,16 +73,20 @@ def _solids(blocks: Sequence[Block]) -> Solids:
     return Solids.of(shells, centre, np.array([block.fixed for block in blocks]))
 
 
-def _layers(solids: Solids, at_fault: np.ndarray, view: View, window: Window) -> list[Layer]:
+def _layers(solids: Solids, at_fault: np.ndarray) -> list[Surface | Lines]:
     """Faulty blocks with their edges, then the others as glass."""
-    lift = 5e-4 * window.height * view.towards
-    edges = _sides(solids)
+    edges, vertices = _sides(solids), within_sight(solids, solids.vertices)
     red = at_fault[solids.vertex_block[edges[:, 0]]]
+
+    def faces(chosen: np.ndarray, colour: str, opacity: float) -> Surface:
+        whole = Surface(vertices, solids.loops, solids.loop_start, painted(colour, len(solids.face_block)), opacity=opacity)
+        return whole.some(chosen[solids.face_block])
+
     return [
-        _faces(solids, at_fault, FAULTY, 1.0),
-        Lines(solids.vertices + lift, edges[red], EDGE, 1.6),
-        Lines(solids.vertices, edges[~red], "#9aa2a7", 0.6),
-        _faces(solids, ~at_fault, SOUND, GLASS),
+        faces(at_fault, FAULTY, 1.0),
+        Lines(vertices, edges[red], EDGE, 1.6, lift=5e-4),
+        Lines(vertices, edges[~red], "#9aa2a7", 0.6),
+        faces(~at_fault, SOUND, GLASS),
     ]
 
 
@@ -92,19 +97,12 @@ def _sides(solids: Solids) -> np.ndarray:
     return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
-def _faces(solids: Solids, chosen: np.ndarray, colour: str, opacity: float) -> Surface:
-    """The faces of some blocks."""
-    kept, sides = chosen[solids.face_block], np.diff(solids.loop_start)
-    colours = np.tile((255 * rgb(colour)).astype(np.uint8), (int(kept.sum()), 1))
-    loops = solids.loops[np.repeat(kept, sides)]
-    return Surface(solids.vertices, loops, np.cumsum([0, *sides[kept]]), colours, opacity=opacity)
-
-
-def _names(sheet: Sheet, blocks: Sequence[Block], solids: Solids, at_fault: np.ndarray, view: View, window: Window) -> None:
+def _names(sheet: Sheet, blocks: Sequence[Block], solids: Solids, at_fault: np.ndarray, scene: Scene) -> None:
     """The names of the first faulty blocks, in a column on either side, by height, with a line to each block."""
     axes = sheet.axes(*sheet.plan.model)
     width, height = sheet.plan.pixels
-    places = (view.plane(solids.centre) - [window.left, window.bottom]) * width / window.width
+    window = scene.window.fitted(sheet.plan.pixels)
+    places = (scene.view.plane(solids.centre) - [window.left, window.bottom]) * width / window.width
     named = np.flatnonzero(at_fault)[:NAMES]
     left = places[named, 0] <= 0.5 * width
     for side, members in ((0.0, named[left]), (float(width), named[~left])):
@@ -118,18 +116,3 @@ def _names(sheet: Sheet, blocks: Sequence[Block], solids: Solids, at_fault: np.n
                 bbox={"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": FAULTY},
                 arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.9}, annotation_clip=False, parse_math=False,
             )  # fmt: skip
-
-
-def _key(sheet: Sheet, blocks: int, faulty: int, left_out: int, window: Window) -> None:
-    """The two kinds of blocks, how many have no name or cannot be drawn, and the scale bar."""
-    rows: list[tuple[Any, str]] = [
-        (partial(box_swatch, colour=FAULTY), f"at fault ({faulty})"),
-        (partial(box_swatch, colour=SOUND), f"others ({blocks - faulty - left_out})"),
-    ]
-    if faulty > NAMES:
-        rows.append((no_swatch, f"the first {NAMES} are named"))
-    if left_out:
-        rows.append((no_swatch, f"{left_out} cannot be drawn"))
-    boxes = sheet.plan.keys(2)
-    sheet.swatches(sheet.axes(*boxes[0]), rows, 0, boxes[0][3] - 6)
-    sheet.scale_bar(sheet.axes(*boxes[1]), window.width / sheet.plan.pixels[0], 10, boxes[1][3] - 44)

@@ -1,15 +1,10 @@
-r"""Draws polygons and lines off-screen with VTK, in parallel projection, and returns an image.
-
-A picture is a few layers, each one mesh whatever the number of blocks: the faces of all blocks, their edges, the bands of all
-joints. Parallel projection keeps lengths in the plane of the picture, so that one scale bar holds everywhere in it.
-"""
+"""Draws scenes off screen with VTK, as a few meshes whatever the number of blocks: all faces, all edges, the bands of all joints."""
 
 from __future__ import annotations
 
 import ctypes
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -17,122 +12,28 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.freed_memory import give_back_freed_memory
+from reports.drawing import palette
+from reports.drawing.parts import Layer, Lines, Ties, View, Window
+from reports.drawing.scene import Scene, cut_layers, joint_layers, placed, tie_layers, ties_of
 
 SAMPLES = 2  # of a picture, in each direction
 LIGHTS = (((-0.5, 0.6, 0.9), 0.50), ((0.9, 0.1, 0.5), 0.16), ((0.0, 0.0, 1.0), 0.12))  # towards the light (right, up, viewer), strength
 AMBIENT = 0.45
+LABELLED = 12  # ties; of more, those that pull most
+LETTERS = 17  # height of a label [pixels]
 NO_CONTEXT = (
     "pictures: no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1 (or go without: report.crack_map = false)"
 )
 
 
-@dataclass(frozen=True, eq=False)
-class View:
-    """A direction to look in: unit vectors to the right, up, and towards the viewer, (3,) each."""
-
-    name: str
-    right: np.ndarray
-    up: np.ndarray
-    towards: np.ndarray
-
-    @property
-    def is_oblique(self) -> bool:
-        """Whether it looks along no axis, so that a picture does not show by itself where the axes point."""
-        return bool(np.abs(self.towards).max() < 0.999)
-
-    def plane(self, points: np.ndarray) -> np.ndarray:
-        """Points (N, 3) in the plane of the picture, (N, 2): right and up [m]."""
-        return np.stack([points @ self.right, points @ self.up], axis=1)
-
-
-@dataclass(frozen=True)
-class Window:
-    """The part of a view's plane that the picture shows [m]."""
-
-    left: float
-    right: float
-    bottom: float
-    top: float
-
-    @property
-    def width(self) -> float:
-        """[m]"""
-        return self.right - self.left
-
-    @property
-    def height(self) -> float:
-        """[m]"""
-        return self.top - self.bottom
-
-    def joined(self, other: Window) -> Window:
-        """The smallest window around this one and another."""
-        left, right = min(self.left, other.left), max(self.right, other.right)
-        return Window(left, right, min(self.bottom, other.bottom), max(self.top, other.top))
-
-    def fitted(self, pixels: tuple[int, int]) -> Window:
-        """The smallest window around this one that has the shape of an image (width, height)."""
-        width = max(self.width, self.height * pixels[0] / pixels[1])
-        height = width * pixels[1] / pixels[0]
-        x, y = (self.left + self.right) / 2, (self.bottom + self.top) / 2
-        return Window(x - width / 2, x + width / 2, y - height / 2, y + height / 2)
-
-
-@dataclass(frozen=True, eq=False)
-class Surface:
-    """Polygons F with colours (F, 3) uint8; lit ones are shaded, others keep their colour exactly. Less than opaque ones come last."""
-
-    points: np.ndarray
-    loops: np.ndarray
-    loop_start: np.ndarray
-    colours: np.ndarray
-    lit: bool = True
-    opacity: float = 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class Lines:
-    """Straight lines between pairs (E, 2) of points."""
-
-    points: np.ndarray
-    pairs: np.ndarray
-    colour: str
-    width: float  # pixels
-
-
-Layer = Surface | Lines
-
-
-def view_named(name: str) -> View:
-    """A view by name: front (along y), back, side (from +x), top, isometric.
-
-    Raises:
-        InputError: an unknown name.
-    """
-    turn, tilt = np.radians(32.0), np.radians(24.0)
-    towards = {
-        "front": (0.0, -1.0, 0.0),
-        "back": (0.0, 1.0, 0.0),
-        "side": (1.0, 0.0, 0.0),
-        "top": (0.0, 0.0, 1.0),
-        "isometric": (np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)),
-    }
-    if name not in towards:
-        raise InputError(f'view: "{name}" is none; views: auto, {", ".join(towards)}')
-    viewer = np.array(towards[name])
-    upward = np.array([0.0, 1.0, 0.0]) if name == "top" else np.array([0.0, 0.0, 1.0])
-    right = np.cross(upward, viewer)
-    right /= np.linalg.norm(right)
-    return View(name, right, np.cross(viewer, right), viewer)
-
-
-def render(layers: Sequence[Layer], view: View, window: Window, pixels: tuple[int, int], samples: int = SAMPLES) -> np.ndarray:
-    """Draw layers into an image (height, width, 3) uint8 on white; each pixel is the mean of samples x samples rendered ones.
+def render(scene: Scene, pixels: tuple[int, int], samples: int = SAMPLES) -> np.ndarray:
+    """Draw a scene into an image (height, width, 3) uint8 on white; each pixel is the mean of samples x samples rendered ones.
 
     Raises:
         InputError: no off-screen OpenGL; names the packages that bring it.
     """
-    with Canvas(view, pixels, samples) as canvas:
-        return canvas.draw(layers, window)
+    with Canvas(scene.view, pixels, samples) as canvas:
+        return canvas.draw(scene)
 
 
 class Canvas:
@@ -166,8 +67,14 @@ class Canvas:
         self._plotter.close()
         give_back_freed_memory()
 
-    def draw(self, layers: Sequence[Layer], window: Window) -> np.ndarray:
-        """Draw layers into an image (height, width, 3) uint8 on white."""
+    def draw(self, scene: Scene) -> np.ndarray:
+        """Draw a scene, seen as the canvas was made for, into an image (height, width, 3) uint8 on white."""
+        ties, window = ties_of(scene), scene.window
+        layers = placed([*cut_layers(scene), *joint_layers(scene), *tie_layers(ties)], self._view, window.height)
+        return labelled(self._drawn(layers, window), ties, self._view, window)
+
+    def _drawn(self, layers: Sequence[Layer], window: Window) -> np.ndarray:
+        """The image of layers as they lie."""
         self._plotter.clear_actors()
         for layer in layers:
             _add(self._plotter, layer, self._samples)
@@ -255,3 +162,31 @@ def _aim(camera: Any, layers: Sequence[Layer], view: View, window: Window) -> No
     camera.up = view.up
     camera.parallel_scale = window.height / 2
     camera.clipping_range = (0.5 * span, 2.5 * span)
+
+
+def labelled(image: np.ndarray, ties: Ties, view: View, window: Window) -> np.ndarray:
+    """An image (H, W, 3) uint8 of a window with the labels of its ties, of many those that pull most."""
+    shown = [i for i in np.argsort(-ties.tension, kind="stable")[:LABELLED].tolist() if ties.texts[i]]
+    if not shown:
+        return image
+    from PIL import Image, ImageDraw
+
+    picture = Image.fromarray(image)
+    pen = ImageDraw.Draw(picture)
+    metre = image.shape[1] / window.width
+    for i in shown:
+        (x, y), (u, v) = view.plane(ties.ends[i].mean(axis=0)[None])[0], np.diff(view.plane(ties.ends[i]), axis=0)[0]
+        above = (0, -0.9 * LETTERS) if abs(u) >= abs(v) else (2.2 * LETTERS, 0)
+        colour = palette.PULLING if ties.tension[i] > 0.0 else "#5a5a5a"
+        at = ((x - window.left) * metre + above[0], (window.top - y) * metre + above[1])
+        pen.text(at, ties.texts[i], fill=colour, font=_font(), anchor="mm", stroke_width=3, stroke_fill="white")
+    return np.asarray(picture)
+
+
+@cache
+def _font() -> Any:
+    """The letters of matplotlib's pictures."""
+    from matplotlib import get_data_path
+    from PIL import ImageFont
+
+    return ImageFont.truetype(f"{get_data_path()}/fonts/ttf/DejaVuSans-Bold.ttf", LETTERS)

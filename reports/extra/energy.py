@@ -17,7 +17,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.drawing.figure import COLOURS, INK, plain_axes, save
+from reports.drawing.figure import COLOURS, INK, blank, plain_axes, save, zero_line
 from reports.extra import ExtraReport
 
 WORKS = (("base_work", "work of the base", "-"), ("gravity_work", "work of gravity", "--"), ("force_work", "work of forces", "-."))
@@ -44,14 +44,10 @@ def energy_figure(results: Results) -> Any:
     Raises:
         InputError: a run without a step.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     time, energy = energies(results)
     if not len(time):
         raise InputError(f"{results.path}: the run made no step: there is no energy to draw")
-    figure: Any = Figure(figsize=(12.0, 8.2), dpi=110, facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = blank((12.0, 8.2), 110)
     figure.subplots_adjust(left=0.09, right=0.83, bottom=0.08, top=0.88, hspace=0.34)
     upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=(3.2, 2.2, 1.1))
     works, goes = _present(energy, [(key, words) for key, words, _ in WORKS]), _present(energy, GOES)
@@ -72,8 +68,8 @@ def energy_figure(results: Results) -> Any:
     largest = max(float(np.abs(energy[key]).max()) for key in ("kinetic", *(key for key, _ in works)))
     lower.plot(time, energy["balance"] / largest if largest > 0.0 else energy["balance"], color=INK, linewidth=1.2)
     for axes, words in ((upper, f"where it went [{unit}]"), (middle, f"put in [{unit}]"), (lower, "balance\n[share of the\nlargest work]")):
-        plain_axes(axes, words)
-    lower.set_xlabel("time [s]", fontsize=12, color=INK)
+        plain_axes(axes, words, "time [s]" if axes is lower else "")
+        zero_line(axes)
     figure.text(0.02, 0.955, f"Energy: {results.title}", fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
     return figure
 

@@ -18,7 +18,8 @@ from masonry_cd.analysis.pushover import push_curves, push_warnings
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.laboratory.plots import draw_curves, draw_gauges
+from reports.drawing.figure import save
+from reports.laboratory.plots import gauges_figure, push_figure
 
 CURVES, CYCLES = "force_displacement.csv", "push_cycles.csv"
 CURVE_PLOT, GAUGE_PLOT = "force_displacement.png", "gauges.png"
@@ -41,21 +42,19 @@ def write_laboratory(results: Results, folder: Path, drawn: bool = True) -> dict
         return {}
     curves = push_curves(results)
     if curves:
-        write_csv(folder / CURVES, CURVE_COLUMNS, _curve_rows(curves))
+        write_csv(folder / CURVES, CURVE_COLUMNS, _curve_rows(curves), digits=10)
     pushes = [curve.numbers() for curve in curves if curve.kind == "push"]
-    cycles = [
-        [row["name"], k + 1, *(_number(c[name]) for name in CYCLE_COLUMNS[2:])] for row in pushes for k, c in enumerate(row["cycles"])
-    ]
+    cycles = [[row["name"], k + 1, *(c[name] for name in CYCLE_COLUMNS[2:])] for row in pushes for k, c in enumerate(row["cycles"])]
     if cycles:
-        write_csv(folder / CYCLES, CYCLE_COLUMNS, cycles)
+        write_csv(folder / CYCLES, CYCLE_COLUMNS, cycles, digits=10)
     gauges = _histories(results)
     for kind, found in gauges.items():
         head, columns = TABLES[f"{kind}.csv"][0], list(next(iter(found.values())))
-        write_csv(folder / f"{kind}.csv", [head, *columns], _history_rows(found))
+        write_csv(folder / f"{kind}.csv", [head, *columns], _history_rows(found), digits=10)
     if drawn and curves:
-        draw_curves([curve for curve in curves if curve.kind == "push"] or curves, folder / CURVE_PLOT, results.title)
+        save(push_figure([curve for curve in curves if curve.kind == "push"] or curves, title=results.title), folder / CURVE_PLOT)
     if drawn and gauges:
-        draw_gauges(gauges, folder / GAUGE_PLOT, results.title)
+        save(gauges_figure(gauges, results.title), folder / GAUGE_PLOT)
     return {"pushes": pushes} if pushes else {}
 
 
@@ -88,14 +87,10 @@ def _curve_rows(curves: Iterable[Any]) -> Iterable[list[object]]:
     for curve in curves:
         columns = (curve.time, curve.displacement, curve.force, curve.moment, curve.inertia)
         for row in zip(*(values.tolist() for values in columns), strict=True):
-            yield [curve.name, *map(_number, row)]
+            yield [curve.name, *row]
 
 
 def _history_rows(found: Mapping[str, History]) -> Iterable[list[object]]:
     for name, columns in found.items():
         for row in zip(*(values.tolist() for values in columns.values()), strict=True):
-            yield [name, *map(_number, row)]
-
-
-def _number(value: float) -> str:
-    return f"{value:.10g}"
+            yield [name, *row]

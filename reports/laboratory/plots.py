@@ -5,19 +5,15 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from masonry_cd.analysis.gauge_histories import History, unit_of_column
 from masonry_cd.analysis.pushover import PushCurve
-from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import finite_number
-from reports.drawing.figure import COLOURS, FAINT, INK
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes
 
 POINTS = 4000  # of a curve that are drawn
 SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "normal_force", "depth"), "cracks": ("opening", "slip")}
@@ -30,22 +26,16 @@ INSIDE = 5  # curves at most whose legend goes into the plot
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
 
 
-def curves_figure(
-    curves: Sequence[Curve], measured: Sequence[Curve] = (), title: str = "", size: tuple[float, float] = (7.0, 4.6)
-) -> Figure:
+def curves_figure(curves: Sequence[Curve], measured: Sequence[Curve] = (), title: str = "", size: tuple[float, float] = (7.0, 4.6)) -> Any:
     """Curves of force against displacement; measured ones in grey, with points."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, layout="constrained")
+    figure = blank(size, layout="constrained")
     axes = figure.add_subplot()
     for name, u, f in measured:
         axes.plot(1e3 * u, 1e-3 * f, color=FAINT, lw=1.2, marker="o", ms=3.0, label=name)
     for k, (name, u, f) in enumerate(curves):
         every = max(1, len(u) // POINTS)
         axes.plot(1e3 * u[::every], 1e-3 * f[::every], color=COLOURS[k % len(COLOURS)], lw=1.3, label=name)
-    axes.set_xlabel("displacement [mm]")
-    axes.set_ylabel("force [kN]")
-    axes.grid(color="#e3e6e8", lw=0.6)
+    plain_axes(axes, "force [kN]", "displacement [mm]")
     axes.axhline(0.0, color=FAINT, lw=0.6)
     if len(curves) + len(measured) > 1:
         axes.legend(frameon=False, fontsize=8)
@@ -56,31 +46,18 @@ def curves_figure(
 
 def beside_figure(
     computed: Sequence[Curve], others: Sequence[Curve], labels: tuple[str, str], title: str, points: Sequence[Curve] = ()
-) -> Figure:
+) -> Any:
     """Curves over any axis, those that were measured or come from others, and points of these with no line between."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
+    figure = blank((7.0, 4.2), layout="constrained")
     axes = figure.add_subplot()
     for k, (name, x, y) in enumerate([*others, *points]):
-        axes.plot(
-            x,
-            y,
-            color=FAINT,
-            lw=1.0,
-            ls="--" if k < len(others) and len(x) > 1 else "none",
-            marker="os^vD<>"[k % 7],
-            ms=4.0,
-            markevery=max(1, len(x) // 12),
-            label=name,
-        )
+        look = {"marker": "os^vD<>"[k % 7], "ms": 4.0, "markevery": max(1, len(x) // 12)}
+        axes.plot(x, y, color=FAINT, lw=1.0, ls="--" if k < len(others) and len(x) > 1 else "none", label=name, **look)
     for k, (name, x, y) in enumerate(computed):
         dots = {"marker": "x", "ls": "none"} if len(x) <= FEW else {}
         axes.plot(x, y, color=COLOURS[k % len(COLOURS)], lw=1.4, label=name, **dots)
-    axes.set_xlabel(labels[0])
-    axes.set_ylabel(labels[1])
+    plain_axes(axes, labels[1], labels[0])
     axes.set_title(title, color=INK, fontsize=11, loc="left")
-    axes.grid(color="#e3e6e8", lw=0.6)
     if len(computed) + len(others) + len(points) > INSIDE:
         figure.legend(frameon=False, fontsize=7, loc="outside right upper")
     else:
@@ -88,36 +65,22 @@ def beside_figure(
     return figure
 
 
-def push_figure(curves: Sequence[PushCurve], measured: Sequence[Curve] = (), title: str = "") -> Figure:
+def push_figure(curves: Sequence[PushCurve], measured: Sequence[Curve] = (), title: str = "") -> Any:
     """The pushes of a run, means over short windows."""
     return curves_figure([(curve.name, *curve.means[:2]) for curve in curves], measured, title)
 
 
-def draw_curves(curves: Sequence[PushCurve], path: Path, title: str) -> None:
-    """Draw the pushes of a run."""
-    save(push_figure(curves, title=title), path)
-
-
-def draw_gauges(gauges: Mapping[str, Mapping[str, History]], path: Path, title: str) -> None:
-    """Draw histories of points, joints, cracks and supports, a row each kind and quantity."""
-    save(gauges_figure(gauges, title), path)
-
-
-def gauges_figure(gauges: Mapping[str, Mapping[str, History]], title: str = "") -> Figure:
+def gauges_figure(gauges: Mapping[str, Mapping[str, History]], title: str = "") -> Any:
     """Histories by kind and name."""
-    from matplotlib.figure import Figure
-
     rows = [(kind, column) for kind, found in gauges.items() for column in _shown(kind, found)]
-    figure = Figure(figsize=(8.0, 0.8 + 1.7 * len(rows)), layout="constrained")
+    figure = blank((8.0, 0.8 + 1.7 * len(rows)), layout="constrained")
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (kind, column) in zip(grid, rows, strict=True):
         for k, (name, columns) in enumerate(gauges[kind].items()):
             every = max(1, len(columns["time"]) // POINTS)
             axes.plot(columns["time"][::every], columns[column][::every], color=COLOURS[k % len(COLOURS)], lw=1.0, label=name)
-        axes.set_ylabel(f"{column}\n[{unit_of_column(column)}]", fontsize=8)
-        axes.grid(color="#e3e6e8", lw=0.6)
+        plain_axes(axes, f"{column}\n[{unit_of_column(column)}]", "time [s]" if axes is grid[-1] else "")
         axes.legend(frameon=False, fontsize=7, loc="upper right", title=WORDS[kind], title_fontsize=7)
-    grid[-1].set_xlabel("time [s]")
     if title:
         figure.suptitle(title, color=INK, fontsize=11, x=0.01, ha="left")
     return figure
@@ -154,12 +117,3 @@ def read_measured(path: Path) -> list[Curve]:
         raise InputError(f"{path}: no measured curve: no line with two numbers")
     table = np.array(values)
     return [(path.stem, table[:, 0], table[:, 1])]
-
-
-def save(figure: Any, path: Path) -> None:
-    """Write a figure, by the name's ending."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    FigureCanvasAgg(figure)
-    with replacing(path) as part:
-        figure.savefig(part, dpi=100, metadata={"Date": None} if path.suffix == ".svg" else None)

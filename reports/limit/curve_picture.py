@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -13,15 +14,17 @@ from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.stage import Stage
-from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
-from reports.drawing.render import Layer, Lines, View, Window, render
-from reports.drawing.structure_picture import SUPPORT, around, block_layers, rgb, structure_window, within_sight
-from reports.drawing.tie_lines import PULLING, DrawnTies
-from reports.limit.picture import COLOURS as STATE_COLOURS
-from reports.limit.picture import DOT, MOVES, REST, STANDS, dots, view_of_motion
+from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes, save, zero_line
+from reports.drawing.palette import AT_WORK, PULLING
+from reports.drawing.parts import Ties, View, Window
+from reports.drawing.render import render
+from reports.drawing.scene import Scene
+from reports.drawing.solids import structure_window
+from reports.limit.picture import DOT, dots, moving_layers, through, view_of_motion
 
 LETTERS = "abcdefgh"
 DOTTED = STATES[1:4]  # states of joints that are marked by a dot
+LONGEST = 500.0  # of a tie that is drawn [m]: the bars by which fill resists are longer
 SLACK = 1e-9  # tension, over the mean weight of a block, below which a tie pulls nothing
 WIDE = 150  # letters of the line below the title
 PIXELS = 460  # width of the picture of a marked point
@@ -43,17 +46,13 @@ def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: s
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     marks = curve.marks
     images = _images(curve, view)
     tall = max(image.shape[0] / image.shape[1] for image in images)
     width, each = 12.0, 11.6 / len(marks)
     below = min(each * tall, 5.2) + 0.45
     height = 1.0 + 4.6 + 0.5 + below
-    figure: Any = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = blank((width, height), DPI)
     figure.text(
         0.02,
         1.0 - 0.32 / height,
@@ -80,7 +79,7 @@ def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: s
 def _key(figure: Any, height: float, curve: CapacityCurve) -> None:
     """What the signs of the marked points mean, in a line that ends at the right edge."""
     worked = {state for mark in curve.marks for _, _, state in curve.stages[mark].at_work()}
-    signs = [(f"● {state}", STATE_COLOURS[state]) for state in DOTTED if state in worked]
+    signs = [(f"● {state}", AT_WORK[state]) for state in DOTTED if state in worked]
     if len(curve.stages[0].loads.bars.strength):
         signs.append(("— tie, grey where it is slack", PULLING))
     right = 0.97
@@ -93,8 +92,8 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     """The line, its marks, what the dynamics says, and where the mechanism changes."""
     largest = float(np.abs(curve.displacement).max())
     _, scale, unit = next(row for row in UNITS if largest < row[0])
-    plain_axes(axes, "load factor")
-    axes.set_xlabel(f"displacement of the control block [{unit}]", fontsize=11, color=INK)
+    plain_axes(axes, "load factor", f"displacement of the control block [{unit}]")
+    zero_line(axes)
     x = scale * curve.displacement
     _line(axes, x, curve)
     upper = np.array([stage.associated for stage in curve.stages])
@@ -133,37 +132,28 @@ def _images(curve: CapacityCurve, view: str) -> list[np.ndarray]:
     """The structure at the marked points, all in one framing: what stands, what moves, hinges and slips, outlines as built."""
     built = Solids.from_blocks(curve.stages[0].assembly.blocks)
     looking = view_of_motion(built, curve.stages[0].mechanism, view)
-    window = structure_window(built, looking)
-    free = ~built.fixed[built.vertex_block]
     solids = [Solids.from_blocks(curve.stages[mark].assembly.blocks) for mark in curve.marks]
-    for moved in solids:
-        window = window.joined(around(looking.plane(moved.vertices[free]), 0.04))
+    window = structure_window(built, looking, *(moved.vertices for moved in solids))
     pixels = PIXELS, round(float(np.clip(PIXELS * window.height / window.width, 0.4 * PIXELS, 2.2 * PIXELS)))
-    window = window.fitted(pixels)
-    return [
-        _image(curve.stages[mark], moved, built, looking, window, pixels) for mark, moved in zip(curve.marks, solids, strict=True)
-    ]  # fmt: skip
+    scenes = (_scene(curve.stages[mark], moved, built, looking, window) for mark, moved in zip(curve.marks, solids, strict=True))
+    return [render(replace(scene, window=window.fitted(pixels)), pixels) for scene in scenes]
 
 
-def _image(stage: Stage, solids: Solids, built: Solids, looking: View, window: Window, pixels: tuple[int, int]) -> np.ndarray:
-    moves, joints = stage.mechanism, stage.joints
-    colours = np.where(moves.moving[:, None], rgb(MOVES), rgb(STANDS))
-    colours[solids.fixed] = rgb(SUPPORT)
-    reach = 1.0 + float(np.ptp(solids.vertices @ looking.towards)) + float(np.ptp(built.vertices @ looking.towards))
-    layers: list[Layer] = [*block_layers(solids, within_sight(solids, solids.vertices), colours, looking, window)]
-    layers.append(Lines(within_sight(built, built.vertices) - reach * looking.towards, built.edges(), REST, 1.0))
-    radius = 0.75 * DOT * window.width / pixels[0]
-    ahead = (4.0 * radius if looking.is_oblique else reach) * looking.towards  # blocks hide what lies behind them, but not in a front view
+def _scene(stage: Stage, solids: Solids, built: Solids, looking: View, window: Window) -> Scene:
+    """The structure at a stage."""
+    moves, joints, radius = stage.mechanism, stage.joints, 3.0 * DOT * window.height
+    layers = moving_layers(solids, solids.vertices, moves.moving, built)
     at_work = {(a, b): state for a, b, state in stage.at_work()}
     for name in DOTTED:
         which = [j for j in range(joints.count) if at_work.get((int(joints.block_a[j]), int(joints.block_b[j]))) == name]
-        layers.append(dots(moves.hinge[which] + ahead, STATE_COLOURS[name], looking, radius))
-    nearest = float((solids.vertices @ looking.towards).max()) + reach
-    return render([*layers, *_ties(stage).layers(looking, nearest)], looking, window, pixels)
+        layers.append(dots(moves.hinge[which], AT_WORK[name], looking, radius, through(looking)))
+    return Scene(looking, window, layers, ties=_ties(stage))
 
 
-def _ties(stage: Stage) -> DrawnTies:
+def _ties(stage: Stage) -> Ties:
     """The ties where they are, without labels; those that are slack pull nothing."""
     tension = np.zeros(len(stage.pulling))
     tension[stage.pulling] = stage.best.bars
-    return DrawnTies(stage.loads.bars.points, ("",) * len(tension), np.where(tension > SLACK, tension, 0.0))
+    ends = stage.loads.bars.points
+    rods = np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1)) < LONGEST
+    return Ties(ends[rods], ("",) * int(rods.sum()), np.where(tension > SLACK, tension, 0.0)[rods])

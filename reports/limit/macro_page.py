@@ -56,11 +56,7 @@ class MacroPage:
 
 def write_macro_csv(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """Write all mechanisms, the least ratio first."""
-    write_csv(path, HEADS, ([_cell(row[name]) for name in COLUMNS] for row in rows))
-
-
-def _cell(value: object) -> str:
-    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+    write_csv(path, HEADS, ([row[name] for name in COLUMNS] for row in rows), digits=6)
 
 
 def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> None:

@@ -24,8 +24,9 @@ JOINTS = (
 def write_tables(collapse: Collapse, assembly: Assembly, joints: Joints, folder: Path) -> list[Path]:
     """Write both tables; velocities are over the largest one of any corner."""
     blocks, table = folder / "blocks.csv", folder / "joints.csv"
-    write_csv(blocks, BLOCKS, (map(_text, row) for row in block_rows(collapse, assembly)))
-    write_csv(table, JOINTS, (map(_text, row) for row in joint_rows(collapse, assembly, joints)))
+    moving = ([str(cell) if isinstance(cell, bool) else cell for cell in row] for row in block_rows(collapse, assembly))
+    write_csv(blocks, BLOCKS, moving, digits=6)
+    write_csv(table, JOINTS, joint_rows(collapse, assembly, joints), digits=6)
     return [blocks, table]
 
 
@@ -49,10 +50,3 @@ def joint_rows(collapse: Collapse, assembly: Assembly, joints: Joints) -> list[l
         share = np.nan if collapse.block_share is None else collapse.block_share[j]
         rows.append([j, *names, float(joints.area[j]), STATES[moves.state[j]], *map(float, rates), *map(float, [*forces, share])])
     return rows
-
-
-def _text(cell: object) -> str:
-    """Numbers with six digits; what is no number stays empty."""
-    if isinstance(cell, float):
-        return f"{cell:.6g}" if np.isfinite(cell) else ""
-    return str(cell)

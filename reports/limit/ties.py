@@ -13,7 +13,8 @@ import numpy as np
 from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import force
-from reports.drawing.tie_lines import DrawnTies
+from masonry_cd.mechanics.model.fill import BARS
+from reports.drawing.parts import Ties
 
 CSV = "ties.csv"
 COLUMNS = ("tie", "block_a", "block_b", "bars", "tension_n", "yield_force_n", "yields")
@@ -78,25 +79,27 @@ def limit_ties(names: Sequence[str], bars: Bars, pulls: np.ndarray, blocks: Sequ
 def tie_lines(ties: Sequence[LimitTie], most: int) -> list[str]:
     """What the ties pull, in words; of more than ``most`` those that pull most."""
     first = sorted(ties, key=lambda tie: -tie.total)[:most]
-    lines = [f'tie "{tie.label}": {tie.words} at collapse' for tie in ties if tie in first]
+    lines = [f"{_named(tie)}: {tie.words} at collapse" for tie in ties if tie in first]
     return [*lines, f"{len(ties) - most} more ties: see {CSV}"] if len(ties) > most else lines
 
 
-def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> DrawnTies:
-    """Ties as a picture shows them; ``moved`` says where points (n, 3) of blocks (n,) are drawn."""
+def _named(tie: LimitTie) -> str:
+    """A tie, or the fill that resists as one."""
+    return tie.label if tie.label.startswith(BARS) else f'tie "{tie.label}"'
+
+
+def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Ties:
+    """Ties as a picture shows them, without the fill; ``moved`` says where points (n, 3) of blocks (n,) are drawn."""
+    ties = [tie for tie in ties if not tie.label.startswith(BARS)]
     ends = [[moved(tie.points[:, k], tie.blocks[:, k]).mean(axis=0) for k in range(2)] for tie in ties]
     pulls = np.array([tie.total for tie in ties])
-    return DrawnTies(np.array(ends, dtype=float).reshape(-1, 2, 3), tuple(tie.words for tie in ties), pulls)
+    return Ties(np.array(ends, dtype=float).reshape(-1, 2, 3), tuple(tie.words for tie in ties), pulls)
 
 
 def write_limit_ties(ties: Sequence[LimitTie], folder: Path) -> list[Path]:
     """Write ties.csv; nothing without ties."""
     if not ties:
         return []
-    write_csv(folder / CSV, COLUMNS, [[_text(cell) for cell in tie.row().values()] for tie in ties])
+    rows = ((tie.row() | {"yields": str(tie.yields)}).values() for tie in ties)
+    write_csv(folder / CSV, COLUMNS, rows, digits=6)
     return [folder / CSV]
-
-
-def _text(cell: object) -> str:
-    """Forces with six digits; where a tie never yields, nothing."""
-    return f"{cell:.6g}" if isinstance(cell, float) else "" if cell is None else str(cell)

@@ -3,16 +3,17 @@ r"""The crack map: the structure as it stands at a frame, its joints coloured by
 An open joint is a solid band coloured by its opening, a slid one is dashed and coloured by its sliding, in another hue; where
 both happened the dashes lie on the band. So a colour-blind reader can distinguish the two, and so can one of a grey print. The
 classes of both scales run 1-2-5 from the threshold of damage to ``largest``: equal thresholds give equal colours, and the maps of
-two runs can be laid side by side. Faces of standing blocks that have parted are dark. Where nothing would be seen at true scale,
-displacements relative to the base are drawn amplified by a factor that the sheet states; the shape at rest lies behind as a pale
-shadow. A cut takes away what lies before a plane (:mod:`reports.maps.cut`); the forces are drawn on request (:mod:`reports.maps.thrust`).
+two runs can be laid side by side; what opened less, a hairline of under 0.1 mm by default, is no crack. Faces of standing blocks that have
+parted are dark. Where nothing would be seen at true scale, displacements relative to the base are drawn amplified by a factor that the
+sheet states; the shape at rest lies behind as a pale shadow. A cut takes away what lies before a plane (:mod:`reports.drawing.cut`); the
+forces are drawn on request (:mod:`reports.maps.thrust`).
 
 The maps of one :class:`Framing` share view, amplification, window and colours: what changes between them is damage.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,17 +22,101 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import displacement_max, in_words, joint_damage
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
-from masonry_cd.analysis.deformed import frame_index, solids_of
+from masonry_cd.analysis.deformed import Pose, Solids, frame_index, solids_of
+from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
-from reports.drawing.figure import Sheet, in_metres
-from reports.drawing.render import SAMPLES, Canvas, Surface
-from reports.drawing.structure_picture import within_sight
-from reports.drawing.tie_lines import DrawnTies, ties_at
-from reports.maps.crack_key import Key, Marks, draw_scales, draw_signs
-from reports.maps.cut import clipped, clipped_ties
-from reports.maps.framing import Framing, MapStyle, framing
-from reports.maps.layers import Subject, block_layers_of, joint_layers, shadow
-from reports.maps.thrust import WIDEST, ribbons
+from masonry_cd.mechanics.model.joints import Joints
+from reports.drawing import palette
+from reports.drawing.bands import DrawnJoints
+from reports.drawing.figure import Sheet, in_metres, save
+from reports.drawing.parts import BEHIND, Layer, Panel, Sign, Surface, Ties, painted
+from reports.drawing.render import LABELLED
+from reports.drawing.scene import Scene
+from reports.drawing.solids import block_layers, structure_window, two_colours, within_sight
+from reports.drawing.ties import ties_at
+from reports.maps.framing import Framing, MapStyle, framing, largest_displacement, view_and_cut
+from reports.maps.thrust import ribbons
+
+BAND = 6.0  # width of a closed joint's band [pixels]
+BAND_OF_BLOCK = 0.2  # ... but no more than this share of a block's smallest extent
+LEAST_BAND = 2.5  # ... and no less than this [pixels]
+VECTOR = ("crack_map.svg", "crack_map.pdf")
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What a map shows of a frame."""
+
+    framed: Framing
+    joints: Joints
+    solids: Solids
+    snapshot: DamageSnapshot
+    last: bool  # the last frame
+    drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
+    ties: Ties
+    provisional: str = ""  # of the last frame: why it is not the end, in words
+    suffered: str = ""  # of the last frame: the damage over all steps, in words
+
+    @classmethod
+    def of(cls, results: Results, frame: int, framed: Framing) -> Subject:
+        """Collect it."""
+        solids, thresholds = solids_of(results.blocks), framed.style.thresholds
+        snapshot, last = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1
+        return cls(
+            framed=framed,
+            joints=results.joints,
+            solids=solids,
+            snapshot=snapshot,
+            last=last,
+            drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
+            ties=ties_at(results, solids, snapshot.pose, framed.factor),
+            provisional=end_state(results, thresholds).provisional if last else "",
+            suffered=_suffered(results, thresholds) if last and framed.alone else "",
+        )
+
+    @property
+    def pose(self) -> Pose:
+        """Where the blocks are."""
+        return self.snapshot.pose
+
+    @property
+    def largest(self) -> float:
+        """Largest displacement of a free block relative to the base at this frame [m]."""
+        return largest_displacement(self.pose, self.solids)
+
+    @property
+    def has_moved(self) -> bool:
+        """Whether the shape at rest can be seen behind the drawn one."""
+        return self.framed.factor * self.largest > 2 * self.framed.pixel
+
+    @property
+    def colours(self) -> np.ndarray:
+        """(B, 3) of the blocks, 0..1."""
+        return two_colours(self.solids, self.snapshot.down, palette.FALLEN, palette.STONE)
+
+    def scene(self, joints: DrawnJoints, colours: np.ndarray, faces: np.ndarray | None = None) -> Scene:
+        """The blocks in colours (B, 3) over their shape at rest, some faces in others (F, 3), with joints and ties; without words."""
+        layers = [_shadow(self.solids), *block_layers(self.solids, self.drawn, colours, faces)]
+        return Scene(self.framed.view, self.framed.window, layers, joints, self.ties, self.framed.cut)
+
+    def drawn_joints(self) -> DrawnJoints:
+        """The joints, none shown."""
+        return DrawnJoints.at(self.joints, self.solids, self.pose, self.framed.factor, band_width(self.solids, self.framed.pixel))
+
+    def damaged_joints(self) -> DrawnJoints:
+        """The joints that are open, that slid, and the faces of separated ones on blocks that stand."""
+        snapshot, joints = self.snapshot, self.drawn_joints()
+        opening, sliding = (scale(values) for scale, values in zip(self.framed.scales, (snapshot.opening, snapshot.sliding), strict=True))
+        opened, slid = snapshot.open[:, None], snapshot.slid[:, None]
+        first = np.where(opened, opening, sliding)
+        second = np.where(~slid, opening, np.where(opened, sliding, 255))
+        return replace(
+            joints,
+            shown=snapshot.open | snapshot.slid,
+            colours=(first, second.astype(np.uint8)),
+            parted=snapshot.separated & ~snapshot.down[joints.blocks],
+            plate=painted(palette.PARTED, 1)[0],
+        )
 
 
 def crack_map(results: Results, path: Path, *, frame: int = -1, style: MapStyle | None = None) -> None:
@@ -46,76 +131,68 @@ def crack_map(results: Results, path: Path, *, frame: int = -1, style: MapStyle 
     Raises:
         InputError: no such frame, view or plane, no off-screen OpenGL, or a path that cannot be written.
     """
-    style = style or MapStyle()
     frame = frame_index(results, frame)
-    sheet_of(results, frame, framing(results, [frame], style)).save(path)
+    sheet_of(results, frame, framing(results, [frame], style or MapStyle())).save(path)
 
 
-def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPLES) -> Sheet:
-    """The sheet of a frame; ``samples`` as in :func:`reports.drawing.render.render`."""
-    with Canvas(framed.view, framed.plan.pixels, samples) as canvas:
-        sheet, key = sheet_and_key(results, frame, framed, canvas)
-    draw_scales(sheet, key)
-    return sheet
+def vector_maps(results: Results, folder: Path, style: MapStyle, frame: int = -1) -> list[Path]:
+    """Draw the crack map of a frame into ``crack_map.svg`` and ``crack_map.pdf``; return the files.
+
+    Raises:
+        InputError: no such frame, view or plane, or a folder that cannot be written into.
+    """
+    frame = frame_index(results, frame)
+    scene = crack_scene(results, frame, framing(results, [frame], style))
+    figure = Sheet.as_polygons(scene).figure
+    return [save(figure, folder / name, scene.title) for name in VECTOR]
 
 
-def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas) -> tuple[Sheet, Key]:
-    """The sheet of a frame without the scales of its key, which a sequence draws once, and what the key says."""
-    subject = subject_of(results, frame, framed)
-    layers = [shadow(subject), *block_layers_of(subject), *joint_layers(subject, framed.scales)]
-    force = None
+def sheet_of(results: Results, frame: int, framed: Framing) -> Sheet:
+    """The sheet of a frame."""
+    return Sheet.drawn(crack_scene(results, frame, framed))
+
+
+def crack_scene(results: Results, frame: int, framed: Framing) -> Scene:
+    """The crack map of a frame."""
+    subject = Subject.of(results, frame, framed)
+    scene = subject.scene(subject.damaged_joints(), subject.colours)
+    layers, forces = list(scene.layers), []
     if framed.style.thrust:
-        thrust, force = thrust_layer(results, frame, subject)
-        layers.append(thrust)
-    ties = ties_of(results, subject)
-    layers += ties.layers(framed.view, float((subject.drawn @ framed.view.towards).max()) + 0.02 * framed.window.height)
-    sheet = Sheet(framed.plan)
-    sheet.model(ties.labelled(canvas.draw(layers, framed.window), framed.view, framed.window))
-    return sheet, draw_around(sheet, subject, results.title, force, len(ties.ends))
+        line, largest = ribbons(results, subject.solids, subject.pose, subject.snapshot, frame, framed.factor, framed.view, framed.pixel)
+        layers.append(line)
+        forces = [
+            Sign("band", f"normal force, widest {force(largest)}", (palette.THRUST,)),
+            Sign("", "through where it acts in each joint"),
+        ]
+    key = [*_scales(subject), Panel(_signs(subject)), Panel(forces, ruler=True)]
+    return replace(scene, layers=layers, title=results.title or "Crack map", facts=_facts(subject), key=key)
 
 
-def draw_around(sheet: Sheet, subject: Subject, title: str, force: float | None, ties: int = 0) -> Key:
-    """Draw the head and the signs of a sheet; return what its key says. ``force`` is that of the widest ribbon [N]."""
-    framed = subject.framed
-    sheet.head(title or "Crack map", _facts(subject))
-    key = Key(
-        marks=subject.marks,
-        scales=framed.scales,
-        when="Present" if not (subject.last and framed.alone) else "Provisional" if subject.provisional else "Residual",
-        down=int(subject.down.sum()),
-        outside=_outside(subject),
-        moved=framed.factor * subject.largest > 2 * framed.pixel,
-        alone=framed.alone,
-        force=force,
-        pixel=framed.pixel,
-        view=framed.view,
-        ties=ties,
-    )
-    draw_signs(sheet, key)
-    return key
+def at_rest(results: Results, style: MapStyle) -> Scene:
+    """The structure as it was built, without words.
+
+    Raises:
+        InputError: no such view or plane.
+    """
+    solids = solids_of(results.blocks)
+    view, cut = view_and_cut(solids, style)
+    framed = Framing(style, view, cut, 0.0, structure_window(solids, view), alone=True)
+    joints = DrawnJoints.at(results.joints, solids, Pose.of(results, solids, 0), 0.0, band_width(solids, framed.pixel))
+    standing = two_colours(solids, np.zeros(len(solids.centre), bool), palette.FALLEN, palette.STONE)
+    return Scene(view, framed.window, block_layers(solids, within_sight(solids, solids.vertices), standing), joints, cut=cut)
 
 
-def ties_of(results: Results, subject: Subject) -> DrawnTies:
-    """The ties of a frame, as far as the cut leaves them."""
-    ties, cut = ties_at(results, subject.solids, subject.pose, subject.framed.factor), subject.framed.cut
-    return ties if cut is None else clipped_ties(ties, cut)
+def band_width(solids: Solids, pixel: float) -> float:
+    """Of a closed joint [m], for a size of a pixel [m]."""
+    smallest = float(np.median(solids.sizes[~solids.fixed].min(axis=1))) if not solids.fixed.all() else np.inf
+    return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
 
 
-def subject_of(results: Results, frame: int, framed: Framing) -> Subject:
-    """Collect what a frame shows."""
-    solids, thresholds = solids_of(results.blocks), framed.style.thresholds
-    snapshot, last = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1
-    return Subject(
-        framed=framed,
-        joints=results.joints,
-        solids=solids,
-        snapshot=snapshot,
-        last=last,
-        marks=Marks.of(snapshot),
-        drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
-        provisional=end_state(results, thresholds).provisional if last else "",
-        suffered=_suffered(results, thresholds) if last and framed.alone else "",
-    )
+def _shadow(solids: Solids) -> Layer:
+    """The free blocks at rest, pale, behind everything: seen only where the structure has moved away."""
+    colours = painted(palette.SHADOW, len(solids.face_block))
+    faces = Surface(solids.vertices, solids.loops, solids.loop_start, colours, lit=False, place=BEHIND)
+    return faces.some(~solids.fixed[solids.face_block])
 
 
 def _suffered(results: Results, thresholds: Thresholds) -> str:
@@ -124,28 +201,50 @@ def _suffered(results: Results, thresholds: Thresholds) -> str:
     return f"largest displacement {in_metres(displacement_max(results))}{joints}"
 
 
-def thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:
-    """The line of thrust, before everything else, and the force of the widest ribbon [N]."""
-    framed, towards = subject.framed, subject.framed.view.towards
-    surface, largest = ribbons(results, subject.solids, subject.pose, subject.snapshot, frame, framed.factor, framed.view, framed.pixel)
-    if framed.cut is not None:
-        towards_viewer = -float(framed.cut.normal @ np.ones(3))  # of a plane across an axis
-        nearer = replace(framed.cut, value=framed.cut.value + towards_viewer * WIDEST * framed.pixel)
-        surface = clipped(surface, nearer)  # what runs in the plane itself, as in the middle of an arch, stays whole
-    if not len(surface.points):
-        return surface, largest
-    before = float((subject.drawn @ towards).max() - (surface.points @ towards).min()) + 0.01 * framed.window.height
-    return Surface(surface.points + before * towards, surface.loops, surface.loop_start, surface.colours, lit=False), largest
+def _scales(subject: Subject) -> list[Panel]:
+    """The scales of opening and sliding; of a structure without joints, such as a packing of spheres, none."""
+    if not subject.joints.count:
+        return [Panel(), Panel()]
+    when = "Present" if not (subject.last and subject.framed.alone) else "Provisional" if subject.provisional else "Residual"
+    opening, sliding = subject.framed.scales
+    return [Panel(scale=(f"{when} opening [mm]", opening)), Panel(scale=(f"{when} sliding [mm]", sliding), dashed=True)]
+
+
+def _signs(subject: Subject) -> list[Sign]:
+    """The signs with their numbers; a map that stands alone names only what it shows."""
+    snapshot, alone, (opening, sliding) = subject.snapshot, subject.framed.alone, subject.framed.scales
+    both = snapshot.open & snapshot.slid
+    joints = [
+        Sign("band", f"joint open ({int((snapshot.open & ~both).sum())})", (opening.middle,)),
+        Sign("band", f"joint slid ({int((snapshot.slid & ~both).sum())})", (sliding.middle, "#ffffff")),
+        Sign("band", f"open and slid ({int(both.sum())})", (opening.middle, sliding.middle)),
+        Sign("band", f"separated ({int(snapshot.separated.sum())})", (palette.PARTED,)),
+    ]
+    rows, down, outside = joints if subject.joints.count else [], int(snapshot.down.sum()), _outside(subject)
+    if down or not alone:
+        rows.append(Sign("box", f"fallen block ({down})" + (f", {outside} not in view" if outside else ""), (palette.FALLEN,)))
+    return [*rows, *other_signs(subject, always=not alone)]
+
+
+def other_signs(subject: Subject, always: bool = False) -> list[Sign]:
+    """Those of the shape at rest, where it is seen or ``always``, and of ties."""
+    rows = [Sign("box", "shape at rest", (palette.SHADOW,))] if subject.has_moved or always else []
+    ties = len(subject.ties.ends)
+    return rows + [Sign("line", "tie, with its tension" if ties <= LABELLED else "tie", (palette.PULLING,))] * bool(ties)
+
+
+def shape_in_words(subject: Subject) -> str:
+    """View, cut and amplification."""
+    framed = subject.framed
+    cut = f", cut at {framed.cut.text}" if framed.cut else ""
+    return f"{framed.view.name} view{cut} · {'true shape' if framed.factor == 1 else f'displacements × {framed.factor:g}'}"
 
 
 def _facts(subject: Subject) -> str:
     """Time, view, amplification, how far blocks are displaced at this time, and what they suffered, in two lines."""
-    framed = subject.framed
-    shape = "true shape" if framed.factor == 1 else f"displacements × {framed.factor:g}"
-    cut = f", cut at {framed.cut.text}" if framed.cut else ""
     return (
-        f"t = {subject.pose.time:.4g} s{' (last frame)' if subject.last else ''} · {framed.view.name} view{cut} · {shape}, relative to the "
-        f"base, at this time at most {in_metres(subject.largest)}"
+        f"t = {subject.pose.time:.4g} s{' (last frame)' if subject.last else ''} · {shape_in_words(subject)}, relative to the base, "
+        f"at this time at most {in_metres(subject.largest)}"
         + (f"\nover all time steps: {subject.suffered}" if subject.suffered else "")
         + (f" · {subject.provisional}" if subject.provisional else "")
     )
@@ -153,7 +252,7 @@ def _facts(subject: Subject) -> str:
 
 def _outside(subject: Subject) -> int:
     """Number of free blocks of which nothing is in the picture."""
-    solids, window = subject.solids, subject.framed.window
+    solids, window = subject.solids, subject.framed.shown
     x, y = subject.framed.view.plane(subject.drawn).T
     inside = (x > window.left) & (x < window.right) & (y > window.bottom) & (y < window.top)
     seen = np.bincount(solids.vertex_block, inside, minlength=len(solids.centre)) > 0

@@ -1,4 +1,4 @@
-"""How a map is drawn, and what all maps of a sequence have in common: view, cut, amplification, window and sheet."""
+"""How a map is drawn, and what all maps of a sequence have in common: view, cut, amplification and window."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from masonry_cd.analysis.deformed import Pose, Solids, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
-from reports.drawing.figure import Layout, layout
-from reports.drawing.render import View, Window, view_named
-from reports.drawing.structure_picture import auto_view, structure_window
-from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale
-from reports.maps.cut import FACING, Cut, axis_of, cut_named
+from reports.drawing import palette
+from reports.drawing.cut import FACING, Cut, axis_of, cut_named
+from reports.drawing.figure import layout
+from reports.drawing.parts import Scale, View, Window
+from reports.drawing.solids import looking_at, structure_window
 
 SEEN = 0.02  # amplified displacements reach at most this share of the picture
 REACH = 0.35  # the picture follows blocks by at most this share of the structure's extent
@@ -61,19 +61,23 @@ class Framing:
     cut: Cut | None
     factor: float  # amplification of displacements
     window: Window
-    plan: Layout
     alone: bool  # a single map, whose key names only what it shows
+
+    @property
+    def shown(self) -> Window:
+        """The window in the shape of the picture."""
+        return self.window.fitted(layout(self.window.width / self.window.height).pixels)
 
     @property
     def pixel(self) -> float:
         """Size of a pixel [m]."""
-        return self.window.width / self.plan.pixels[0]
+        return self.shown.width / layout(self.window.width / self.window.height).pixels[0]
 
     @property
     def scales(self) -> tuple[Scale, Scale]:
         """The colours of openings and slidings."""
         thresholds, largest = self.style.thresholds, self.style.largest
-        return Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
+        return Scale(thresholds.opened, largest, palette.OPENING), Scale(thresholds.slid, largest, palette.SLIDING)
 
 
 def view_and_cut(solids: Solids, style: MapStyle) -> tuple[View, Cut | None]:
@@ -82,8 +86,7 @@ def view_and_cut(solids: Solids, style: MapStyle) -> tuple[View, Cut | None]:
     Raises:
         InputError: no such view or plane, or one that shows nothing of the structure.
     """
-    facing = FACING[axis_of(style.cut)] if style.cut else auto_view(solids)
-    view = view_named(facing if style.view == "auto" else style.view)
+    view = looking_at(solids, FACING[axis_of(style.cut)] if style.cut and style.view == "auto" else style.view)
     return view, cut_named(style.cut, solids, view) if style.cut else None
 
 
@@ -99,14 +102,17 @@ def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing
     poses = [Pose.of(results, solids, frame) for frame in frames]
     farthest = max(range(len(frames)), key=lambda k: largest_displacement(poses[k], solids))
     fell = np.any([fallen(results, style.thresholds, frames[k]) for k in {farthest, len(frames) - 1}], axis=0)
-    factor = style.scale if style.scale is not None else amplification(poses[farthest], solids, fell, max(rest.width, rest.height))
+    factor = (
+        style.scale
+        if style.scale is not None
+        else amplification(largest_displacement(poses[farthest], solids), bool(fell.any()), max(rest.width, rest.height))
+    )
     free, window = ~solids.fixed[solids.vertex_block], rest
     for pose in poses:
         owner = solids.vertex_block[free]
         moved = pose.moved(solids, solids.vertices[free], owner, factor)
         window = window.joined(followed(rest, view.plane(moved), owner, COLLAPSE if fell.any() else REACH))
-    plan = layout(window.width / window.height)
-    return Framing(style, view, cut, factor, window.fitted(plan.pixels), plan, alone=len(frames) == 1)
+    return Framing(style, view, cut, factor, window, alone=len(frames) == 1)
 
 
 def largest_displacement(pose: Pose, solids: Solids) -> float:
@@ -114,10 +120,9 @@ def largest_displacement(pose: Pose, solids: Solids) -> float:
     return float(np.linalg.norm(pose.displacement(solids)[~solids.fixed], axis=1).max(initial=0.0))
 
 
-def amplification(pose: Pose, solids: Solids, down: np.ndarray, size: float) -> float:
-    """1 where a displacement can be seen in a picture of a size [m] or blocks have fallen, else a round factor that shows it."""
-    largest = largest_displacement(pose, solids)
-    if down.any() or MOST * largest < SEEN / 10 * size:
+def amplification(largest: float, fell: bool, size: float) -> float:
+    """1 where a largest displacement can be seen in a picture of a size [m] or blocks ``fell``, else a round factor that shows it."""
+    if fell or MOST * largest < SEEN / 10 * size:
         return 1.0  # what has fallen is seen as it is, and what no amplification shows is left alone
     return float(np.clip(nice(SEEN * size / largest), 1.0, MOST))
 

@@ -6,6 +6,8 @@ All maps of a row share view, amplification, window and colour classes, so that 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +16,9 @@ import numpy as np
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.drawing.figure import Sheet
+from reports.drawing.figure import Sheet, layout_of
 from reports.drawing.render import Canvas
-from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Key, Scale, draw_scales
-from reports.maps.crack_map import sheet_and_key, sheet_of
+from reports.maps.crack_map import crack_scene, sheet_of
 from reports.maps.framing import Framing, MapStyle, framing
 
 MOST_FRAMES = 60  # of an animation
@@ -85,17 +86,17 @@ def animation(
     frames = np.unique(np.linspace(0, results.frames - 1, min(results.frames, most)).round().astype(int)).tolist()
     framed = framing(results, frames, style or MapStyle())
     images: list[Any] = []
-    scales: np.ndarray | None = None  # of the key, drawn once
-    with Canvas(framed.view, framed.plan.pixels, samples=1) as canvas:
-        for k, frame in enumerate(frames):
-            sheet, key = sheet_and_key(results, frame, framed, canvas)
-            scales = _scales(framed, key) if scales is None else scales
-            pixels = sheet.pixels(scales)
+    scenes = (crack_scene(results, frame, framed) for frame in frames)
+    first = next(scenes)
+    still = Sheet.around(replace(first, title="", facts=""), [panel for panel in first.key if not panel.signs]).pixels()
+    with Canvas(framed.view, layout_of(first).pixels, samples=1) as canvas:
+        for k, scene in enumerate(chain([first], scenes)):
+            pixels = Sheet.drawn_on(canvas, scene, [panel for panel in scene.key if panel.signs]).pixels(still)
             size = (WIDTH, round(WIDTH * pixels.shape[0] / pixels.shape[1]))
             images.append(Image.fromarray(pixels).resize(size, Image.Resampling.BOX if size[0] * 2 == pixels.shape[1] else None))
             if progress is not None:
                 progress(k + 1)
-    palette = _palette(images, framed.style)
+    palette = _palette(images, framed)
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     shown = [max(20, round(1000 * step)) for step in np.diff(results.time[frames])] + [REST]
     try:
@@ -106,19 +107,11 @@ def animation(
     return len(images)
 
 
-def _scales(framed: Framing, key: Key) -> np.ndarray:
-    """The part of the key that all frames share, as an image of a sheet (height, width, 3) uint8."""
-    sheet = Sheet(framed.plan)
-    draw_scales(sheet, key)
-    return sheet.pixels()
-
-
-def _palette(images: Sequence[Any], style: MapStyle) -> Any:
+def _palette(images: Sequence[Any], framed: Framing) -> Any:
     """One palette for all frames, or their colours would flicker: those of the classes exactly, the others from a few of the frames."""
     from PIL import Image
 
-    scales = Scale(style.thresholds.opened, style.largest, OPENING_COLOURS), Scale(style.thresholds.slid, style.largest, SLIDING_COLOURS)
-    exact = np.concatenate([[[255, 255, 255]], *(scale.colours for scale in scales)]).astype(np.uint8)
+    exact = np.concatenate([[[255, 255, 255]], *(scale.colours for scale in framed.scales)]).astype(np.uint8)
     picked = [images[k] for k in sorted({0, len(images) // 2, len(images) - 1})]
     width, height = picked[0].size
     joined = Image.new("RGB", (width, height * len(picked)))

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,20 +22,18 @@ from masonry_cd.analysis.stress.peaks import StressPeaks, above_limit, principal
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
-from reports.drawing.figure import Paint, Sheet, in_metres
-from reports.drawing.render import SAMPLES, Canvas
-from reports.drawing.structure_picture import SUPPORT, box_swatch, no_swatch, rgb, tie_swatch, within_sight
-from reports.drawing.tie_lines import LABELLED, DrawnTies
-from reports.maps.crack_key import SHADOW, STONE, ColourClasses, Marks, band_sign, draw_scale, draw_scale_bar
-from reports.maps.crack_map import subject_of, ties_of
-from reports.maps.framing import Framing, MapStyle, framing
-from reports.maps.layers import STRONG, Subject, block_layers_of, joint_layers, shadow
+from reports.drawing import palette
+from reports.drawing.figure import Sheet, in_metres, save
+from reports.drawing.parts import RULER, ColourClasses, Panel, Sign, painted, rgb
+from reports.drawing.scene import Scene
+from reports.drawing.solids import within_sight
+from reports.maps.crack_map import Subject, other_signs, shape_in_words
+from reports.maps.framing import MapStyle, framing
 from reports.maps.meshed_solids import Facetted
 from reports.settings import report_of
 
 FILE = "stress_map.png"
 VECTOR = ("stress_map.svg", "stress_map.pdf")
-COLOURS = ("YlOrRd", 0.0, 0.9)  # of the compression: pale to dark, distinguishable in grey print
 MOST = 9  # classes
 
 
@@ -48,7 +45,7 @@ class StressScale(ColourClasses):
         power = 10.0 ** math.floor(math.log10(largest / MOST))
         step = next(share * power for share in (1.0, 2.0, 2.5, 5.0, 10.0) if largest <= MOST * share * power * (1 + 1e-9))
         self.unit, factor = ("MPa", 1e-6) if largest >= 1e6 else ("kPa", 1e-3)
-        super().__init__([k * step for k in range(math.ceil(largest / step))], COLOURS, factor)
+        super().__init__([k * step for k in range(math.ceil(largest / step))], palette.PRESSED, factor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,21 +99,13 @@ class Pressed:
         return float(drawn[block]), names[block]
 
 
-def stress_sheet(results: Results, frame: int | None, style: MapStyle, samples: int = SAMPLES) -> Sheet:
+def stress_sheet(results: Results, frame: int | None, style: MapStyle) -> Sheet:
     """The sheet of a frame, or of the whole run for None, drawn with shades.
 
     Raises:
         InputError: the run kept no stress; no such view or plane, or no off-screen OpenGL.
     """
-    _, framed, pressed, subject = _prepared(results, frame, style)
-    with Canvas(framed.view, framed.plan.pixels, samples) as canvas:
-        layers = [shadow(subject), *block_layers_of(subject), *joint_layers(subject, framed.scales)]
-        ties = ties_of(results, subject)
-        layers += ties.layers(framed.view, float((subject.drawn @ framed.view.towards).max()) + 0.02 * framed.window.height)
-        sheet = Sheet(framed.plan)
-        sheet.model(ties.labelled(canvas.draw(layers, framed.window), framed.view, framed.window))
-    _draw_around(sheet, results, subject, pressed, ties)
-    return sheet
+    return Sheet.drawn(stress_scene(results, frame, style))
 
 
 def vector_stress_maps(results: Results, folder: Path, frame: int | None, style: MapStyle) -> list[Path]:
@@ -125,79 +114,72 @@ def vector_stress_maps(results: Results, folder: Path, frame: int | None, style:
     Raises:
         InputError: as :func:`stress_sheet`, or a folder that cannot be written into.
     """
-    from reports.maps.vector_map import draw_polygons, save_vector
-
-    shape, framed, pressed, subject = _prepared(results, frame, style)
-    sheet = Sheet(framed.plan)
-    ties = ties_of(results, subject)
-    draw_polygons(sheet, results, shape, subject, ties)
-    _draw_around(sheet, results, subject, pressed, ties)
-    return save_vector(sheet, [folder / name for name in VECTOR], _title(results))
+    scene = stress_scene(results, frame, style)
+    figure = Sheet.as_polygons(scene).figure
+    return [save(figure, folder / name, scene.title) for name in VECTOR]
 
 
-def _prepared(results: Results, frame: int | None, style: MapStyle) -> tuple[int, Framing, Pressed, Subject]:
-    """The frame whose shape is drawn, its framing, the stresses, and what the sheet shows."""
+def stress_scene(results: Results, frame: int | None, style: MapStyle) -> Scene:
+    """The stress map of a frame, or of the whole run for None.
+
+    Raises:
+        InputError: the run kept no stress; no such view or plane.
+    """
     shape = frame_index(results, -1 if frame is None else frame)
     pressed = Pressed.of(results, None if frame is None else shape)
-    framed = framing(results, [shape], replace(style, thrust=False))
-    subject = subject_of(results, shape, framed)
-    known = np.isfinite(pressed.compression)
-    tint = np.where(known[:, None], pressed.scale(np.nan_to_num(pressed.compression)) / 255.0, rgb(STONE))
-    none, no = np.zeros(subject.joints.count), np.zeros(subject.joints.count, dtype=bool)
-    subject = replace(subject, tint=tint, strong=pressed.open_above, marks=Marks(none, none, no, no, no))
-    return shape, framed, pressed, _with_elements(results, subject, shape, pressed)
+    framed = framing(results, [shape], style)
+    subject, faces = _with_elements(results, Subject.of(results, shape, framed), shape, pressed)
+    colours = np.where(subject.solids.fixed[:, None], rgb(palette.SUPPORT), _colours(pressed, pressed.compression))
+    dark = painted(palette.STRONG, subject.joints.count)
+    joints = replace(subject.drawn_joints(), shown=pressed.open_above, colours=(dark, dark))
+    scene = subject.scene(joints, colours, faces)
+    return replace(scene, title=_title(results), facts=_facts(results, subject, pressed), key=_key(subject, pressed))
 
 
-def _with_elements(results: Results, subject: Subject, frame: int, pressed: Pressed) -> Subject:
-    """What the sheet shows, with meshed blocks by their facets, each in the colour of its element."""
+def _colours(pressed: Pressed, compression: np.ndarray) -> np.ndarray:
+    """(N, 3) 0..1 of compressions (N,) [Pa]; unknown ones have the colour of stone."""
+    known = np.isfinite(compression)[:, None]
+    return np.asarray(np.where(known, pressed.scale(np.nan_to_num(compression)) / 255.0, rgb(palette.STONE)))
+
+
+def _with_elements(results: Results, subject: Subject, frame: int, pressed: Pressed) -> tuple[Subject, np.ndarray | None]:
+    """What the sheet shows, with meshed blocks by their facets, each in the colour (F, 3) of its element."""
     if results.meshes is None or pressed.of_elements is None:
-        return subject
+        return subject, None
     facetted = Facetted.of(subject.solids, results.meshes)
-    colours = np.where(np.isfinite(pressed.of_elements)[:, None], pressed.scale(np.nan_to_num(pressed.of_elements)) / 255.0, rgb(STONE))
-    tint = np.where((facetted.element >= 0)[:, None], colours[facetted.element], np.nan)
+    faces = np.where((facetted.element >= 0)[:, None], _colours(pressed, pressed.of_elements)[facetted.element], np.nan)
     moved = facetted.moved(results, subject.pose, frame, subject.framed.factor)
-    return replace(subject, solids=facetted.solids, drawn=within_sight(facetted.solids, moved), face_tint=tint)
+    return replace(subject, solids=facetted.solids, drawn=within_sight(facetted.solids, moved)), faces
 
 
 def _title(results: Results) -> str:
     return f"Stress: {results.title}" if results.title else "Stress"
 
 
-def _draw_around(sheet: Sheet, results: Results, subject: Subject, pressed: Pressed, ties: DrawnTies) -> None:
-    """The head, the scale of colours, the signs and the scale bar."""
-    framed, boxes, peaks = subject.framed, sheet.plan.keys(4), pressed.peaks
-    sheet.head(_title(results), _facts(results, subject, pressed))
-    scale = pressed.scale
-    draw_scale(sheet.axes(*boxes[0]), boxes[0], scale, f"{'Mean c' if pressed.of_elements is None else 'C'}ompression [{scale.unit}]")
+def _key(subject: Subject, pressed: Pressed) -> list[Panel]:
+    """The scale of colours, the signs and the scale bar."""
+    peaks, scale = pressed.peaks, pressed.scale
     what = "edge above strength" if peaks.compared else "force at an edge"
-    dark = rgb(STRONG)
-    rows: list[tuple[Paint, str]] = [(partial(band_sign, first=dark, second=dark), f"open joint, {what} ({int(pressed.open_above.sum())})")]
+    rows = [Sign("band", f"open joint, {what} ({int(pressed.open_above.sum())})", (palette.STRONG,))]
     if pressed.closed_above.any():
-        rows.append((no_swatch, f"closed ones likewise, not drawn ({int(pressed.closed_above.sum())})"))
+        rows.append(Sign("", f"closed ones likewise, not drawn ({int(pressed.closed_above.sum())})"))
     if peaks.compared:
         above = pressed.compression > peaks.block_strength
-        rows.append((no_swatch, f"blocks above strength: {int(above.sum()) or 'none'}"))
+        rows.append(Sign("", f"blocks above strength: {int(above.sum()) or 'none'}"))
         if pressed.of_elements is not None and pressed.element_peaks is not None:
             over = pressed.of_elements > pressed.element_peaks.strength
-            rows.append((no_swatch, f"elements above strength: {int(over.sum()) or 'none'} of {len(over)}"))
-    sheet.swatches(sheet.axes(*boxes[1]), rows, 0, boxes[1][3] - 4, pitch=29.0)
-    others: list[tuple[Paint, str]] = [(partial(box_swatch, colour=SUPPORT), "support")]
-    if framed.factor * subject.largest > 2 * framed.pixel:
-        others.append((partial(box_swatch, colour=SHADOW), "shape at rest"))
-    if len(ties.ends):
-        others.append((tie_swatch, "tie, with its tension" if len(ties.ends) <= LABELLED else "tie"))
-    sheet.swatches(sheet.axes(*boxes[2]), others, 0, boxes[2][3] - 4, pitch=29.0)
-    draw_scale_bar(sheet, boxes[3], framed.view, framed.pixel)
+            rows.append(Sign("", f"elements above strength: {int(over.sum()) or 'none'} of {len(over)}"))
+    others = [Sign("box", "support", (palette.SUPPORT,)), *other_signs(subject)]
+    name = f"{'Mean c' if pressed.of_elements is None else 'C'}ompression [{scale.unit}]"
+    return [Panel(scale=(name, scale)), Panel(rows), Panel(others), RULER]
 
 
 def _facts(results: Results, subject: Subject, pressed: Pressed) -> str:
     """Which stress is shown, its largest value, view and amplification."""
-    framed, time = subject.framed, subject.pose.time
-    shape = "true shape" if framed.factor == 1 else f"displacements × {framed.factor:g}"
-    cut = f", cut at {framed.cut.text}" if framed.cut else ""
+    time = subject.pose.time
     by = "block" if pressed.of_elements is None else "element"
     over = f"means over the {length(pressed.peaks.interval, 's')} between frames"
     which = f"largest of the run, {by} by {by}, {over}; shape at {time:.4g} s" if pressed.of_run else f"t = {time:.4g} s, {over}"
     value, place = pressed.largest(results)
     largest = f" · largest {pressure(value)} in {place}" if place else ""
-    return f"{which}{largest}\n{framed.view.name} view{cut} · {shape}, largest displacement {in_metres(subject.largest)}"
+    return f"{which}{largest}\n{shape_in_words(subject)}, largest displacement {in_metres(subject.largest)}"

@@ -16,9 +16,9 @@ from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, Solids, base_shift, joint_frame
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.drawing.render import Surface, View
+from reports.drawing import palette
+from reports.drawing.parts import BEFORE, Surface, View, painted, replaced, ribbon
 
-COLOUR = (90, 20, 110)
 WIDEST = 12.0  # of the largest force [pixels]
 WIDEST_OF_BLOCK = 0.3  # ... but no more than this share of a block's smallest extent
 THINNEST = 0.08  # forces below this share of the largest are left out
@@ -27,7 +27,9 @@ THINNEST = 0.08  # forces below this share of the largest are left out
 def ribbons(
     results: Results, solids: Solids, pose: Pose, snapshot: DamageSnapshot, frame: int, factor: float, view: View, pixel: float
 ) -> tuple[Surface, float]:
-    """The ribbons at a frame as a surface that faces the viewer, and the force of the widest one [N].
+    """The ribbons at a frame as a surface before everything, and the force of the widest one [N].
+
+    What runs in the plane of a cut itself, as in the middle of an arch, stays whole.
 
     Args:
         results: of a run, which must hold the forces of its joints and the points where they act.
@@ -47,7 +49,8 @@ def ribbons(
     joints = results.joints
     force = np.where(snapshot.separated, 0.0, joint_frame(results, "normal_force", frame))
     place = drawn_points(results, solids, pose, frame, factor)
-    return joint_ribbons((joints.block_a, joints.block_b), place, force, solids, view, pixel)
+    surface, largest = joint_ribbons((joints.block_a, joints.block_b), place, force, solids, view, pixel)
+    return replaced(surface, spared=WIDEST * pixel), largest
 
 
 def joint_ribbons(
@@ -118,6 +121,5 @@ def _facing(lines: np.ndarray, width: np.ndarray, view: View) -> Surface:
     across = half * (along[:, 1:] * -view.right + along[:, :1] * view.up)
     ahead = 0.5 * half * (along[:, :1] * view.right + along[:, 1:] * view.up)
     start, end = lines[:, 0] - ahead, lines[:, 1] + ahead
-    points = np.stack([start - across, end - across, end + across, start + across], axis=1).reshape(-1, 3)
-    colours = np.tile(np.array(COLOUR, dtype=np.uint8), (len(lines), 1))
-    return Surface(points, np.arange(len(points)), np.arange(0, len(points) + 1, 4), colours, lit=False)
+    corners = np.stack([start - across, end - across, end + across, start + across], axis=1)
+    return ribbon(corners, painted(palette.THRUST, len(lines)), place=BEFORE)

@@ -13,16 +13,17 @@ from masonry_cd.analysis.modal.modes import Modes
 from masonry_cd.analysis.modal.shapes import RigidShapes, Skin
 from masonry_cd.mechanics.model.blocks import Block
 from reports.drawing.figure import FAINT, INK, MARGIN, TITLE, WIDTH, Layout, Sheet
-from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
-from reports.drawing.structure_picture import SUPPORT, around, drawn_in, rgb
+from reports.drawing.palette import DISPLACED, PARTED, REST, SUPPORT
+from reports.drawing.parts import BEHIND, Layer, Lines, Surface, View, Window, painted, view_named
+from reports.drawing.render import render
+from reports.drawing.scene import Scene
+from reports.drawing.solids import drawn_in, window_around
 
 AMPLITUDE = 0.08  # largest drawn displacement, as a share of the size of the structure
 COLUMNS = 3
-BESIDE = 0.2  # share of the structure's extent by which supports are followed beyond it
+LIFT = 1.5e-3  # of edges before the skin, as a share of the picture's height
 CAPTION = 74  # height of the text above a panel
-COLOURS = "viridis"  # orderly also in grey and for colour-blind eyes
 BAR = 90  # height of the colour bar's strip
-REST, JOINT = "#b9bcc0", "#2b2b2b"
 METHOD = {"continuum": "bonded elastic continuum", "joints": "rigid blocks on elastic joints"}
 
 
@@ -53,7 +54,8 @@ def modes_picture(
     facts = f"{METHOD[modes.method]} · {_modulus(modes)} · largest displacement drawn as {reach:.3g} m · grey: at rest"
     sheet.head(title, facts)
     for k, (left, bottom, width, height) in enumerate(cells):
-        image = render(_layers(skin, frame, k, reach, blocks, looking), looking, window.fitted((width, height)), (width, height))
+        scene = Scene(looking, window.fitted((width, height)), _layers(skin, frame, k, reach, blocks))
+        image = render(scene, (width, height))
         axes = sheet.axes(left, bottom, width, height)
         axes.imshow(image, extent=(0, width, 0, height), interpolation="none", aspect="auto")
         _caption(sheet.axes(left, bottom + height, width, CAPTION), modes, k, captions[k] if k < len(captions) else "")
@@ -78,14 +80,9 @@ def _still(blocks: Sequence[Block]) -> Skin:
 
 
 def _window(skin: Skin, count: int, reach: float, view: View, blocks: Sequence[Block]) -> Window:
-    """Around the structure in all modes drawn and its supports; of supports far wider than it, such as the ground, as much as is near."""
-    places = view.plane(np.concatenate([skin.points] + [skin.points + reach * skin.shapes[k] for k in range(count)]))
-    supports = [block.vertices for block in blocks if block.fixed]
-    if supports:
-        low, high = places.min(axis=0), places.max(axis=0)
-        near = BESIDE * float((high - low).max())
-        places = np.concatenate([places, np.clip(view.plane(np.concatenate(supports)), low - near, high + near)])
-    return around(places, 0.04)
+    """Around the structure in all modes drawn, and its supports as far as they are near."""
+    places = np.concatenate([skin.points] + [skin.points + reach * skin.shapes[k] for k in range(count)])
+    return window_around(view, places, np.concatenate([places, *(block.vertices for block in blocks if block.fixed)]))
 
 
 def _plan(count: int, window: Window) -> tuple[Layout, list[tuple[int, int, int, int]]]:
@@ -100,26 +97,21 @@ def _plan(count: int, window: Window) -> tuple[Layout, list[tuple[int, int, int,
     return Layout((WIDTH, total), (MARGIN, BAR, WIDTH - 2 * MARGIN, rows * pitch), beside=False), cells
 
 
-def _layers(skin: Skin, frame: Skin, mode: int, reach: float, blocks: Sequence[Block], view: View) -> list[Layer]:
-    """Supports, outline at rest, deformed skin and the edges of its blocks."""
+def _layers(skin: Skin, frame: Skin, mode: int, reach: float, blocks: Sequence[Block]) -> list[Layer]:
+    """Deformed skin and the edges of its blocks, supports, and the outline at rest behind."""
     from matplotlib import colormaps
 
-    moved = skin.points + reach * skin.shapes[mode]
     length = np.linalg.norm(skin.shapes[mode], axis=1)
     mean = np.add.reduceat(length[skin.loops], skin.loop_start[:-1]) / np.diff(skin.loop_start)
-    colours = (255 * colormaps[COLOURS](np.clip(mean, 0.0, 1.0))[:, :3]).astype(np.uint8)
-    lift = 0.02 * reach * view.towards
+    colours = (255 * colormaps[DISPLACED](np.clip(mean, 0.0, 1.0))[:, :3]).astype(np.uint8)
     layers: list[Layer] = [
-        Surface(moved, skin.loops, skin.loop_start, colours),
-        Lines(frame.points + reach * frame.shapes[mode] + lift, frame.edges, JOINT, 0.8 if len(blocks) < 500 else 0.4),
+        Surface(skin.points + reach * skin.shapes[mode], skin.loops, skin.loop_start, colours),
+        Lines(frame.points + reach * frame.shapes[mode], frame.edges, PARTED, 0.8 if len(blocks) < 500 else 0.4, lift=LIFT),
+        Lines(skin.points, skin.edges, REST, 1.2, BEHIND),
     ]
-    supports = [block for block in blocks if block.fixed]
-    if supports:
+    if supports := [block for block in blocks if block.fixed]:
         still = _still(supports)
-        grey = np.tile((255 * rgb(SUPPORT)).astype(np.uint8), (len(still.loop_start) - 1, 1))
-        layers.append(Surface(still.points, still.loops, still.loop_start, grey))
-    behind = (1.0 + float(np.ptp(moved @ view.towards))) * view.towards  # in parallel projection, hidden by all that moved
-    layers.append(Lines(skin.points - behind, skin.edges, REST, 1.2))
+        layers.append(Surface(still.points, still.loops, still.loop_start, painted(SUPPORT, len(still.loop_start) - 1)))
     return layers
 
 
@@ -136,7 +128,7 @@ def _colour_bar(sheet: Sheet, view: View) -> None:
     """What the colours mean, and where the axes point."""
     axes = sheet.axes(MARGIN, 0, WIDTH - 2 * MARGIN, BAR)
     ramp = np.linspace(0.0, 1.0, 256)[None, :]
-    axes.imshow(ramp, extent=(0, 320, 34, 50), cmap=COLOURS, aspect="auto")
+    axes.imshow(ramp, extent=(0, 320, 34, 50), cmap=DISPLACED, aspect="auto")
     axes.set_xlim(0, WIDTH - 2 * MARGIN)
     axes.set_ylim(0, BAR)
     for x, text in ((0, "0"), (160, "0.5"), (320, "1")):

@@ -12,20 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.damage.definitions import STATES, Thresholds
+from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
 from reports.drawing import palette
-from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of, within_sight
-from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
-from reports.maps.framing import COLLAPSE, MOST, SEEN
-from reports.page import downloads, motion, series, stress, title_block, words
+from reports.drawing.parts import Scale, hexed
+from reports.maps.crack_map import at_rest
+from reports.maps.framing import MapStyle, amplification
+from reports.page import downloads, model, motion, series, stress, title_block, words
 from reports.page.document import script_of, write_document
 from reports.page.pack import packed, packed_length
 from reports.page.section import KNOWN
@@ -35,13 +33,7 @@ LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the pag
 FRAMES = 600  # sent at most
 PLOTTED = 6  # motions of supports that are plotted, those that go farthest; the page has a table of all
 LARGEST = 0.05  # where the last class of the colour scales begins, as in the crack map [m]
-COLOURS = {
-    "stone": STONE, "support": SUPPORT, "fallen": FALLEN, "parted": PARTED, "edge": EDGE, "axes": palette.AXES, "tie": palette.PULLING,
-}  # of the model  # fmt: skip
 SCRIPTS = ("unpack.js", "motion.js", "camera.js", "shaders.js", "viewer.js", "plots.js", "charts.js", "table.js", "main.js")
-COLUMNS = (
-    "max_opening", "residual_opening", "max_sliding", "residual_sliding", "max_rotation", "contact_area_loss", "first_opening_time", "area",
-)  # fmt: skip
 
 
 def write_page(
@@ -98,19 +90,17 @@ def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
 
 def _amplification(run: Measured) -> float:
     """As the crack map picks it, for the run as a whole."""
-    solids, largest = run.solids, run.displacement_max
-    free = solids.vertices[~solids.fixed[solids.vertex_block]]
-    size = float(np.ptp(free, axis=0).max()) if len(free) else 1.0
-    if run.fallen or MOST * largest < SEEN / 10 * size:
-        return 1.0
-    return float(np.clip(nice(SEEN * size / largest), 1.0, MOST))
+    free = run.solids.vertices[~run.solids.fixed[run.solids.vertex_block]]
+    return amplification(run.displacement_max, bool(run.fallen), float(np.ptp(free, axis=0).max()) if len(free) else 1.0)
 
 
 def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndarray], limit: int) -> tuple[dict[str, Any], str]:
     """The numbers: what fits into JSON, and the arrays, with some more by name, as one packed text."""
     results, solids, table, classes = context.results, context.solids, context.table, (context.thresholds, largest)
     moving = [motion for motion in context.motions if motion.moves][:PLOTTED]
-    facts, arrays = _still(results, solids, table, classes[0])
+    facts = model.names_and_words(results, solids, classes[0]) | {"energies": series.ENERGIES}
+    arrays = model.blocks_and_damage(results, solids, at_rest(results, MapStyle()), table) | tie_lines(results, model.origin_of(solids))
+    arrays["vertices"] = solids.vertices.astype(np.float32)
     facts["motions"] = ["" if len(context.motions) == 1 else motion.called for motion in moving]
     facts["motions_at_rest"] = len(moving) > 0 and not all(motion.moves for motion in context.motions)
     facts["motions_left_out"] = sum(motion.moves for motion in context.motions) - len(moving)
@@ -127,91 +117,14 @@ def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndar
             break
         count = max(2, min(count - 1, int(0.97 * count * limit / length)))
         moved = moved.only(motion.frames_shown(len(moved.frames), count))
-    seen = _seen(solids, moved)
-    arrays["vertices"] = _vertices(solids, np.array([seen["low"], seen["high"]]))
+    seen = model.camera(solids, moved)
+    arrays["vertices"] = model.vertices_near(solids, np.array([seen["low"], seen["high"]]))
     down, apart = motion.read_losses(results, solids, moved, classes[0])
     flags = {"fallen": motion.bits(down), "separated": motion.bits(apart)}
     classes_of_stress, pressed = stress.colours(results, moved.frames)
     contents, text = packed(arrays | units | flags | pressed | tie_tensions(results, moved.time), histories)
     facts |= {"contents": contents, "frames": len(moved.frames), "frames_written": results.frames, "scales": scales}
     return facts | seen | classes_of_stress, text
-
-
-def _seen(solids: Solids, moved: motion.Motion) -> dict[str, Any]:
-    """From where the model is looked at first, and the box that it shows: the blocks at rest and wherever they went, those flung away
-    left out. A planar structure that moved most across its plane is not looked at from the front."""
-    free = ~solids.fixed if not solids.fixed.all() else solids.fixed
-    rest = solids.vertices[free[solids.vertex_block]]
-    low, high = rest.min(axis=0), rest.max(axis=0)
-    origin, reach = (low + high) / 2.0, COLLAPSE * float((high - low).max())
-    place = (solids.centre + moved.displacement)[:, free]  # (F, B, 3)
-    near = ((place > low - reach) & (place < high + reach)).all(axis=2)[..., None]
-    half = 0.5 * solids.sizes[free]
-    lowest = np.where(near, place - half, np.inf).min(axis=(0, 1))
-    highest = np.where(near, place + half, -np.inf).max(axis=(0, 1))
-    most = np.abs(moved.displacement[:, free]).max(axis=(0, 1))
-    view = auto_view(solids)
-    return {
-        "view": "isometric" if view == "front" and most[1] > most[0] else view,
-        "low": (np.minimum(low, lowest) - origin).tolist(),
-        "high": (np.maximum(high, highest) - origin).tolist(),
-    }
-
-
-def _origin(solids: Solids) -> np.ndarray:
-    """The middle of the free blocks (3,) [m]: numbers near zero lose nothing in float32."""
-    free = ~solids.fixed if not solids.fixed.all() else solids.fixed
-    drawn = solids.vertices[free[solids.vertex_block]]
-    return np.asarray((drawn.min(axis=0) + drawn.max(axis=0)) / 2.0)
-
-
-def _vertices(solids: Solids, box: np.ndarray | None = None) -> np.ndarray:
-    """The vertices of all blocks from the origin, those of a wide ground as near as it is seen with a box (2, 3) around all places [m]."""
-    origin = _origin(solids)
-    return (within_sight(solids, solids.vertices, None if box is None else box + origin) - origin).astype(np.float32)
-
-
-def _still(results: Results, solids: Solids, table: JointDamage, thresholds: Thresholds) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """What does not move: blocks and joints at rest, the damage table, colours and names."""
-    joints, free = results.joints, ~solids.fixed if not solids.fixed.all() else solids.fixed
-    origin = _origin(solids)
-    families = families_of(results.blocks)
-    family = np.zeros(len(results.blocks), np.uint8)
-    for k, item in enumerate(families):
-        family[item.members] = min(k, 255)
-    arrays = {
-        "vertices": _vertices(solids),
-        "vertex_block": solids.vertex_block.astype(np.uint32),
-        "loops": solids.loops.astype(np.uint32),
-        "loop_start": solids.loop_start.astype(np.uint32),
-        "edges": solids.edges().astype(np.uint32),
-        "centre": (solids.centre - origin).astype(np.float32),
-        "fixed": solids.fixed.astype(np.uint8),
-        "family": family,
-        "joint_a": joints.block_a.astype(np.uint32),
-        "joint_b": joints.block_b.astype(np.uint32),
-        "joint_normal": joints.normal.astype(np.float32),
-        "polygon_start": joints.polygon_start.astype(np.uint32),
-        "polygon": (joints.polygon - origin).astype(np.float32),
-        "state": np.array([STATES.index(word) for word in table.state], np.uint8),
-    }
-    arrays |= tie_lines(results, origin)
-    arrays |= {f"damage/{name}": getattr(table, name).astype(np.float32) for name in COLUMNS}
-    top = int(np.argmax(np.where(free, solids.centre[:, 2] - 1e-9 * np.linalg.norm(solids.centre - origin, axis=1), -np.inf)))
-    sizes = solids.sizes[free].min(axis=1)
-    facts = {
-        "names": [block.name for block in results.blocks],
-        "groups": [block.group for block in results.blocks],
-        "families": [{"text": item.text, "colour": item.colour} for item in families],
-        "smallest": float(np.median(sizes)),
-        "top": top,
-        "states": STATES,
-        "meaning": thresholds.in_words(),
-        "colours": COLOURS,
-        "scene": results.scene,
-        "energies": series.ENERGIES,
-    }
-    return facts, arrays
 
 
 def _histories(
@@ -223,15 +136,15 @@ def _histories(
     units = {"time": moved.time.astype(np.float32), "displacement_unit": metre, "rotation_unit": radian}
     histories, scales = {"displacement": displacement, "rotation": rotation}, {}
     measures = (
-        ("opening", thresholds.opened, OPENING_COLOURS, table.max_opening),
-        ("sliding", thresholds.slid, SLIDING_COLOURS, table.max_sliding),
+        ("opening", thresholds.opened, palette.OPENING, table.max_opening),
+        ("sliding", thresholds.slid, palette.SLIDING, table.max_sliding),
     )
     for name, threshold, colours, peak in measures:  # peaks are over the steps, of which the frames show a few
         codes, lowest, per_e = motion.logarithms(np.concatenate([getattr(moved, name), peak[None]]), threshold)
         histories[name], units[f"{name}_peak"] = np.ascontiguousarray(codes[:, :-1]), np.ascontiguousarray(codes[:, -1])
         scale = Scale(threshold, max(largest, 2.0 * threshold), colours)
         bounds = [1 + int(np.floor(np.log(bound / lowest) * per_e + 1e-9)) for bound in scale.bounds]
-        hues = ["#" + "".join(f"{c:02x}" for c in colour) for colour in scale.colours.tolist()]
+        hues = [hexed(colour) for colour in scale.colours]
         scales[name] = {"lowest": lowest, "per_e": per_e, "bounds": scale.bounds, "codes": bounds, "colours": hues}
     return histories, units, scales
 

@@ -14,13 +14,12 @@ from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.io.results import Results
 from reports.damage.joint_files import write_joints_csv
-from reports.damage.part_files import BY_SHOCK, write_part_damage
-from reports.files import FILES
+from reports.damage.part_files import write_part_damage
+from reports.files import carried_files, known_files
 from reports.page.section import Section
 from reports.page.words import PageContext
 
 JOINTS = "joints.csv"
-CARRIED = (JOINTS, "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", BY_SHOCK)
 PREFIX = "file/"  # of their names among the packed arrays
 
 
@@ -31,12 +30,13 @@ def tables(results: Results, table: JointDamage, parts: PartDamage | None) -> di
         write_joints_csv(table, here / JOINTS, end_state(results, parts.settings.thresholds if parts else None).provisional)
         if parts is not None:
             write_part_damage(parts, here)
-        return {PREFIX + name: np.frombuffer((here / name).read_bytes(), np.uint8) for name in CARRIED if (here / name).exists()}
+        return {PREFIX + name: np.frombuffer((here / name).read_bytes(), np.uint8) for name in carried_files() if (here / name).exists()}
 
 
 def downloads(context: PageContext) -> Mapping[str, Any]:
     """The tables that the page carries, and what each holds."""
-    return {"files": [(name, FILES[name]) for name in (name.removeprefix(PREFIX) for name in context.carried)]}
+    meanings = known_files()
+    return {"files": [(name, meanings[name]) for name in (name.removeprefix(PREFIX) for name in context.carried)]}
 
 
 SECTIONS = {"tables": Section("Tables", downloads, 40)}

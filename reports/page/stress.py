@@ -12,6 +12,7 @@ from masonry_cd.analysis.stress.peaks import StressPeaks, principal, stress_peak
 from masonry_cd.analysis.stress.summary import stress_summary
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.results import Results
+from reports.drawing.parts import hexed
 from reports.maps.stress_map import StressScale
 from reports.page.section import Section
 from reports.page.words import PageContext, number
@@ -40,7 +41,7 @@ def colours(results: Results, frames: np.ndarray) -> tuple[dict[str, Any], dict[
     facts = {
         "unit": scale.unit,
         "bounds": [bound * scale.factor for bound in scale.bounds],
-        "colours": ["#" + "".join(f"{c:02x}" for c in colour) for colour in scale.colours.tolist()],
+        "colours": [hexed(colour) for colour in scale.colours],
     }
     return {"compression": facts}, {"pressed": np.ascontiguousarray(of_frames), "pressed_most": classes(peaks.compression)}
 

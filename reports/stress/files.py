@@ -3,7 +3,6 @@ in words."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -56,7 +55,7 @@ def write_stress(results: Results, peaks: StressPeaks, folder: Path) -> list[Pat
     free = [not block.fixed for block in results.blocks]
     for path, columns, kept in ((paths[0], block_columns(results, peaks), free), (paths[1], joint_columns(results, peaks), None)):
         rows = zip(*columns.values(), strict=True)
-        write_csv(path, columns, (map(_cell, row) for k, row in enumerate(rows) if kept is None or kept[k]))
+        write_csv(path, columns, (row for k, row in enumerate(rows) if kept is None or kept[k]), digits=10)
     of_elements = element_peaks(results)
     return paths if of_elements is None else [*paths, _write_elements(results, of_elements, folder)]
 
@@ -64,15 +63,8 @@ def write_stress(results: Results, peaks: StressPeaks, folder: Path) -> list[Pat
 def _write_elements(results: Results, peaks: ElementPeaks, folder: Path) -> Path:
     """Write element_stress.csv, with seven digits, as they are kept; return it."""
     columns = element_columns(results, peaks)
-    write_csv(folder / ELEMENTS, columns, ([_cell(value, 7) for value in row] for row in zip(*columns.values(), strict=True)))
+    write_csv(folder / ELEMENTS, columns, zip(*columns.values(), strict=True), digits=7)
     return folder / ELEMENTS
-
-
-def _cell(value: object, digits: int = 10) -> object:
-    """A number with so many digits; nothing where it is unknown."""
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.{digits}g}"
-    return value
 
 
 def stress_lines(found: Mapping[str, Any]) -> list[str]:

@@ -12,8 +12,8 @@ from masonry_cd.analysis.fragility.bootstrap import bands
 from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.fragility import by_level
 from masonry_cd.analysis.fragility.measures import label, with_unit
-from reports.drawing.figure import FAINT
-from reports.study.plots import MARKERS, colour, halo, legend, name_axes, save, sheet
+from reports.drawing.figure import FAINT, plain_axes, save
+from reports.study.plots import MARKERS, colour, halo, legend, sheet
 
 ORDER = ("mle", "ida", "cloud", "probit")  # the first of these that a limit state has is drawn with its band
 METHODS = {
@@ -49,7 +49,7 @@ def fragility_picture(fits: Sequence[Fit], title: str, path: Path) -> None:
     axes.set_xlim(0.0, top)
     axes.set_ylim(-0.02, 1.04)
     axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
-    name_axes(axes, label(fits[0].measure), "probability that a limit state is exceeded")
+    plain_axes(axes, "probability that a limit state is exceeded", label(fits[0].measure))
     legend(axes)
     save(figure, path)
 

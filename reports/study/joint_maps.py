@@ -22,13 +22,13 @@ from masonry_cd.foundation.files import size_of_regular
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
 from reports.damage.joint_files import thresholds_of
-from reports.maps.crack_key import OPENING_COLOURS, ColourClasses, Scale
+from reports.drawing import palette
+from reports.drawing.parts import ColourClasses, Scale
 from reports.maps.framing import MapStyle
 from reports.maps.joint_values import JointValues, draw_joint_values
 from reports.settings import report_of
 
 SHARES = (0.005, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9)  # lower bounds of the classes of a probability
-SHARE_COLOURS = ("YlOrRd", 0.18, 1.0)
 MOST_CELLS = 100_000_000  # runs times joints that are held for the median, 0.4 GB
 LEVELS = 3  # that have maps of their own, at most
 LARGEST = 0.05  # where the last class of the median opening begins [m]
@@ -189,7 +189,7 @@ def draw_joint_maps(study: Study) -> tuple[list[Path], list[str], list[str]]:
 def _maps(study: Study, runs: JointRuns, style: MapStyle, most: int) -> list[JointValues]:
     """Those that show anything: opened, slid, lost, the median opening, and opened level by level, of so many levels at most."""
     thresholds, count = style.thresholds, len(runs.rows)
-    title, share = str(study.asked["title"]), ColourClasses(SHARES, SHARE_COLOURS, 100.0)
+    title, share = str(study.asked["title"]), ColourClasses(SHARES, palette.SHARES, 100.0)
     opened = runs.opened(thresholds)
     over = f"over {count} runs, at rest · standard error {50.0 / np.sqrt(count):.2g} % at most"
     shares = (
@@ -201,7 +201,7 @@ def _maps(study: Study, runs: JointRuns, style: MapStyle, most: int) -> list[Joi
         JointValues(study.folder / name, f"{title}: {words}", f"{meaning} · {over}", hits.mean(axis=0), share, "share of the runs [%]")
         for name, words, hits, meaning in shares
     ]
-    median, scale = _median(runs.opening), Scale(thresholds.opened, style.largest, OPENING_COLOURS)
+    median, scale = _median(runs.opening), Scale(thresholds.opened, style.largest, palette.OPENING)
     facts = f"half of {count} runs open a joint by more than this; a joint that is lost counts as wide open"
     words = f"{title}: median of the largest opening"
     out.append(JointValues(study.folder / "median_opening.png", words, facts, median, scale, "median of the largest opening [mm]"))
@@ -231,8 +231,7 @@ def _levels(level: np.ndarray, most: int) -> list[float]:
 
 def _write_table(path: Path, table: Mapping[str, np.ndarray | list[str]]) -> None:
     """A row per joint."""
-    columns = [[f"{value:.6g}" if isinstance(value, float) else value for value in column] for column in table.values()]
-    write_csv(path, ("joint", *table), ((j, *cells) for j, cells in enumerate(zip(*columns, strict=True))))
+    write_csv(path, ("joint", *table), ((j, *cells) for j, cells in enumerate(zip(*table.values(), strict=True))), digits=6)
 
 
 def _lines(runs: JointRuns, thresholds: Thresholds, pairs: list[tuple[str, str]]) -> list[str]:

@@ -12,10 +12,11 @@ import numpy as np
 from masonry_cd.analysis.fragility.fits import Fit, Fits, fit_study
 from masonry_cd.analysis.fragility.folder import Study, read_study
 from masonry_cd.analysis.fragility.sensitivity import Correlation, correlations
+from masonry_cd.analysis.fragility.verdict import verdict_of
 from masonry_cd.foundation.errors import InputError
 from reports.study.fragility_picture import fragility_picture
 from reports.study.joint_maps import TABLE, draw_joint_maps
-from reports.study.page import PAGE, write_page
+from reports.study.page import PAGE, Said, write_page
 from reports.study.run_pictures import cloud_picture, ida_picture, quantities_of, spread_picture, stripes_picture
 from reports.study.tables import (
     first_fits,
@@ -67,7 +68,9 @@ def write_study(folder: Path) -> dict[str, Any]:
     _draw(study, fits, rows, out)
     _draw_maps(study, out)
     summary = _summary(study, fits.fits, rows, out)
-    write_page(study, fits.fits, out.pictures, out.lines, out.warnings)
+    found = verdict_of(study, fits.fits)
+    write_page(study, fits.fits, out.pictures, Said(found, out.lines, out.warnings))
+    summary = {"format": summary["format"], "verdict": found.as_dict()} | summary
     write_json(folder / "summary.json", summary)
     return summary
 

@@ -16,6 +16,7 @@ from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.folder import FIRST, Study
 from masonry_cd.analysis.fragility.measures import unit
 from masonry_cd.analysis.outputs import STUDY_PAGE, numbers_in
+from masonry_cd.analysis.verdict import Verdict
 from reports.page.document import Head, pictures, script_of, write_document
 from reports.study import words
 from reports.study.fragility_picture import METHODS
@@ -43,7 +44,16 @@ CAPTIONS = {
 }
 
 
-def write_page(study: Study, fits: Sequence[Fit], drawn: Sequence[Path], lines: Sequence[str], warnings: Sequence[str]) -> None:
+@dataclass(frozen=True)
+class Said:
+    """What there is to say of a study."""
+
+    verdict: Verdict
+    lines: Sequence[str]
+    warnings: Sequence[str]
+
+
+def write_page(study: Study, fits: Sequence[Fit], drawn: Sequence[Path], said: Said) -> None:
     """Write study.html.
 
     Raises:
@@ -55,7 +65,7 @@ def write_page(study: Study, fits: Sequence[Fit], drawn: Sequence[Path], lines: 
         study.folder / PAGE,
         "study.html",
         title=title,
-        page=Head(title, lines, warnings, _counts(study)),
+        page=Head(title, said.lines, said.warnings, _counts(study), verdict=said.verdict),
         drawn=pictures({path: CAPTIONS.get(path.name, "How often each joint opened at this level.") for path in drawn}),
         measure=fits[0].measure if fits else "",
         fits=[_fit(fit) for fit in fits],

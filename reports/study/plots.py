@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.outputs import NUMBERS
-from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.errors import InputError
-from reports.drawing.figure import COLOURS, FAINT, INK
+from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes
 
 DPI = 150
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 STROKES = ("-", "--", ":", "-.")
 PALE = "#b8bec4"
+FEW_TICKS = 10.0  # high over low of an axis on which 1, 2, 5 would leave less than three ticks
 PANELS = 3  # side by side at most
 
 
@@ -35,13 +33,9 @@ def colour(k: int) -> str:
 
 def sheet(title: str, facts: str, panels: int = 1, size: tuple[float, float] | None = None, rows: int = 1) -> tuple[Any, list[Any]]:
     """A figure with a title, a line of facts, and panels side by side, or in several rows."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     width, height = size or ((8.2, 5.6) if panels == 1 else (1.4 + 4.9 * panels, 5.4))
-    figure: Any = Figure(figsize=(width, height), dpi=DPI, facecolor="white", layout="constrained")
+    figure = blank((width, height), DPI, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.06, rect=(0.0, 0.0, 1.0, 1.0 - 0.72 / height))
-    FigureCanvasAgg(figure)
     figure.text(0.16 / width, 1.0 - 0.26 / height, title, fontsize=14, fontweight="bold", color=INK, va="center", parse_math=False)
     figure.text(0.16 / width, 1.0 - 0.54 / height, facts, fontsize=10, color=FAINT, va="center", parse_math=False)
     axes = list(figure.subplots(rows, -(-panels // rows), squeeze=False).flat)
@@ -49,34 +43,17 @@ def sheet(title: str, facts: str, panels: int = 1, size: tuple[float, float] | N
         spare.remove()
     axes = axes[:panels]
     for one in axes:
-        plain(one)
+        plain_axes(one)
     return figure, axes
 
 
-def plain(axes: Any) -> None:
-    """No frame but the axes, a faint grid behind."""
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
-    for side in ("left", "bottom"):
-        axes.spines[side].set_color(FAINT)
-    axes.tick_params(labelsize=10, colors=FAINT, which="both")
-    axes.grid(color="#e8eaed", linewidth=0.8)
-    axes.set_axisbelow(True)
-
-
-def name_axes(axes: Any, across: str, up: str) -> None:
-    """Titles of the axes."""
-    axes.set_xlabel(across, fontsize=11, color=INK, parse_math=False)
-    axes.set_ylabel(up, fontsize=11, color=INK, parse_math=False)
-
-
 def logarithmic(axis: Any) -> None:
-    """Ticks of a logarithmic axis in plain numbers: 1, 2, 5 where it is short."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+    """Ticks of a logarithmic axis in plain numbers: 1, 2, 5 where it is short, round numbers where it spans hardly a decade."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
     low, high = sorted(axis.get_view_interval())
     subs = (1.0, 2.0, 5.0) if high < 300.0 * low else (1.0,)
-    axis.set_major_locator(LogLocator(subs=subs, numticks=12))
+    axis.set_major_locator(LogLocator(subs=subs, numticks=12) if high > FEW_TICKS * low else MaxNLocator(5))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 
@@ -113,16 +90,3 @@ def limit_line(axes: Any, limit: LimitState, k: int, factor: float, across: bool
         axes.annotate(
             limit.name, at, (3, -4), xycoords=("data", "axes fraction"), textcoords="offset points", rotation=90, va="top", **words
         )
-
-
-def save(figure: Any, path: Path) -> None:
-    """Write the PNG; nothing in it depends on the day.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
-    try:
-        with replacing(path) as part:
-            figure.savefig(part, metadata={"Software": None})
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None

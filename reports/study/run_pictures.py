@@ -14,21 +14,8 @@ from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.ida import QUANTILES, Curve, demand_quantiles, quantiles
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.fragility.measures import label
-from reports.drawing.figure import FAINT, INK
-from reports.study.plots import (
-    MARKERS,
-    PALE,
-    PANELS,
-    colour,
-    legend,
-    limit_line,
-    logarithmic,
-    name_axes,
-    plain,
-    quantity,
-    save,
-    sheet,
-)
+from reports.drawing.figure import FAINT, INK, plain_axes, save
+from reports.study.plots import MARKERS, PALE, PANELS, colour, legend, limit_line, logarithmic, quantity, sheet
 
 GENERAL = ("max_opening", "max_sliding", "displacement_max")  # drawn where the limit states look at none that is continuous
 
@@ -77,7 +64,7 @@ def ida_picture(study: Study, curves: Sequence[Curve], path: Path) -> None:
             limit_line(axes, limit, k, factor, across=False)
         axes.set_xlim(0.0, most)
         axes.set_ylim(0.0, 1.05 * max(float(curve.intensity[-1]) for curve in curves))
-        name_axes(axes, words, label(measure))
+        plain_axes(axes, label(measure), words)
     legend(panels[0], 3)
     save(figure, path)
 
@@ -130,7 +117,7 @@ def cloud_picture(study: Study, clouds: Sequence[CloudFit], path: Path) -> None:
             limit_line(axes, limit, k, factor, across=True)
         for axis in (axes.xaxis, axes.yaxis):
             logarithmic(axis)
-        name_axes(axes, label(fit.measure), words)
+        plain_axes(axes, words, label(fit.measure))
         legend(axes)
     save(figure, path)
 
@@ -167,7 +154,7 @@ def stripes_picture(study: Study, path: Path) -> None:
             limit_line(axes, limit, k, factor, across=True)
         logarithmic(axes.yaxis)
         axes.set_xlim(max(0.0, levels[0] - near), levels[-1] + near)
-        name_axes(axes, label(str(study.asked["measure"])) if study.asked["measure"] else "level", words)
+        plain_axes(axes, words, label(str(study.asked["measure"])) if study.asked["measure"] else "level")
     save(figure, path)
 
 
@@ -201,7 +188,6 @@ def spread_picture(study: Study, path: Path) -> None:
                 limit_line(axes, limit, place, factor, across=False)
         axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
         axes.margins(x=0.12)
-        plain(axes)
-        name_axes(axes, words, "runs" if axes is panels[0] else "")
+        plain_axes(axes, "runs" if axes is panels[0] else "", words)
         axes.text(0.99, 0.03, f"{len(own)} runs", transform=axes.transAxes, fontsize=9.5, color=FAINT, ha="right")
     save(figure, path)

@@ -32,12 +32,12 @@ def row_of(fit: Fit) -> dict[str, Any]:
 
 def write_fragility_csv(path: Path, fits: Sequence[Fit]) -> None:
     """Write fragility.csv; what could not be fitted has empty cells."""
-    write_csv(path, COLUMNS_OF_FITS, ([_cell(value) for value in row_of(fit).values()] for fit in fits))
+    write_csv(path, COLUMNS_OF_FITS, (row_of(fit).values() for fit in fits), digits=6)
 
 
 def write_sensitivity(path: Path, rows: Sequence[Correlation]) -> None:
     """Write sensitivity.csv."""
-    write_csv(path, COLUMNS, ([_cell(value) for value in row] for row in rows))
+    write_csv(path, COLUMNS, rows, digits=6)
 
 
 def write_fragility_json(path: Path, fits: Fits) -> None:
@@ -99,10 +99,3 @@ def write_openquake(path: Path, title: str, fits: Sequence[Fit]) -> list[str]:
     every = [value * imt.factor for fit in chosen for value in (float(fit.intensity.min()), float(fit.intensity.max()))]
     write_nrml(path, title, curves, imt, (min(every), max(every)))
     return []
-
-
-def _cell(value: Any) -> str:
-    """A cell: six digits, nan empty."""
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.6g}"
-    return str(value)

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.fragility.sensitivity import Correlation
-from reports.drawing.figure import FAINT, INK
-from reports.study.plots import PANELS, legend, name_axes, quantity, save, sheet
+from reports.drawing.figure import FAINT, INK, plain_axes, save
+from reports.study.plots import PANELS, legend, quantity, sheet
 
 BARS = 14  # per panel at most
 HUES = {"varied": "#d55e00", "intensity": "#7fb2d6"}
@@ -30,8 +30,8 @@ def tornado_picture(rows: Sequence[Correlation], title: str, path: Path) -> None
     facts = "Spearman's rank correlation; whiskers: 95 %, bootstrap over records; diamond: the study's measure taken out"
     figure, panels = sheet(f"{title}: what matters", facts, len(columns), (max(8.4, 1.4 + 4.9 * len(columns)), tall))
     for axes, column, group in zip(panels, columns, groups, strict=True):
+        plain_axes(axes, "", f"rank correlation with {quantity(column)[0].split(' [')[0]}")
         _bars(axes, group)
-        name_axes(axes, f"rank correlation with {quantity(column)[0].split(' [')[0]}", "")
     legend(panels[0], 3, bbox_to_anchor=(0.0, -0.55 / (tall - 1.7)))
     save(figure, path)
 

@@ -12,12 +12,12 @@ from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.measures import with_unit
 from masonry_cd.analysis.fragility.sensitivity import SIGNIFICANT, Correlation
+from masonry_cd.analysis.fragility.verdict import FEW_RECORDS
 from masonry_cd.analysis.verdict import NOT_GRADED
 from reports.study.plots import quantity
 from reports.study.run_pictures import quantities_of
 from reports.study.tables import first_fits
 
-FEW_RECORDS = 10
 NAMED = 3  # of what varied, in the line on what matters
 
 

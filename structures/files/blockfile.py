@@ -5,7 +5,7 @@
 
 Faces are zero-based loops of vertices, counter-clockwise seen from outside. A block that is not convex lists the convex parts that
 fill it, ``"parts": [{"vertices": ..., "faces": ...}, ...]``, besides its own shell. A sphere has ``"centre": [x, y, z]`` and
-``"radius": r`` in the place of vertices and faces. Name, density, group and units have defaults:
+``"radius": r`` instead of vertices and faces. Name, density, group and units have defaults:
 b0, b1 ...; the material's density; ``base`` for fixed blocks and ``block`` for the others; metres. Other keys at the top
 level are left alone, so that a program may keep its own notes in the same file.
 """

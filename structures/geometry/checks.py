@@ -322,7 +322,7 @@ def _check_overlap(blocks: Sequence[Block], shells: Shells, overlap: float) -> N
 
 
 def _check_spheres_apart(blocks: Sequence[Block]) -> None:
-    """No sphere in the place of another block."""
+    """No sphere instead of another block."""
     pairs, depths = overlapping_spheres(blocks, OVERLAP)
     if len(depths):
         deepest = int(np.argmax(depths))

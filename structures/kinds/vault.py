@@ -134,14 +134,25 @@ def _cross(keys: VaultTable, density: float) -> list[Block]:
         raise InputError(f"structure.pier: must exceed the thickness of the vault, {keys.thickness:g} m, got {pier:g}")
     unit = keys.unit_length or 1.2 * keys.thickness
     size.within(4.0 * keys.voussoirs * (0.5 * half + pier) / unit, "unit_length")
+    return crossing(intrados, extrados, half + pier, unit, density) + _piers(half, pier, keys.thickness, density)
+
+
+def crossing(intrados: np.ndarray, extrados: np.ndarray, end: float, unit: float, density: float) -> list[Block]:
+    """The blocks of the webs and groins of a cross vault, without what carries it.
+
+    Args:
+        intrados, extrados: ends of the joints (N + 1, 2) x, z of its profile [m].
+        end: distance from its middle at which each web ends [m].
+        unit: length of a block along its web [m].
+    """
     blocks = []
     groins: Groins = {}
     for k, profile in enumerate(voussoirs(intrados, extrados)):
         for web in WEBS:
-            blocks += _course(k, keys.voussoirs, profile, web, half + pier, unit, groins, density)
+            blocks += _course(k, len(intrados) - 1, profile, web, end, unit, groins, density)
     for number, parts in enumerate(groins.values(), start=1):
         blocks.append(compound_block(f"groin.{number}", parts, density, "groin"))
-    return blocks + _piers(half, pier, keys.thickness, density)
+    return blocks
 
 
 @dataclass(frozen=True)

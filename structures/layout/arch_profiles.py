@@ -22,6 +22,7 @@ The intrados springs at z = 0 and is centred on x = 0. Joints are listed from th
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
@@ -230,10 +231,10 @@ def _three_centred(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
             angle, x0, z0, extra = turn + (along - flank) / (middle + apart), 0.0, rise - small - apart, apart
         for side, radius in enumerate((small + extra, small + extra + arch.thickness)):
             ends[side].append((-x0 - radius * math.cos(angle), z0 + radius * math.sin(angle)))
-    return _mirrored(ends[0], arch.voussoirs), _mirrored(ends[1], arch.voussoirs)
+    return mirrored(ends[0], arch.voussoirs), mirrored(ends[1], arch.voussoirs)
 
 
-def _mirrored(left: list[tuple[float, float]], count: int) -> np.ndarray:
+def mirrored(left: Sequence[Sequence[float]] | np.ndarray, count: int) -> np.ndarray:
     """All joint ends of a symmetric ring from those up to its middle."""
     half = np.array(left)
     if count % 2 == 0:

@@ -3,6 +3,7 @@
 layout.py    stones by wall, and the openings of a wall, from the names and places of blocks
 walls.py     walls in plan: whole, upper part, gable, piers, spandrels, corners
 church.py    facade, side walls, arch, apse, tower and belfry
+building.py  walls, corners, vaults and columns of a building from a plan
 bridges.py   arches, spans and piers of bridges
 by_kind.py   which parts a kind of structure has
 """

@@ -57,3 +57,19 @@ def aqueduct(layout: Layout) -> list[MacroElement]:
             over = above[(layout.middle[above, 0] >= reach[0]) & (layout.middle[above, 0] <= reach[1])]
             found.append(MacroElement(f"{name} with what stands on it", "pier", np.union1d(own, over), AROUND, (OVERTURNING,)))
     return found
+
+
+def bridge(layout: Layout) -> list[MacroElement]:
+    """Spans of one or several rings with what rests on them, piers, spandrel walls across the road, parapets."""
+    found = []
+    names = list(dict.fromkeys(str(name) for name in layout.group[~layout.fixed]))
+    for span in dict.fromkeys(name.split("_")[0] for name in names if name.startswith("arch")):
+        own = np.flatnonzero(~layout.fixed & np.array([str(name).split("_")[0] == span for name in layout.group]))
+        found.append(MacroElement(f"span {span}", "span", own, (EAST, WEST), (HINGES,)))
+    for name in names:
+        if PIER.search(name):
+            found.append(MacroElement(name, "pier", layout.of_groups(name), AROUND, (OVERTURNING,)))
+        elif name.startswith(("spandrel", "wing")):
+            way = SOUTH if name.endswith("front") else NORTH
+            found.append(MacroElement(name.replace("_", " "), "wall", layout.of_groups(name), (way,), (OVERTURNING,)))
+    return found

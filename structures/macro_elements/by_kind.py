@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from structures.macro_elements import bridges, church, walls
+from structures.macro_elements import bridges, building, church, walls
 from structures.macro_elements.element import AROUND, NORTH, OVERTURNING, SOUTH, MacroElement
 from structures.macro_elements.layout import Layout
 
@@ -73,6 +73,6 @@ def _groups(layout: Layout) -> list[MacroElement]:
 
 
 KINDS: Mapping[str, Callable[[Layout], list[MacroElement]]] = {
-    "church": church.parts, "wall": _wall, "tower": _tower, "arch": bridges.arch, "aqueduct": bridges.aqueduct, "vault": bridges.vault,
-    "column": _whole, "dome": _whole,
+    "church": church.parts, "wall": _wall, "tower": _tower, "arch": bridges.arch, "aqueduct": bridges.aqueduct, "bridge": bridges.bridge,
+    "vault": bridges.vault, "column": _whole, "dome": _whole, "building": building.parts,
 }  # fmt: skip

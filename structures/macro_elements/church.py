@@ -15,10 +15,10 @@ def parts(layout: Layout) -> list[MacroElement]:
     eaves = layout.top(nave)
     found = walls.out_of_plane(layout, "facade", layout.of_walls("facade"), (WEST,), eaves, "facade")
     found += walls.in_plane(layout, "facade", "facade")
-    for name, way in (("nave_south", SOUTH), ("nave_north", NORTH), ("aisle_south", SOUTH), ("aisle_north", NORTH)):
+    for name in ("nave_south", "nave_north", "aisle_south", "aisle_north"):
         own = layout.of_walls(name)
-        if len(own):
-            found += walls.out_of_plane(layout, name.replace("_", " wall "), own, (way,), layout.top(own), "side wall")
+        if len(own):  # inwards too: nothing holds a wall on the side of the nave
+            found += walls.out_of_plane(layout, name.replace("_", " wall "), own, (SOUTH, NORTH), layout.top(own), "side wall")
             found += walls.in_plane(layout, name, name.replace("_", " wall "))
     for name in ("triumphal_arch", "east_wall"):
         own = layout.of_walls(name)
@@ -37,7 +37,7 @@ def parts(layout: Layout) -> list[MacroElement]:
 
 def _back(layout: Layout, name: str, own: np.ndarray, eaves: float) -> list[MacroElement]:
     """The wall of the triumphal arch: in its plane, its arch, and the gable."""
-    whole, _, *gable = walls.out_of_plane(layout, name, own, (EAST,), eaves, "triumphal arch")
+    whole, _, *gable = walls.out_of_plane(layout, name, own, (EAST, WEST), eaves, "triumphal arch")
     plane = walls.in_plane(layout, own_wall(layout, own), name)
     return [whole, *gable, *plane]
 

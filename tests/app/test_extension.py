@@ -5,22 +5,25 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from importlib import import_module
+from runpy import run_path
 from textwrap import dedent
 
 import numpy as np
 import pytest
 from made_run import at_rest, box, write_run
+from places import ROOT
 
 import loads
 import structures
 from loads import readers
+from masonry_cd.app.run_case import file_names
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.solve_file import solve_file
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.solvers import SOLVERS
-from reports import outputs
+from reports.files import Job, known_files
 from reports.settings import report_of
 
 SCENE = """\
@@ -160,7 +163,7 @@ def test_a_report(add, tmp_path):
     assert settings.asks
     blocks = [box("ground", (-1, -1, -1), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 1))]
     with Results.open(write_run(tmp_path / "result.h5", blocks, [at_rest(blocks)])) as results:
-        assert outputs.write_extra(results, tmp_path, settings.extra) == [tmp_path / "lowest.txt"]
+        assert Job(results, tmp_path, settings, {}).write() == [tmp_path / "lowest.txt"]
     assert float((tmp_path / "lowest.txt").read_text()) == -0.5
 
 
@@ -170,3 +173,30 @@ def test_helpers_are_none_and_what_is_not_there_is_a_key_error():
     with pytest.raises(KeyError):
         SOLVERS["options"]
     assert not Extensions("structures.layout", "nothing_of_the_kind")
+
+
+WEIGHT = """\
+    from masonry_cd.foundation.csv_files import write_csv
+    from reports.files import Output
+
+    def _weight(job):
+        rows = ([block.name, f"{block.density * block.mass_properties.volume:.6g}"] for block in job.results.blocks)
+        write_csv(job.folder / "weight.csv", ["block", "mass_kg"], rows)
+        return [job.folder / "weight.csv"]
+
+    OUTPUTS = {"weight": Output({"weight.csv": "the mass of every block"}, _weight, lambda job: job.settings.damage, 15)}
+"""
+
+
+def test_an_output_of_a_run(add, tmp_path):
+    """One file: the run writes it where the scene asks, a new run clears it, and the reference lists it."""
+    assert "weight.csv" not in known_files()
+    add("reports.outputs", "weight", WEIGHT)
+    blocks = [box("ground", (-1, -1, -1), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 1))]
+    with Results.open(write_run(tmp_path / "result.h5", blocks, [at_rest(blocks)] * 2)) as results:
+        assert Job(results, tmp_path, report_of(""), {}).write() == []
+        written = Job(results, tmp_path, report_of("[report]\ndamage = true"), {}).write()
+    assert tmp_path / "weight.csv" in written
+    assert (tmp_path / "weight.csv").read_text().splitlines()[1:] == ["ground,8000", "stone,2000"]
+    assert "weight.csv" in file_names()
+    assert "| `weight.csv` | the mass of every block |" in run_path(str(ROOT / "docs" / "write_output_reference.py"))["reference"]()

@@ -36,7 +36,7 @@ def checked(folder: Path, ratio: float, more: str = "", displacements: bool = Fa
 def test_the_least_factor_without_dilation_decides_with_a_margin(ratio: float, state: str, tmp_path: Path) -> None:
     case = checked(tmp_path, ratio)
     assert case.analysis.associated.factor > 1.15 / 6.0  # would meet each of the three
-    assert case.analysis.least is not None and case.analysis.starts == 4  # unasked, for the check
+    assert case.analysis.least is not None and case.analysis.starts == 5  # unasked, for the check: four and one at the blocks as a part
     assert case.check is not None
     (verdict,) = case.check.verdicts
     assert (verdict.state, verdict.ratio) == (state, pytest.approx(ratio, rel=1e-3))
@@ -59,7 +59,7 @@ def test_every_output_has_the_same_verdict(tmp_path: Path) -> None:
     verdict = case.verdict
     assert verdict is not None and verdict == case.check.judgement
     assert (verdict.state, verdict.ratio, verdict.margin) == ("not decided", pytest.approx(1.03, rel=1e-3), 0.05)
-    assert verdict.search is not None and verdict.search.starts == 4 and verdict.search.agreeing >= 2
+    assert verdict.search is not None and verdict.search.starts == 5 and verdict.search.agreeing >= 2
     assert made["verdict"] == json.loads((folder / "limit.json").read_text())["verdict"]
     assert made["verdict"]["words"] == verdict.words and verdict.words in lines(case)
     page = (folder / "limit.html").read_text()
@@ -88,7 +88,7 @@ def test_starts_that_do_not_agree_decide_nothing(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(nonassociated, "ALIKE", -1.0)  # none agree, not even with themselves
     case = checked(tmp_path, 1.5)
     assert case.check is not None and case.check.verdicts[0].state == "not decided"
-    assert "0 of 4 starts came to the least factor found" in case.check.verdicts[0].words
+    assert "0 of 5 starts came to the least factor found" in case.check.verdicts[0].words
 
 
 def test_that_a_mechanism_starts_is_enough_to_say_no(tmp_path: Path) -> None:

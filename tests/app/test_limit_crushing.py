@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
+from click.testing import Result
 from models import box, ground
 from typer.testing import CliRunner
 
@@ -60,6 +61,21 @@ def test_what_has_no_answer_is_one_line(strength, tables, fault, tmp_path):
     assert not (tmp_path / "out" / "limit.json").exists()
 
 
-def test_macro_elements_do_not_crush(tmp_path):
-    done = CliRunner().invoke(app, ["limit", str(scene(tmp_path, "2e6")), "-o", str(tmp_path / "out"), "--macro-elements"])
-    assert done.exit_code == 2 and "material.joints: joints of macro-elements do not crush" in done.output
+def macro_elements(folder: Path, strength: str) -> Result:
+    return CliRunner().invoke(app, ["limit", str(scene(folder, strength)), "-o", str(folder / "out"), "--macro-elements", "--no-picture"])
+
+
+def test_macro_elements_crush_as_the_whole_does(tmp_path):
+    """b/h (1 - N/(f b t)) of the pillar, as a part and as the whole, whose search has begun at the part."""
+    assert macro_elements(tmp_path, "2e5").exit_code == 0
+    parts = json.loads((tmp_path / "out" / "macro_elements.json").read_text())["mechanisms"]
+    whole = json.loads((tmp_path / "out" / "limit.json").read_text())["least"]["factor"]
+    exact = 0.5 / 1.5 * (1.0 - WEIGHT / 2e5)
+    along_x = min(row["alpha0"] for row in parts if row["push"] == "x")
+    assert along_x == pytest.approx(exact, rel=1e-3) and whole == pytest.approx(exact, rel=1e-3)
+
+
+def test_a_strength_below_the_stress_in_a_part_is_one_line(tmp_path):
+    done = macro_elements(tmp_path, str(0.9 * WEIGHT))
+    assert done.exit_code == 2 and 'material.joints: the joint "ground" - "a"' in done.output
+    assert not (tmp_path / "out").exists()

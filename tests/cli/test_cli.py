@@ -37,8 +37,7 @@ from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.dynamics.islands import Islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.friction.problem import LocalProblem
-from reports import outputs
-from reports.damage import joint_files
+from reports.damage import joint_files, part_files
 
 SUMMARY_KEYS = {
     "blocks", "joints", "steps", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max",
@@ -333,7 +332,7 @@ def test_ctrl_c_leaves_the_reports_that_were_asked_for(block_on_plate, tmp_path,
         with monkeypatch.context() as pressed:
             signals_in(pressed, Stepper, "step", 60, number)
             drawn = []
-            pressed.setattr(outputs, "write_part_damage", lambda *_, d=drawn: (d.append(1), signal.raise_signal(signal.SIGINT)))
+            pressed.setattr(part_files, "write_part_damage", lambda *_, d=drawn: (d.append(1), signal.raise_signal(signal.SIGINT)))
             result = masonry_cd("run", scene, "-o", tmp_path / str(number))
         assert result.exit_code == 128 + number
         assert not (tmp_path / str(number) / "damage.csv").exists()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,11 +16,11 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import loop_area
-from reports.drawing.render import Lines, Surface, view_named
-from reports.drawing.tie_lines import DrawnTies
-from reports.maps.bands import band_corners
+from reports.drawing.bands import DrawnJoints
+from reports.drawing.cut import Cut, caps_of, clipped, clipped_lines, clipped_ties, cut_named, traces
+from reports.drawing.parts import Lines, Surface, Ties, view_named
+from reports.drawing.solids import block_layers
 from reports.maps.crack_map import crack_map
-from reports.maps.cut import Cut, caps_of, clipped, clipped_lines, clipped_ties, cut_named, traces
 from reports.maps.framing import MapStyle
 
 BASE = box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True)
@@ -31,12 +32,19 @@ def areas(points: np.ndarray, loops: np.ndarray, start: np.ndarray) -> list[floa
     return [loop_area(points[loops[a:b]]) for a, b in pairwise(start)]
 
 
+def faces(solids: Solids) -> Surface:
+    """The faces of blocks as built."""
+    surface = block_layers(solids, solids.vertices, np.ones((len(solids.centre), 3)))[0]
+    assert isinstance(surface, Surface)
+    return surface
+
+
 def test_a_cut_keeps_what_lies_behind_it_and_closes_the_blocks() -> None:
     solids = Solids.from_blocks(STACK)
     cut = cut_named("y=0.2", solids, FRONT)
     assert cut_named("y = 20 cm", solids, FRONT).value == cut.value == 0.2
-    caps = caps_of(solids, solids.vertices, cut)
-    assert caps.block.tolist() == [0, 1, 2, 3]
+    caps = caps_of(faces(solids), cut)
+    assert caps.owner is not None and caps.owner.tolist() == [0, 1, 2, 3]
     np.testing.assert_allclose(areas(caps.points, caps.loops, caps.loop_start), [4 * 0.5, 1.0, 1.0, 1.0])
     np.testing.assert_allclose(caps.points[:, 1], 0.2)
     white = np.full((len(solids.face_block), 3), 255, np.uint8)
@@ -50,7 +58,7 @@ def test_edges_end_in_the_plane() -> None:
     points = np.array([[0, 0, 0], [0, 2, 0], [1, 3, 0], [1, -3, 0]], dtype=float)
     cut = cut_named("y=0.5", Solids.from_blocks(STACK[1:] + [box("far", (0, -4, 0), (1, 4, 1))]), FRONT)
     left = clipped_lines(Lines(points, np.array([[0, 1], [1, 2], [3, 0]]), "#000000", 1.0), cut)
-    np.testing.assert_allclose(left.points.reshape(-1, 2, 3), [[[0, 2, 0], [0, 0.5, 0]], [[0, 2, 0], [1, 3, 0]]])
+    np.testing.assert_allclose(left.points.reshape(-1, 2, 3), [[[0, 0.5, 0], [0, 2, 0]], [[0, 2, 0], [1, 3, 0]]])
 
 
 def test_a_plane_through_corners_leaves_no_case_over() -> None:
@@ -58,7 +66,7 @@ def test_a_plane_through_corners_leaves_no_case_over() -> None:
     solids = Solids.from_blocks([*STACK, box("slab", (-0.8, -0.5, 3), (0.8, 0.5, 3.5))])
     for text, view in (("x=0.5", SIDE), ("z=1", view_named("top"))):
         cut = cut_named(text, solids, view)
-        caps = caps_of(solids, solids.vertices, cut)
+        caps = caps_of(faces(solids), cut)
         assert np.isfinite(caps.points).all()
         assert all(area > 0.1 for area in areas(caps.points, caps.loops, caps.loop_start))
 
@@ -71,7 +79,7 @@ def test_a_block_that_is_not_convex_gets_its_own_outline() -> None:
     # seen from -y the outline of x and z runs counter-clockwise, so the front face keeps its order
     block = Block("ell", np.concatenate([low, high]), (tuple(range(6)), tuple(range(11, 5, -1)), *(face[::-1] for face in sides)), 2000.0)
     solids = Solids.from_blocks([block])
-    caps = caps_of(solids, solids.vertices, cut_named("y", solids, FRONT))
+    caps = caps_of(faces(solids), cut_named("y", solids, FRONT))
     assert areas(caps.points, caps.loops, caps.loop_start) == pytest.approx([3.0])
 
 
@@ -79,8 +87,8 @@ def test_traces_run_where_the_plane_crosses_the_joints(tmp_path: Path) -> None:
     rest = at_rest(STACK)
     with Results.open(write_run(tmp_path / "run.h5", STACK, [rest])) as results:
         solids, joints = Solids.from_blocks(results.blocks), results.joints
-        on_a, on_b = band_corners(joints, solids, Pose.of(results, solids), 1.0, 0.02)
-        found = traces(joints, on_a, on_b, np.array([True, False, True]), cut_named("y=0.2", solids, FRONT))
+        drawn = DrawnJoints.at(joints, solids, Pose.of(results, solids), 1.0, 0.02)
+        found = traces(replace(drawn, shown=np.array([True, False, True])), cut_named("y=0.2", solids, FRONT))
     assert found.joint.tolist() == [0, 2]
     np.testing.assert_allclose(found.corners[..., 1], 0.2)
     for corners, joint in zip(found.corners, found.joint, strict=True):
@@ -125,7 +133,7 @@ def test_a_crack_inside_shows_in_the_cut_only(tmp_path: Path) -> None:
 
 def test_ties_end_at_the_plane_and_those_before_it_are_left_out() -> None:
     ends = np.array([[[0.0, 0.0, 1.0], [4.0, 0.0, 1.0]], [[3.0, 0.0, 1.0], [4.0, 2.0, 1.0]], [[0.0, 1.0, 1.0], [1.0, 1.0, 1.0]]])
-    ties = DrawnTies(ends, ("crossing", "before", "behind"), np.array([1.0, 2.0, 3.0]))
+    ties = Ties(ends, ("crossing", "before", "behind"), np.array([1.0, 2.0, 3.0]))
     left = clipped_ties(ties, Cut("x", 2.0, np.array([-1.0, 0.0, 0.0])))
     assert left.texts == ("crossing", "behind")
     assert left.tension.tolist() == [1.0, 3.0]

@@ -20,7 +20,8 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.state import rotation_matrices
-from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Marks, Scale
+from reports.drawing.palette import OPENING, SLIDING
+from reports.drawing.parts import Scale
 from reports.page import motion, series, write_page
 from reports.page.pack import packed, packed_length
 
@@ -231,14 +232,13 @@ def test_joints_have_the_classes_of_the_crack_map(page, folder):
     with Results.open(folder / "result.h5") as results:
         moment = DamageSnapshot.at(results, results.frames - 1, Thresholds())
         assert moment.down.tolist() == [False, False, False, False, True]
-        marks = Marks.of(moment)
-    scales = Scale(1e-4, 0.05, OPENING_COLOURS), Scale(1e-4, 0.05, SLIDING_COLOURS)
+    scales = Scale(1e-4, 0.05, OPENING), Scale(1e-4, 0.05, SLIDING)
     shown = np.reshape(page.run("const v = masonry.all.viewer; return Array.from(v.marks.subarray(0, 8 * v.joints));"), (-1, 8))
-    assert (shown[:, 3] == 255).tolist() == (marks.opened | marks.slid).tolist()
-    hinge, slip = int(np.flatnonzero(marks.opened)[0]), int(np.flatnonzero(marks.slid)[-1])
-    assert shown[hinge, :3].tolist() == scales[0](marks.opening)[hinge].tolist()
-    assert shown[slip, 4:7].tolist() in ([255, 255, 255], scales[1](marks.sliding)[slip].tolist())
-    assert (shown[:, 7] > 0).tolist() == marks.separated.tolist()
+    assert (shown[:, 3] == 255).tolist() == (moment.open | moment.slid).tolist()
+    hinge, slip = int(np.flatnonzero(moment.open)[0]), int(np.flatnonzero(moment.slid)[-1])
+    assert shown[hinge, :3].tolist() == scales[0](moment.opening)[hinge].tolist()
+    assert shown[slip, 4:7].tolist() in ([255, 255, 255], scales[1](moment.sliding)[slip].tolist())
+    assert (shown[:, 7] > 0).tolist() == moment.separated.tolist()
 
 
 JOINT = "const { facts, data, motion, camera, viewer } = masonry.all, between = (a, b) => Array.from(data.joint_a).findIndex((v, j) =>"

@@ -10,7 +10,8 @@ import pytest
 from models import tower
 
 from masonry_cd.mechanics.model.blocks import Block
-from reports.drawing.refused_blocks import FAULTY, problem_picture
+from reports.drawing.palette import FAULTY
+from reports.drawing.refused_blocks import problem_picture
 from structures.geometry.checks import Unsound, check
 
 TOWER = tower(4)

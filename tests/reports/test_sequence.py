@@ -14,7 +14,9 @@ from pictures import COLUMN, opening_scale, pixels
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.freed_memory import keep_freed_memory
 from masonry_cd.io.results import Results
-from reports.drawing.render import Canvas, Surface, Window, view_named
+from reports.drawing.parts import Surface, Window, view_named
+from reports.drawing.render import Canvas
+from reports.drawing.scene import Scene
 from reports.maps.framing import MapStyle, framing
 from reports.maps.sequence import animation, crack_maps, frames_at
 
@@ -93,7 +95,7 @@ def test_a_canvas_draws_each_picture_anew_and_once(monkeypatch):
             layers = [
                 Surface(square + [0, k, 0], np.arange(4), np.array([0, 4]), np.array([colour], np.uint8), lit=False) for k in range(3)
             ]
-            image = canvas.draw(layers, Window(0.0, 1.0, 0.0, 1.0))
+            image = canvas.draw(Scene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), layers))
             assert image[20, 20].tolist() == colour
             assert number == 0 or len(drawn) == before + 1  # the first picture opens OpenGL as well
 
@@ -107,7 +109,7 @@ def test_memory_of_pictures_goes_back_to_the_system() -> None:
         square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]])
         layer = Surface(square, np.arange(4), np.array([0, 4]), np.array([[255, 0, 0]], np.uint8), lit=False)
         with Canvas(view_named("front"), pixels) as canvas:
-            canvas.draw([layer], Window(0.0, 1.0, 0.0, 1.0))
+            canvas.draw(Scene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), [layer]))
         return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize() / 1e6
 
     keep_freed_memory()

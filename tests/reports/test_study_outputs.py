@@ -15,8 +15,11 @@ from made_study import COLLAPSE, CRACKED, Made, rows_of, write_study_folder
 from pictures import pixels
 
 from masonry_cd.analysis.fragility.folder import read_study
+from masonry_cd.analysis.fragility.verdict import verdict_of
 from masonry_cd.foundation.errors import InputError
-from reports.study.joint_maps import SHARE_COLOURS, SHARES
+from reports.drawing import palette
+from reports.drawing.parts import ColourClasses
+from reports.study.joint_maps import SHARES
 from reports.study.outputs import write_study
 
 SPACE = "{http://openquake.org/xmlns/nrml/0.5}"
@@ -77,9 +80,7 @@ def test_friction_shows_once_the_intensity_is_taken_out(stripes: Path):
 
 
 def test_the_maps_colour_each_joint_by_how_often_it_opened(stripes: Path):
-    from reports.maps.crack_key import ColourClasses
-
-    scale, rows = ColourClasses(SHARES, SHARE_COLOURS, 100.0), table(stripes / "joint_probabilities.csv")
+    scale, rows = ColourClasses(SHARES, palette.SHARES, 100.0), table(stripes / "joint_probabilities.csv")
     runs = table(stripes / "runs.csv")
     for j, row in enumerate(rows):
         hits = [float(run["max_opening"]) * 0.5**j >= 1e-4 or (j == 2 and run["collapsed_blocks"] == "1") for run in runs]
@@ -163,6 +164,29 @@ def test_few_records_are_warned_of_and_runs_that_failed_are_no_data(tmp_path: Pa
     assert any("2 of 25 runs failed or timed out" in line for line in found["warnings"])
     assert any("5 records are few" in line for line in found["warnings"])
     assert {row["runs"] for row in table(tmp_path / "fragility.csv")} == {"23"}
+
+
+@pytest.mark.parametrize(
+    ("records", "failed", "sure", "words"),
+    [
+        (12, 0, "good", "nothing in the runs speaks against what is fitted"),
+        (5, 0, "look", "5 records, and 10 are wanted"),
+        (12, 9, "doubtful", "9 of 60 runs failed or timed out"),
+        (1, 5, "unknown", "no verdict, no run is done"),
+    ],
+)
+def test_the_verdict_says_what_the_runs_bear_out(records: int, failed: int, sure: str, words: str, tmp_path: Path):
+    """One run in ten may be lost: fifteen in a hundred leave fits that are biased."""
+    rows = [row | ({"status": "failed"} if k < failed else {}) for k, row in enumerate(rows_of(Made(records=records)))]
+    found = verdict_of(read_study(write_study_folder(tmp_path, Made(records=records), rows)), [])
+    assert found.sure == sure and words in f"{found.words}; {found.why}"
+
+
+def test_the_verdict_stands_first_on_the_page_and_in_the_summary(stripes: Path):
+    found = json.loads((stripes / "summary.json").read_text(encoding="utf-8"))
+    page = (stripes / "study.html").read_text(encoding="utf-8")
+    assert list(found)[1] == "verdict"
+    assert page.index("</h1>") < page.index(f'<span class="verdict {found["verdict"]["sure"]}">') < page.index('<p class="lead">')
 
 
 def test_records_whose_names_differ_by_an_apostrophe_stay_two(tmp_path: Path):

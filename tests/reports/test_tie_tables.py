@@ -21,8 +21,8 @@ from masonry_cd.app.summary import closing_lines
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
+from reports.drawing.palette import PULLING
 from reports.drawing.structure_picture import structure_picture
-from reports.drawing.tie_lines import PULLING
 from reports.maps.crack_map import crack_map
 from reports.page import write_page
 from reports.ties import tie_lines, tie_tensions

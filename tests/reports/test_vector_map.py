@@ -12,14 +12,13 @@ from typer.testing import CliRunner
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
-from reports.drawing.render import view_named
-from reports.drawing.structure_picture import MOTTLE
-from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale
-from reports.maps.crack_map import subject_of
+from reports.drawing.painter import Planes, in_order, painting_order
+from reports.drawing.palette import OPENING, SLIDING
+from reports.drawing.parts import Scale, view_named
+from reports.drawing.solids import block_layers, mottled
+from reports.drawing.vector import hidden_sides
+from reports.maps.crack_map import VECTOR, Subject, crack_scene, vector_maps
 from reports.maps.framing import MapStyle, framing
-from reports.maps.layers import block_colours
-from reports.maps.painter import in_order, painting_order
-from reports.maps.vector_map import NAMES, hidden_sides, vector_maps
 from reports.settings import report_of
 
 
@@ -41,7 +40,12 @@ def run(path, blocks, *states):
 def order(view: str, blocks: list) -> np.ndarray:
     """The ranks of blocks at rest."""
     solids = Solids.from_blocks(blocks)
-    return painting_order(solids, solids.vertices, solids.face_normals, view_named(view))
+    return painting_order(planes(solids), view_named(view))
+
+
+def planes(solids: Solids) -> Planes:
+    """Those of blocks at rest."""
+    return Planes(block_layers(solids, solids.vertices, np.ones((len(solids.centre), 3)))[0])
 
 
 @pytest.mark.parametrize("view", ["isometric", "front", "side", "top"])
@@ -73,8 +77,8 @@ def test_where_planes_go_round_in_a_circle_the_farthest_is_painted_first():
 
 def test_a_side_below_a_stone_that_reaches_over_it_is_hidden(tmp_path):
     with Results.open(run(tmp_path / "result.h5", bonded(), shifted(at_rest(bonded()), 3, (0.01, 0, 0)))) as results:
-        subject = subject_of(results, 1, framing(results, [1], MapStyle(view="isometric")))
-        hidden = np.logical_or(*hidden_sides(subject))
+        scene = crack_scene(results, 1, framing(results, [1], MapStyle(view="isometric")))
+        hidden = np.logical_or(*hidden_sides(scene.joints, Planes(scene.layers[1]), scene.view))
         joints = results.joints
     joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     middle = (joints.polygon + np.concatenate([np.roll(p, -1, axis=0) for p in np.split(joints.polygon, joints.polygon_start[1:-1])])) / 2
@@ -92,15 +96,15 @@ def test_joints_have_the_colours_of_their_classes_and_files_are_equal_each_time(
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
         with Results.open(path) as results:
-            assert [file.name for file in vector_maps(results, tmp_path / name, MapStyle())] == list(NAMES)
-            snapshot = subject_of(results, 1, framing(results, [1], MapStyle())).snapshot
-        texts.append([(tmp_path / name / file).read_bytes() for file in NAMES])
+            assert [file.name for file in vector_maps(results, tmp_path / name, MapStyle())] == list(VECTOR)
+            snapshot = Subject.of(results, 1, framing(results, [1], MapStyle())).snapshot
+        texts.append([(tmp_path / name / file).read_bytes() for file in VECTOR])
     assert texts[0] == texts[1]
     assert texts[0][1].startswith(b"%PDF")
     svg = texts[0][0].decode()
     assert "<image" not in svg  # polygons alone
     assert "A &lt;wall&gt; &amp; more" in svg
-    scales = Scale(1e-4, 0.05, OPENING_COLOURS), Scale(1e-4, 0.05, SLIDING_COLOURS)
+    scales = Scale(1e-4, 0.05, OPENING), Scale(1e-4, 0.05, SLIDING)
     drawn = set(re.findall(r"fill: (#\w{6})", svg[svg.index("PolyCollection") :]))
     for shown, values, scale in ((snapshot.open, snapshot.opening, scales[0]), (snapshot.slid, snapshot.sliding, scales[1])):
         assert shown.any()
@@ -116,11 +120,11 @@ def test_a_cut_shows_caps_and_no_block_before_the_plane(tmp_path):
             vector_maps(results, tmp_path, MapStyle(view="isometric", cut=cut))
         fills[cut] = set(re.findall(r"fill: (#\w{6})", (tmp_path / "crack_map.svg").read_text()))
     with Results.open(path) as results:
-        whole = subject_of(results, 1, framing(results, [1], MapStyle(view="isometric")))
-    right = np.array(block_colours(whole)[2]) * (1.0 + MOTTLE * (2.0 * ((2 * 0.6180339887498949) % 1.0) - 1.0))
+        whole = Subject.of(results, 1, framing(results, [1], MapStyle(view="isometric"))).colours
+    right = mottled(whole)[2]
     lit = {colour for colour in fills[""] - fills["x=0.75"] if np.allclose(hue(colour), right / right.max(), atol=0.01)}
     assert lit, "the stone before the plane is gone"
-    cap = np.round(255 * 0.82 * block_colours(whole)[1]).astype(int)
+    cap = np.round(255 * 0.82 * whole[1]).astype(int)
     assert any(np.abs(np.array(channels(colour)) - cap).max() <= 1 for colour in fills["x=0.75"]), "the stone in it has a cap"
 
 
@@ -137,9 +141,9 @@ def hue(colour: str) -> np.ndarray:
 def test_the_scene_and_the_command_line_ask_for_it(block_on_plate, tmp_path):
     scene = block_on_plate(duration="duration = 0.02", report="[report]\nvector = true")
     assert CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out"), "-q"]).exit_code == 0
-    for name in NAMES:
+    for name in VECTOR:
         (tmp_path / "out" / name).unlink()
     asked = CliRunner().invoke(app, ["report", str(tmp_path / "out"), "--vector", "--no-crack-map"])
-    assert asked.exit_code == 0 and all(name in asked.stdout for name in NAMES)
-    assert all((tmp_path / "out" / name).exists() for name in NAMES)
+    assert asked.exit_code == 0 and all(name in asked.stdout for name in VECTOR)
+    assert all((tmp_path / "out" / name).exists() for name in VECTOR)
     assert report_of("[report]\nvector = true").asks

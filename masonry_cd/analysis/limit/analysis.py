@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from masonry_cd.analysis.limit.conic import solve_conic
 from masonry_cd.analysis.limit.crushing import block_shares, crushable, cut_where_it_crushes, refuse_crushed_at_rest, solved_finely
 from masonry_cd.analysis.limit.linear import solve_linear
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
-from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, least_factor
+from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, least_factor, merged
 from masonry_cd.analysis.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.analysis.limit.problem import LimitProblem, Loads, limit_problem
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
@@ -148,8 +149,7 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     options = options or Options()
     begin = time.perf_counter()
     problem, alone = at_rest(assembly, joints, loads, options)
-    if alone.factor < 1.0 - STANDS and problem.sections is not None:
-        refuse_crushed_at_rest(problem, alone, assembly, lambda bare: _rests(bare, options).factor >= 1.0 - STANDS)
+    _refuse_crushed(problem, alone, assembly, options)
     if problem.axis is None and options.sides and options.starts:
         raise InputError(
             "limit.sides: in space, sliding without dilation is searched for with circular cones; limit.starts = 0 leaves that out"
@@ -171,7 +171,7 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         return Analysis(problem, min(alone.factor, 1.0), answer, None, None, 0, _remarks({RESTS: alone}), unlimited=True)
     answer = _answer(problem, assembly, joints, best, CAP * _scale(problem), time.perf_counter() - begin)
     starts = 0 if problem.moves_support else options.starts
-    problem, least = _searched_finely(problem, best, starts, options.seed)
+    problem, least = searched_finely(problem, lambda finer: searched(finer, best, starts, options.seed))
     moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
     programmes = {RESTS: alone, "the load factor, whose certificate says how far it holds": best}
     if least is not None:
@@ -200,22 +200,48 @@ def _scale(problem: LimitProblem) -> float:
     return max(float(np.linalg.norm(problem.dead)), 1e-300) / float(np.linalg.norm(problem.live))
 
 
-def searched(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
-    """The least factor without dilation that so many starts come to; None of none, and where none came to an end."""
-    if not starts:
+def searched(problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0) -> LeastFound | None:
+    """The least factor without dilation that so many starts come to; None of none, and where none came to an end.
+
+    In space those before the ``first`` are left out.
+    """
+    if starts <= first:
         return None
-    return (least_factor_in_space if problem.axis is None else least_factor)(problem, associated, starts, seed)
+    if problem.axis is None:
+        return least_factor_in_space(problem, associated, starts, seed, first)
+    return least_factor(problem, associated, starts, seed)
 
 
-def _searched_finely(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> tuple[LimitProblem, LeastFound | None]:
-    """What :func:`searched` finds, and the problem of it: joints that crush cut where the mechanisms found crush, until that changes it by
-    no more than ALIKE."""
-    least = searched(problem, associated, starts, seed)
+def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, made: int, most: int, seed: int) -> Analysis:
+    """An analysis in space whose search goes on until starts agree.
+
+    Args:
+        analysis: whose own search has ``made`` so many starts.
+        assembly: its blocks.
+        joints: of them.
+        made: starts of its own.
+        most: to which it goes on.
+        seed: of it.
+    """
+    for number in range(made, most):
+        if analysis.least is not None and analysis.least.agreed:
+            break
+        more = searched(analysis.problem, analysis.associated.optimum, number + 1, seed, number)
+        least = merged(analysis.least, more, analysis.starts + 1)
+        moves = None if least is None else mechanism(analysis.problem, assembly, joints, least.optimum.velocity)
+        analysis = replace(analysis, least=least, least_mechanism=moves, starts=analysis.starts + 1)
+    return analysis
+
+
+def searched_finely(problem: LimitProblem, search: Callable[[LimitProblem], LeastFound | None]) -> tuple[LimitProblem, LeastFound | None]:
+    """What a search finds, and the problem of it: joints that crush cut where the mechanisms found crush, until that changes it by no more
+    than ALIKE."""
+    least = search(problem)
     for _ in range(SEARCHES):
         finer = problem
         for end in () if least is None else least.ends:
             finer = cut_where_it_crushes(finer, end) or finer
-        again = None if finer is problem else searched(finer, associated, starts, seed)
+        again = None if finer is problem else search(finer)
         if least is None or again is None:
             break
         change = abs(again.optimum.factor - least.optimum.factor)
@@ -244,6 +270,22 @@ def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         raise InputError("structure: no block is fixed: nothing carries it, and a limit analysis has no answer")
     problem = crushable(limit_problem(assembly, joints, replace(loads, support_velocity=None)), assembly, joints)
     return solved_finely(problem, lambda finer: _rests(finer, options or Options()))
+
+
+def refuse_crushed(problem: LimitProblem, assembly: Assembly) -> None:
+    """Refuse a strength below the stress that the dead loads of a problem make.
+
+    Raises:
+        InputError: names the joint; or no answer of the solver.
+    """
+    if problem.sections is not None:
+        options = Options()
+        _refuse_crushed(*solved_finely(problem, lambda finer: _rests(finer, options)), assembly, options)
+
+
+def _refuse_crushed(problem: LimitProblem, alone: Optimum, assembly: Assembly, options: Options) -> None:
+    if alone.factor < 1.0 - STANDS and problem.sections is not None:
+        refuse_crushed_at_rest(problem, alone, assembly, lambda bare: _rests(bare, options).factor >= 1.0 - STANDS)
 
 
 def _rests(problem: LimitProblem, options: Options) -> Optimum:

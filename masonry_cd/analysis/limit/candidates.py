@@ -23,10 +23,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Analysis, Options, largest_factor, searched
-from masonry_cd.analysis.limit.from_mechanisms import admitted, ends_of, joined
+from masonry_cd.analysis.limit.analysis import Analysis, Options, largest_factor, searched, searched_finely
+from masonry_cd.analysis.limit.from_mechanisms import Searched, admitted, begun_at
 from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
-from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, Pair
+from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound
 from masonry_cd.analysis.limit.nonassociated_space import MOST
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
@@ -77,27 +77,29 @@ def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options:
     untied = Untied(tuple(_named(UNTIED, best, least)))
     if least is None:
         return analysis, untied
-    ends = ends_of(problem, [end.velocity for end in least.ends], MOST * max(abs(analysis.associated.factor), 1e-3))
-    found = joined(analysis.least, len(least.ends), ends)
-    moves = None if found is None else mechanism(problem, assembly, joints, found.optimum.velocity)
-    return replace(analysis, least=found, least_mechanism=moves, starts=analysis.starts + len(least.ends)), untied
+    return _begun_at(analysis, assembly, joints, [end.velocity for end in least.ends]), untied
 
 
-def with_mechanisms(analysis: Analysis, assembly: Assembly, joints: Joints, known: Sequence[np.ndarray]) -> Analysis:
-    """An analysis whose search has begun at known mechanisms (B, 6) as well, as those of macro-elements; blocks on them go with them."""
-    problem = analysis.problem
-    begun = [each for each in (admitted(problem, assembly, velocity) for velocity in known) if each is not None]
-    if not begun:
-        return analysis
-    ends: list[Pair] = []
-    every = ends_of(problem, begun, MOST * max(abs(analysis.associated.factor), 1e-3))
-    for end in every:
-        if not any(abs(end[0].factor - other[0].factor) <= ALIKE * abs(other[0].factor) for other in ends):
-            ends.append(end)  # parts of one wall lead to one mechanism: that they agree says nothing
-    starts = len(begun) - len(every) + len(ends)
-    found = joined(analysis.least, starts, ends)
-    moves = None if found is None else mechanism(problem, assembly, joints, found.optimum.velocity)
-    return replace(analysis, least=found, least_mechanism=moves, starts=analysis.starts + starts)
+def with_mechanisms(analysis: Analysis, assembly: Assembly, joints: Joints, known: Sequence[Mechanism]) -> Analysis:
+    """An analysis whose search has begun at known mechanisms as well, as those of macro-elements; blocks on them go with them."""
+    every = (admitted(analysis.problem, assembly, moves.velocity, moves.crushing) for moves in known)
+    begun = [each for each in every if each is not None]
+    return _begun_at(analysis, assembly, joints, begun) if begun else analysis
+
+
+def _begun_at(analysis: Analysis, assembly: Assembly, joints: Joints, mechanisms: Sequence[np.ndarray]) -> Analysis:
+    """An analysis whose search has begun at velocities (unknowns,) as well."""
+    before, cap = Searched(analysis.least, analysis.starts), MOST * max(abs(analysis.associated.factor), 1e-3)
+    found = before
+
+    def search(problem: LimitProblem) -> LeastFound | None:
+        nonlocal found
+        found = begun_at(problem, before, mechanisms, cap)
+        return found.least
+
+    problem, least = searched_finely(analysis.problem, search)
+    moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
+    return replace(analysis, problem=problem, least=least, least_mechanism=moves, starts=found.starts)
 
 
 def candidates(analysis: Analysis, untied: Untied, assembly: Assembly, joints: Joints) -> tuple[Candidate, ...]:

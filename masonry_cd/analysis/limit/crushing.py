@@ -79,6 +79,25 @@ def closing_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
     return velocity[problem.unknowns - problem.rates :].reshape(-1, 1 + found.levers)
 
 
+def crushed_open(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
+    """Velocities (unknowns,) with the closing rates of joints whose blocks overlap, which are linear over the joint.
+
+    With a = -u_n the cells where it closes are at their strength, and those where it opens bear nothing.
+    """
+    found, out = problem.sections, velocity.copy()
+    if found is None:
+        return out
+    left, each = problem.unknowns - problem.rates, 1 + found.levers
+    out[left:] = 0.0
+    opening = (problem.jacobian @ out)[:: problem.directions]
+    size = CRUSHES * float(np.abs(out).max(initial=0.0))
+    for s in np.flatnonzero(np.isin(found.joint, problem.points.joint[opening < -size])):
+        points = np.flatnonzero(problem.points.joint == found.joint[s])
+        basis = found.basis(problem.points.point[points], np.full(len(points), s))
+        out[left + each * s : left + each * (s + 1)] = np.linalg.lstsq(basis, -opening[points])[0]
+    return out
+
+
 def section_forces(problem: LimitProblem, best: Optimum) -> np.ndarray:
     """(S,) the normal forces of the sections, from the uniform tension of their bond on [N]."""
     found = problem.sections

@@ -2,23 +2,34 @@ r"""The least factor without dilation from mechanisms that are known: a start of
 
 The descent of :mod:`masonry_cd.analysis.limit.nonassociated` begins at velocities. Those of another problem will do: of the same structure
 without its ties, of one of its macro-elements, of a few rigid bodies. Four cone programmes take the place of some twenty.
+
+**Agreement.** Descents from mechanisms that are alike come to one end, which says nothing: those that come to one factor are one start.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from masonry_cd.analysis.limit import nonassociated, nonassociated_space
+from masonry_cd.analysis.limit.crushing import crushed_open
 from masonry_cd.analysis.limit.mechanism import STILL
-from masonry_cd.analysis.limit.nonassociated import LeastFound, Pair
+from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, Pair, merged
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Unbounded
 from masonry_cd.mechanics.model.blocks import Assembly
 
 CARRIED = 100  # rounds in which blocks at rest are taken along, a course or two each
+
+
+@dataclass(frozen=True, eq=False)
+class Searched:
+    """A search: what it found, None where no start came to an end, and of how many starts."""
+
+    least: LeastFound | None
+    starts: int
 
 
 def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float) -> list[Pair]:
@@ -47,19 +58,20 @@ def _held(problem: LimitProblem, velocity: np.ndarray) -> bool:
     return bool((longer > size).any() or (opening < -size).any())
 
 
-def admitted(problem: LimitProblem, assembly: Assembly, velocity: np.ndarray) -> np.ndarray | None:
+def admitted(problem: LimitProblem, assembly: Assembly, velocity: np.ndarray, crushing: np.ndarray | None = None) -> np.ndarray | None:
     """The unknowns of a mechanism of some blocks (B, 6) that closes no joint: blocks at rest that it would lift or push go with it.
 
-    None where that leads to a support, to blocks that push one another, or to no end.
+    Joints (J,) that it crushes may close. None where that leads to a support, to blocks that push one another, or to no end.
     """
     moved = velocity.copy()
     ends = problem.points.bodies
+    may = np.zeros(problem.points.count, dtype=bool) if crushing is None else crushing[problem.points.joint]
     for _ in range(CARRIED):
         unknowns = problem.unknowns_of(moved)
         opening = (problem.jacobian @ unknowns)[:: problem.directions]
-        closes = ends[opening < -STILL * float(np.abs(unknowns).max(initial=0.0))]
+        closes = ends[(opening < -STILL * float(np.abs(unknowns).max(initial=0.0))) & ~may]
         if not len(closes):
-            return unknowns
+            return crushed_open(problem, unknowns)
         rests = ~moved[closes].any(axis=2)
         some = rests[:, 0] != rests[:, 1]
         still, goes = np.where(rests[:, 0], closes[:, 0], closes[:, 1])[some], np.where(rests[:, 0], closes[:, 1], closes[:, 0])[some]
@@ -80,11 +92,12 @@ def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | 
         return None
 
 
-def joined(least: LeastFound | None, starts: int, ends: Sequence[Pair]) -> LeastFound | None:
-    """A search with so many more starts that came to some ends; None of none."""
-    if not ends:
-        return None if least is None else replace(least, starts=least.starts + starts)
-    pairs = ([] if least is None else [(least.optimum, least.gap)]) + list(ends)
-    best, gap = min(pairs, key=lambda pair: pair[0].factor)
-    before, known = (0, ()) if least is None else (least.starts, least.ends)
-    return LeastFound(best, gap, before + starts, (*known, *(optimum for optimum, _ in ends)))
+def begun_at(problem: LimitProblem, before: Searched, mechanisms: Sequence[np.ndarray], cap: float) -> Searched:
+    """A search that has begun at mechanisms as well; arguments as of :func:`ends_of`."""
+    every, apart = ends_of(problem, mechanisms, cap), list[Pair]()
+    for end in sorted(every, key=lambda pair: pair[0].factor):
+        if not apart or end[0].factor - apart[-1][0].factor > ALIKE * abs(apart[-1][0].factor):
+            apart.append(end)
+    starts = before.starts + len(mechanisms) - len(every) + len(apart)
+    found = LeastFound(*apart[0], starts, tuple(optimum for optimum, _ in apart)) if apart else None
+    return Searched(merged(before.least, found, starts), starts)

@@ -25,6 +25,7 @@ from masonry_cd.mechanics.model.blocks import Assembly, Block, Shapes
 from masonry_cd.mechanics.model.geometry import Faces
 from masonry_cd.mechanics.model.materials import joint_table
 
+CRUSHES = "joints that crush are not followed at finite displacements"
 AT_ONCE = 1e-9  # share of the last displacement at which the friction of interlock is gone
 
 
@@ -32,6 +33,8 @@ def with_displacements(part: Part, found: Candidate, made: Oscillator, seed: int
     """The oscillator of a mechanism of a part with the displacements at which its factor falls; or with the reason why none is known."""
     if made.doubt:
         return made
+    if part.problem.sections is not None:
+        return replace(made, end=CRUSHES)
     try:
         curve = followed(part, found, seed)
     except (InputError, Unbounded) as failure:

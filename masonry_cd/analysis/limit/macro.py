@@ -8,14 +8,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Options, by_solver, searched
+from masonry_cd.analysis.limit.analysis import Options, by_solver, refuse_crushed, searched, searched_finely
 from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, Candidate, alike, dilation
-from masonry_cd.analysis.limit.from_mechanisms import ends_of, joined
+from masonry_cd.analysis.limit.crushing import solved_finely
+from masonry_cd.analysis.limit.from_mechanisms import Searched, begun_at
 from masonry_cd.analysis.limit.linkage import with_displacements
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
 from masonry_cd.analysis.limit.nonassociated import LeastFound
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
 from masonry_cd.analysis.limit.part import Part, Whole, part_of, resting
+from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
 from masonry_cd.analysis.limit.rigid_groups import RigidGroups, rigid_groups
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
@@ -69,7 +71,11 @@ class ElementAnalysis:
 
 
 def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[float], effort: Effort) -> ElementAnalysis:
-    """All mechanisms of a macro-element under a push along a direction (3,)."""
+    """All mechanisms of a macro-element under a push along a direction (3,).
+
+    Raises:
+        InputError: joints of the part that crush under the dead loads alone.
+    """
     way, found, remarks = np.asarray(direction, dtype=float), [], []
     made = list(restrictions(whole, element, way))
     for name in dict.fromkeys(each.name for each in made):
@@ -99,9 +105,8 @@ def _least_of(whole: Whole, element: MacroElement, way: np.ndarray, made: Sequen
     for each in made:
         part = part_of(whole, each.free, way)
         bodies = rigid_groups(part.problem, part.assembly, each.bodies)
-        best = by_solver(bodies.problem, bodies.problem.dead, bodies.problem.live, MOST, Options())
         begun = [bodies.of_bodies(drawn) for drawn in each.by_hand(whole, way)]
-        found = joined(searched(bodies.problem, best, STARTS, 0), len(begun), ends_of(bodies.problem, begun, MOST))
+        best, found = _searched(bodies.problem, (STARTS, 0), begun)
         if found is not None and found.optimum.factor < HELD * MOST:
             least.append((found.optimum, part, bodies, each))
         if best.factor < HELD * MOST:
@@ -123,10 +128,9 @@ def _free(
     problem = part.problem
     if problem.points.count > effort.most_points:
         return [], None
-    best = by_solver(problem, problem.dead, problem.live, MOST, Options())
-    least = searched(problem, best, effort.starts, effort.seed)
+    refuse_crushed(problem, part.assembly)
     first = sorted((one for one in known if len(one.velocity) == problem.unknowns), key=lambda one: one.oscillator.alpha)[:BEGIN_AT]
-    least = joined(least, len(first), ends_of(problem, [one.velocity for one in first], MOST))
+    best, least = _searched(problem, (effort.starts, effort.seed), [one.velocity for one in first])
     ends = [] if least is None else sorted((end for end in least.ends if end.factor < HELD * MOST), key=lambda end: end.factor)
     upper = [(ASSOCIATED, best)] if best.factor < HELD * MOST else []
     out: list[PartMechanism] = []
@@ -136,6 +140,17 @@ def _free(
         if not any(alike(made.found, other.found) for other in out if other.found):
             out.append(replace(made, name=f"{FREE}: {_counts(made.found.mechanism)}"))
     return out, least
+
+
+def _searched(problem: LimitProblem, begin: tuple[int, int], known: Sequence[np.ndarray]) -> tuple[Optimum, LeastFound | None]:
+    """The associated answer of a problem and the least one without dilation, from so many starts of a seed and from known mechanisms."""
+    problem, best = solved_finely(problem, lambda finer: by_solver(finer, finer.dead, finer.live, MOST, Options()))
+
+    def search(finer: LimitProblem) -> LeastFound | None:
+        own = Searched(searched(finer, best, *begin), begin[0])
+        return begun_at(finer, own, known, MOST).least
+
+    return best, searched_finely(problem, search)[1]
 
 
 def _made(part: Part, element: MacroElement, way: np.ndarray, called: tuple[str, str], optimum: Optimum, dilates: float) -> PartMechanism:
@@ -172,7 +187,7 @@ def _within(moves: Mechanism, part: Part) -> Mechanism:
     """A mechanism whose joints outside the part are still."""
     inside = np.zeros(part.whole.joints.count, dtype=bool)
     inside[part.problem.points.joint] = True
-    names = ("opening", "least_opening", "sliding", "rotation", "state")
+    names = ("opening", "least_opening", "sliding", "rotation", "state", "closing")
     return replace(moves, **{name: np.where(inside, getattr(moves, name), 0) for name in names})
 
 

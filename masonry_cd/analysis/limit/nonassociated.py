@@ -76,6 +76,15 @@ class LeastFound:
         return (max(self.found) - self.optimum.factor) / max(abs(self.optimum.factor), 1e-300)
 
 
+def merged(one: LeastFound | None, other: LeastFound | None, starts: int) -> LeastFound | None:
+    """Two searches as one of so many starts; None where neither found anything."""
+    both = [each for each in (one, other) if each is not None]
+    if not both:
+        return None
+    best = min(both, key=lambda each: each.optimum.factor)
+    return LeastFound(best.optimum, best.gap, starts, tuple(end for each in both for end in each.ends))
+
+
 def least_factor(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
     """The least factor of a planar problem, None where no start came to an exact pair.
 
@@ -100,7 +109,11 @@ def descend(problem: LimitProblem, velocity: np.ndarray) -> Pair | None:
 
 
 def least_of_starts(
-    search: Callable[[np.ndarray, float], Pair | None], given: tuple[np.ndarray, Callable[[], np.ndarray | None]], starts: int, seed: int
+    search: Callable[[np.ndarray, float], Pair | None],
+    given: tuple[np.ndarray, Callable[[], np.ndarray | None]],
+    starts: int,
+    seed: int,
+    begin: int = 0,
 ) -> LeastFound | None:
     """The least pair of a search from several normal forces, None where no start came to an end.
 
@@ -110,6 +123,7 @@ def least_of_starts(
             Where that gives None, all others are around the first.
         starts: how many.
         seed: of the normal forces and blends of the others.
+        begin: number of the first start that is made; those before it are left out.
     """
     random = np.random.default_rng(seed)
     ends: list[Pair] = []
@@ -121,13 +135,13 @@ def least_of_starts(
         elif start:
             normal = first * random.random(len(first)) + random.exponential(float(first.mean()), len(first))
             blend = 0.3 + 0.4 * float(random.random())
-        end = search(normal, blend)
+        end = search(normal, blend) if start >= begin else None
         if end is not None:
             ends.append(end)
     if not ends:
         return None
     best, gap = min(ends, key=lambda end: end[0].factor)
-    return LeastFound(best, gap, starts, tuple(optimum for optimum, _ in ends))
+    return LeastFound(best, gap, starts - begin, tuple(optimum for optimum, _ in ends))
 
 
 class _Search:

@@ -15,22 +15,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.conic import cone_programme, priced, solve_conic, solve_programme
+from masonry_cd.analysis.limit.conic import cone_programme, priced, solve_quickly
 from masonry_cd.analysis.limit.nonassociated import LeastFound, Pair, least_of_starts
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 
 STEPS = 20  # of the sequence at most
-SETTLED = 2e-4  # change of the factor, as a share of it, at which the sequence ends
-ROUNDS = 4  # of the descent at most
+SETTLED = 5e-3  # change of the factor, as a share of it, at which the sequence ends: the descent behind it takes longer steps
+ROUNDS = 8  # of the descent at most
+LOWER = 2e-3  # share of the factor that a round of the descent takes off at least
+CLOSER = 0.9  # of the gap of the round before, at most, in a round that ends in no pair
 PENALTY = 100.0  # M, over w_1 . v = 1
 NEARLY = 1e-3  # g of a pair that counts, as a share of the power of the loads
 NO_POWER = 1e-3  # w_1 . v of a strip programme below which its factor is the cap: it is 1 elsewhere
 MOST = 10.0  # times the associated factor: the largest that is looked for
 
 
-def least_factor_in_space(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
-    """The least factor that the starts come to, None where none ends in a pair with a small g; arguments as of ``least_factor``."""
+def least_factor_in_space(problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0) -> LeastFound | None:
+    """The least factor that the starts come to, None where none ends in a pair with a small g; arguments as of ``least_factor``, and the
+    number of the first start that is made."""
     cap = MOST * max(abs(associated.factor), 1e-3)
 
     def search(normal: np.ndarray, blend: float) -> Pair | None:
@@ -45,27 +48,38 @@ def least_factor_in_space(problem: LimitProblem, associated: Optimum, starts: in
         except Unbounded:
             return None
 
-    return least_of_starts(search, (np.maximum(associated.force[:, 0] + problem.apex, 0.0), least_normal), starts, seed)
+    return least_of_starts(search, (_normal(problem, associated), least_normal), starts, seed, first)
 
 
 def _least_normal(problem: LimitProblem, cap: float) -> np.ndarray:
     """The normal forces r'_n (P,) of least sum that bear the dead loads with any factor, which weighs next to nothing beside them."""
     prices = np.zeros((problem.points.count, 3))
     prices[:, 0] = PENALTY
-    found = solve_programme(problem, priced(problem, cone_programme(problem, problem.dead, problem.live, cap), prices))
-    return np.maximum(found.force[:, 0] + problem.apex, 0.0)
+    programme = priced(problem, cone_programme(problem, problem.dead, problem.live, cap), prices)
+    return _normal(problem, solve_quickly(problem, programme))
 
 
 def _sequence(problem: LimitProblem, normal: np.ndarray, blend: float, cap: float) -> np.ndarray:
     """The velocities of the sequence from normal forces r'_n (P,)."""
     last = np.inf
     for _ in range(STEPS):
-        found = solve_conic(problem, problem.dead, problem.live, cap, problem.mu * normal)
+        found = _strips(problem, normal, cap)
         if abs(found.factor - last) <= SETTLED * abs(found.factor):
             break
         last = found.factor
-        normal = blend * normal + (1.0 - blend) * np.maximum(found.force[:, 0] + problem.apex, 0.0)
+        normal = blend * normal + (1.0 - blend) * _normal(problem, found)
     return _with_power(problem, found)
+
+
+def _strips(problem: LimitProblem, normal: np.ndarray, cap: float) -> Optimum:
+    """The largest factor where the friction at each point is that of given normal forces (P,)."""
+    programme = cone_programme(problem, problem.dead, problem.live, cap, problem.mu * normal)
+    return solve_quickly(problem, programme)
+
+
+def _normal(problem: LimitProblem, found: Optimum) -> np.ndarray:
+    """r'_n (P,)."""
+    return np.maximum(found.force[:, 0] + problem.apex, 0.0)
 
 
 def _with_power(problem: LimitProblem, found: Optimum) -> np.ndarray:
@@ -86,14 +100,18 @@ def descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | N
     By turns the forces of least lambda + M g for a mechanism are found, and the mechanism of least g for these forces.
     """
     best: Pair | None = None
+    last = np.inf
     for _ in range(ROUNDS):
         pair = _forces(problem, velocity, cap)
-        if pair[1] <= NEARLY:
-            if best is not None and pair[0].factor >= best[0].factor * (1.0 - SETTLED):
-                break
-            best = pair
-        normal = np.maximum(pair[0].force[:, 0] + problem.apex, 0.0)
-        found = solve_conic(problem, problem.dead, problem.live, cap, problem.mu * normal)
+        optimum, gap = pair
+        if gap > NEARLY and (best is not None or gap > CLOSER * last):
+            break
+        before, last = best, gap
+        if gap <= NEARLY:
+            best = min((each for each in (best, pair) if each is not None), key=lambda each: each[0].factor)
+        if before is not None and optimum.factor >= before[0].factor * (1.0 - LOWER):
+            break
+        found = _strips(problem, _normal(problem, optimum), cap)
         if float(problem.live @ found.velocity) < NO_POWER:
             break
         velocity = _with_power(problem, found)
@@ -109,7 +127,7 @@ def _forces(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair:
     longer, yields = problem.bars @ velocity, np.isfinite(problem.strength)
     slack = np.where(yields, -longer, np.maximum(-longer, 0.0))
     programme = cone_programme(problem, problem.dead, problem.live, cap)
-    found = solve_programme(problem, priced(problem, programme, PENALTY * prices, PENALTY * slack))
+    found = solve_quickly(problem, priced(problem, programme, PENALTY * prices, PENALTY * slack))
     lifted = found.force + np.stack([problem.apex, 0.0 * problem.apex, 0.0 * problem.apex], axis=1)
     least = float(np.maximum(moved[:, 0], 0.0) @ np.maximum(problem.apex - problem.tension, 0.0))
     least -= float(np.maximum(longer[yields], 0.0) @ problem.strength[yields])

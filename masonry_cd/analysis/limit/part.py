@@ -24,6 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
+from masonry_cd.analysis.limit.crushing import crushable
 from masonry_cd.analysis.limit.interfaces import Interfaces, interfaces
 from masonry_cd.analysis.limit.problem import Arms, Bars, LimitProblem, Loads, PointMasses, plane_of, problem_at
 from masonry_cd.analysis.limit.rigid_groups import some_points
@@ -151,7 +152,8 @@ def part_of(whole: Whole, free: np.ndarray, direction: np.ndarray) -> Part:
     else:
         planar = interfaces(assembly, joints, axis)
         points = some_points(planar, touches[planar.joint])
-    return Part(whole, assembly, free, problem_at(assembly, points, loads, axis), push, loads, beds)
+    problem = crushable(problem_at(assembly, points, loads, axis), assembly, joints)
+    return Part(whole, assembly, free, problem, push, loads, beds)
 
 
 def _held_above(whole: Whole, above: np.ndarray, live: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, Bars, Arms]:

@@ -176,10 +176,10 @@ class LimitProblem:
         return out
 
     def unknowns_of(self, velocity: np.ndarray) -> np.ndarray:
-        """The unknowns of velocities (B, 6) of blocks, without supports that move and joints that crush."""
+        """The unknowns of velocities (B, 6) of blocks, without supports that move; no joint crushes."""
         part = velocity[self.free].copy()
         part[:, 3:] *= self.length
-        return np.asarray(part[:, self.columns].ravel())
+        return np.concatenate([part[:, self.columns].ravel(), np.zeros(self.rates)])
 
     @property
     def columns(self) -> np.ndarray:

@@ -4,8 +4,8 @@ With the velocities q of the bodies, v = T q, and T the motion of a block as par
 
     v_i = V + W x (x_i - x_G),      omega_i = W,
 
-equilibrium is asked of the bodies only, T^T (H^T r - G^T N + w_0 + lambda w_1) = 0, and joints within a body bear nothing. Its associated
-factor is at least that of the blocks. Six unknowns a body, three in a plane: milliseconds.
+equilibrium is asked of the bodies only, T^T (H^T r - G^T N + w_0 + lambda w_1) = 0, and joints within a body bear nothing and do not crush.
+Its associated factor is at least that of the blocks. Six unknowns a body, three in a plane: milliseconds.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import block_diag, coo_matrix, csr_matrix, identity
 from scipy.sparse.linalg import spsolve
 
 from masonry_cd.analysis.limit.interfaces import Interfaces
@@ -37,7 +37,8 @@ class RigidGroups:
         """Velocities of the bodies nearest to velocities (B, 6) of all blocks [m/s, rad/s]."""
         problem = self.problem
         scale = np.where(problem.columns < 3, 1.0, problem.length)
-        wanted = (blocks[problem.free][:, problem.columns] * scale).ravel()
+        moved = (blocks[problem.free][:, problem.columns] * scale).ravel()
+        wanted = np.concatenate([moved, np.zeros(self.motion.shape[0] - len(moved))])
         return np.asarray(spsolve((self.motion.T @ self.motion).tocsc(), self.motion.T @ wanted))
 
 
@@ -50,16 +51,21 @@ def rigid_groups(problem: LimitProblem, assembly: Assembly, bodies: Sequence[np.
         bodies: numbers of the free blocks of each; blocks in none of them are bodies of their own.
     """
     body = _numbered(problem, assembly, bodies)
-    motion = _motion(problem, assembly, body)
     owner = np.full(assembly.count, -1)
     owner[problem.free] = body
     ends = owner[problem.points.bodies]
     apart = np.flatnonzero(ends[:, 0] != ends[:, 1])
+    bars, motion, sections = np.arange(len(problem.strength)), _motion(problem, assembly, body), problem.sections
+    if sections is not None:
+        crushes = np.isin(sections.joint, problem.points.joint[apart])
+        bars = np.concatenate([bars[: problem.ties], problem.ties + np.flatnonzero(crushes[sections.cells.owner])])
+        each = identity(problem.rates, format="csr")[:, np.repeat(crushes, 1 + sections.levers)]
+        motion, sections = block_diag([motion, each], format="csr"), sections.only(crushes) if crushes.any() else None
     rows = (problem.directions * apart[:, None] + np.arange(problem.directions)).ravel()
     reduced = replace(
         problem, points=some_points(problem.points, apart), jacobian=(problem.jacobian[rows] @ motion).tocsr(),
-        bars=(problem.bars @ motion).tocsr(), dead=motion.T @ problem.dead, live=motion.T @ problem.live, mu=problem.mu[apart],
-        apex=problem.apex[apart], tension=problem.tension[apart],
+        bars=(problem.bars[bars] @ motion).tocsr(), dead=motion.T @ problem.dead, live=motion.T @ problem.live, mu=problem.mu[apart],
+        apex=problem.apex[apart], tension=problem.tension[apart], strength=problem.strength[bars], sections=sections,
     )  # fmt: skip
     return RigidGroups(reduced, motion)
 

@@ -119,6 +119,16 @@ class Sections:
         value = at[:, 0] + np.einsum("ln,ln->l", at[:, 1:], self.outline.corners[:, : self.levers])
         return np.maximum.reduceat(value, self.outline.start[:-1])
 
+    def only(self, which: np.ndarray) -> Sections:
+        """Some of them (S,) bool, with their cells."""
+        number = np.cumsum(which) - 1
+        outline, cells = self.outline.only(which), self.cells.only(which[self.cells.owner])
+        return replace(
+            self, joint=self.joint[which], strength=self.strength[which], tension=self.tension[which], origin=self.origin[which],
+            axes=self.axes[which], size=self.size[which], outline=replace(outline, owner=number[outline.owner]),
+            cells=replace(cells, owner=number[cells.owner]),
+        )  # fmt: skip
+
     def cut_for(self, rate: np.ndarray, normal_force: np.ndarray, which: np.ndarray) -> Sections:
         """Cells cut where a mechanism asks for it: along a = 0, and along the edge of the stress block of the force that is borne.
 
@@ -149,15 +159,15 @@ class Sections:
 
 
 def sections(assembly: Assembly, joints: Joints, points: Interfaces, axis: int | None) -> Sections | None:
-    """The sections of all joints with a compressive strength, None where there are none; ``axis`` as of :func:`interfaces`."""
+    """The sections of the joints with points that have a compressive strength, None of none; ``axis`` as of :func:`interfaces`."""
     groups = assembly.group_of[np.stack([joints.block_a, joints.block_b], axis=1)]
     strength = assembly.laws.crushing[groups[:, 0], groups[:, 1]]
     tension = assembly.laws.tension[groups[:, 0], groups[:, 1]]
-    chosen = np.flatnonzero(strength > 0.0)
-    if not len(chosen):
-        return None
     first = np.full(joints.count, -1)
     first[points.joint[::-1]] = np.arange(points.count)[::-1]
+    chosen = np.flatnonzero((strength > 0.0) & (first >= 0))
+    if not len(chosen):
+        return None
     frame = points.frame[first[chosen]]
     axes = frame[:, 1:] if axis is None else np.stack([frame[:, 1], np.cross(frame[:, 0], frame[:, 1])], axis=1)
     loops = [joints.polygon[joints.polygon_start[j] : joints.polygon_start[j + 1]] for j in chosen]

@@ -15,7 +15,7 @@ Points are contacts where the gap may close within the step.
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from masonry_cd.mechanics.contact.broad_phase import SKIN, Listing, list_holds, 
 from masonry_cd.mechanics.contact.contact_set import ContactSet, write_contacts
 from masonry_cd.mechanics.contact.facets import Facets, Overlay
 from masonry_cd.mechanics.contact.flat_contact import look_again
+from masonry_cd.mechanics.contact.joint_points import GRAVITY, LIGHT
 from masonry_cd.mechanics.contact.motion import Motion, pair_margin
 from masonry_cd.mechanics.contact.pair_memory import APART, KEPT, SEARCHED, PairMemory, check_pairs, is_stuck, update_gaps
 from masonry_cd.mechanics.contact.round_contact import POINTS, find_round_contact
@@ -39,6 +40,8 @@ ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for ea
 # Kinds of pairs: points at corners; at centroids too, with areas; between facets; those with areas; of a sphere. All but the first two have
 # loops of their own.
 CORNERS, BY_AREA, FACET_PAIR, FACETS_BY_AREA, ROUND_PAIR = 0, 1, 2, 3, 4
+
+StiffnessOf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 class TooManyPoints(RuntimeError):
@@ -60,15 +63,20 @@ class Detector:
         assembly: the blocks.
         corners_only: no centroids and no areas, whatever the laws of the joints.
         facets: of meshed blocks; None: there are none.
+        stiffness: k_n and k_t of joints without a law of their own, (P, 2) [N/m3], by their parts and blocks (P, 2); None: there are none.
     """
 
-    def __init__(self, assembly: Assembly, corners_only: bool = False, facets: Facets | None = None) -> None:
+    def __init__(
+        self, assembly: Assembly, corners_only: bool = False, facets: Facets | None = None, stiffness: StiffnessOf | None = None
+    ) -> None:
         shapes = assembly.shapes
         self._shapes = shapes
         self._part_group = assembly.group_of[shapes.part_block]
         self._law_by_area = assembly.laws.by_area & (not corners_only)
         rings = assembly.laws.points.astype(np.int64) // 2
         self._rings_of_law = np.where(assembly.laws.elastic & (not corners_only), rings, 1)  # (G, G)
+        self._normal_stiffness, self._stiffness_of = assembly.laws.normal_stiffness, stiffness
+        self._weight = np.where(assembly.fixed, np.inf, GRAVITY * assembly.mass)
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
@@ -217,7 +225,7 @@ class Detector:
         round_pair, meshed = (self._shapes.rounding[memory.parts] > 0.0).any(axis=1), self._facets[memory.parts].any(axis=1)
         self._kind = np.where(self._law_by_area[first, second], BY_AREA, CORNERS) + np.where(meshed, FACET_PAIR, 0)
         self._kind[round_pair] = ROUND_PAIR
-        memory.rings[:] = self._rings(memory.parts)
+        memory.rings[:], memory.light[:] = self._rings(memory.parts), self._light(memory.parts)
         self._arm = self._rolling[first, second] * effective_radius(*self._shapes.rounding[memory.parts].T)
         self._meshed, self._round = bool((meshed & ~round_pair).any()), bool(round_pair.any())
 
@@ -229,6 +237,14 @@ class Detector:
         """Rings of points that joints of pairs of parts (P, 2) have where they open, (P,)."""
         first, second = self._part_group[pairs].T
         return np.where(self._facets[pairs].any(axis=1), 1, self._rings_of_law[first, second])
+
+    def _light(self, pairs: np.ndarray) -> np.ndarray:
+        """Overlap times area [m3] of joints between pairs of parts (P, 2) that carry LIGHT of the weight of the lighter block, (P,)."""
+        first, second = self._part_group[pairs].T
+        blocks, stiffness = self._shapes.part_block[pairs], self._normal_stiffness[first, second]
+        if self._stiffness_of is not None:
+            stiffness = np.where(stiffness > 0.0, stiffness, self._stiffness_of(pairs, blocks)[:, 0])
+        return np.divide(LIGHT * self._weight[blocks].min(axis=1), stiffness, out=np.zeros(len(pairs)), where=stiffness > 0.0)
 
 
 def more_points(facets: Any) -> Any:

@@ -110,7 +110,7 @@ def _exchange_points(memory, k, found, with_area, even, manifold):
     """Put rings in place of the corners of pair k where its joint opens; returns how many of the ``found`` points of the manifold there are
     then. Gaps that differ by up to ``even`` [m] are one."""
     had = memory.spread[k]
-    memory.spread[k] = with_area and found > 0 and is_spread(had, found, even, manifold.height)
+    memory.spread[k] = with_area and found > 0 and is_spread(had, memory.rings[k], memory.light[k], found, even, manifold)
     memory.exchanged[k] = memory.spread[k] != had
     return spread_out(memory.rings[k], found, manifold) if memory.spread[k] else found
 

@@ -33,6 +33,8 @@ LEAST_ERROR = {
 MOST = 15  # points over the depth
 OPENING, CLOSED = 0.3, 0.5  # overlap of the corner that is most open over that of the centroid: below, rings; above, corners again
 LEAST = 0.05  # share of the area that the centroid keeps
+LIGHT = 0.75  # share of the weight of the lighter block that a joint carries for its points to matter; the bed of a block on its own has 1
+GRAVITY = 9.81  # by which that weight is found [m/s2]
 EVEN = 1e-9  # gaps that differ by less than this share of the smaller part's width are rounding
 
 
@@ -59,15 +61,53 @@ WAY, SHARE = _tables()
 
 
 @borrower()
-def is_spread(spread, found, even, height):
+def is_spread(spread, rings, light, found, even, manifold):
     """Whether a joint should have rings, that has them or not (``spread``).
 
-    By gaps (N,) at its corners and at its centroid, the last of the ``found``; gaps that differ by up to ``even`` [m] are one.
+    By the ``found`` points of a manifold, its corners and its centroid, the last. Gaps that differ by up to ``even`` [m] are one; ``light``
+    is the overlap times area of a joint that carries so little that they do not matter [m3].
     """
-    least, most, middle = np.inf, -np.inf, height[found - 1]
-    for i in range(found - 1):
+    height, corners = manifold.height, found - 1
+    least, most, middle = np.inf, -np.inf, height[corners]
+    for i in range(corners):
         least, most = min(least, height[i]), max(most, height[i])
-    return most - least > even and most > (CLOSED if spread else OPENING) * min(0.0, middle)
+    if least >= 0.0 or most - least <= even or most <= (CLOSED if spread else OPENING) * min(0.0, middle):
+        return False
+    return spread or (_squeezed(found, manifold) > light and (most <= 0.0 or _gains_nothing(rings, found, manifold)))
+
+
+@borrower()
+def _squeezed(found, manifold):
+    """Overlap times area of a joint with corners and centroid [m3], its force over its stiffness."""
+    volume = 0.0
+    for i in range(found):
+        volume -= manifold.area[i] * min(0.0, manifold.height[i])
+    return volume
+
+
+@borrower()
+def _gains_nothing(rings, found, manifold):
+    """Whether the springs of a joint store no more energy once rings are in place of its corners."""
+    area, height, corners, (part, _) = manifold.area, manifold.height, found - 1, _shares(rings, found, manifold.area)
+    middle, gain = height[corners], 0.0
+    for i in range(corners):
+        for k in range(rings):
+            share = SHARE[rings, k] - (1.0 if k == 0 else 0.0)
+            gap = middle + WAY[rings, k] * (height[i] - middle)
+            gain += part * share * area[i] * (min(0.0, gap) ** 2 - min(0.0, middle) ** 2)
+    return gain <= 0.0
+
+
+@borrower()
+def _shares(rings, found, area):
+    """How much of the rule a joint takes, the rest being corners alone, and the area that its centroid hands to the rings [m2]."""
+    outer, more = 0.0, -1.0
+    for i in range(found - 1):
+        outer += area[i]
+    for k in range(rings):
+        more += SHARE[rings, k]
+    part = min(1.0, max(0.0, area[found - 1] - LEAST * (area[found - 1] + outer)) / (more * outer))
+    return part, part * more * outer
 
 
 @borrower()
@@ -78,15 +118,10 @@ def spread_out(rings, found, manifold):
     """
     area, corners = manifold.area, found - 1
     last, way, share = rings * corners, WAY[rings], SHARE[rings]
-    outer, more = 0.0, -1.0
-    for i in range(corners):
-        outer += area[i]
-    for k in range(rings):
-        more += share[k]
-    centre = area[corners]
-    part = min(1.0, max(0.0, centre - LEAST * (centre + outer)) / (more * outer))
+    part, handed = _shares(rings, found, area)
+    centre = area[corners] - handed
     _copy_point(manifold, corners, last, 1.0, corners, 1.0)
-    area[last] = centre - part * more * outer
+    area[last] = centre
     for i in range(corners):
         for k in range(1, rings):
             _copy_point(manifold, i, k * corners + i, way[k], last, part * share[k])

@@ -41,6 +41,7 @@ class PairMemory(NamedTuple):
     normal: np.ndarray  # (P, 3) from a to b, in the frame of a
     unfelt: np.ndarray  # (P,) overlap that the springs between a and b do not feel [m]
     rings: np.ndarray  # (P,) of points that the joint has where it opens, see joint_points.py
+    light: np.ndarray  # (P,) overlap times area of a joint that carries too little for them to matter [m3]
     spread: np.ndarray  # (P,) bool: it has them
     exchanged: np.ndarray  # (P,) bool: it has got or lost them just now; not kept over a checkpoint
     point_count: np.ndarray  # (P,)
@@ -66,6 +67,7 @@ class PairMemory(NamedTuple):
             normal=np.zeros((pairs, 3)),
             unfelt=np.zeros(pairs),
             rings=np.ones(pairs, dtype=np.int64),
+            light=np.zeros(pairs),
             spread=np.zeros(pairs, dtype=np.bool_),
             exchanged=np.zeros(pairs, dtype=np.bool_),
             point_count=np.zeros(pairs, dtype=np.int64),

@@ -204,7 +204,8 @@ class Stepper:
         self.assembly, self.settings, self.plane = assembly, settings, plane
         self.system = System.of(assembly, settings, loads, plane)
         self.motion = motion_at_start(self.system, state)
-        self.detector = Detector(assembly, facets=self.system.facets)
+        masonry = self.system.masonry
+        self.detector = Detector(assembly, facets=self.system.facets, stiffness=None if masonry is None else masonry.of_contacts)
         self.islands = Islands(in_condensed_unknowns(SOLVERS[settings.solver]), len(self.system.reach), settings.islands)
         self.load_step = 0  # k of the loads; it may run ahead of the steps, see pauses.py
         self.watch: Watch | None = None  # sees each problem that is solved

@@ -73,7 +73,7 @@ def add_coupled_blocks(problem, blocks, symbolic, share, matrix):
         for k in range(indptr[c], indptr[c + 1]):
             i, j = problem.places[c, 0], problem.places[indices[k], 0]
             if begin <= min(i, j) < stop:
-                multiply(data[k], blocks[indices[k]], False, out, problem.m)
+                multiply(data[k], blocks[indices[k]], out, problem.m)
                 add_block(symbolic, i, j, out, matrix)
 
 

@@ -84,7 +84,7 @@ def put_in_order(given, order, first, end, inverse, mass, free):
                 mass[b, i, j] = 0.0
                 coupled = coupled or (i != j and inverse[b, i, j] != 0.0)
         if coupled:
-            invert(inverse[b], mass[b], work, given.n)
+            invert(inverse[b], n, mass[b], work, given.n)
         else:  # as in a plane
             for i in range(n):
                 mass[b, i, i] = 1.0 / inverse[b, i, i]

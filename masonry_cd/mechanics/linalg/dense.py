@@ -64,7 +64,7 @@ def invert_square(a, column, out, work, size_n):
         for p in range(n):
             for q in range(n):
                 block[p, q] = a[b + p, b + q]
-        sign *= invert(block, inverse, work[2], size_n)
+        sign *= invert(block, n, inverse, work[2], size_n)
         if sign == 0.0:
             return sign
         for q in range(n):

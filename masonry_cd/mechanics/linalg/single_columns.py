@@ -1,4 +1,4 @@
-"""Factors whose columns stay alone, for matrices with hardly any fill-in: blocks one after another, all loops over them unrolled."""
+"""Factors whose columns stay alone, for matrices with hardly any fill-in: blocks one after another, loops over narrow ones unrolled."""
 
 from __future__ import annotations
 
@@ -7,17 +7,32 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.linalg.small_blocks import copy_flat, invert, is_wide, multiply
+from masonry_cd.mechanics.linalg.small_blocks import invert, is_wide
 from masonry_cd.mechanics.linalg.vectors import add_six_times, load_six, store_six
-from masonry_cd.mechanics.linalg.wide_columns import backward_wide_columns, eliminate_wide_columns, forward_wide_columns
+from masonry_cd.mechanics.linalg.wide_blocks import (
+    add_squares,
+    clear_rows,
+    copy_rows,
+    multiply_blocks,
+    rows_of,
+    subtract_columns_times,
+    subtract_rows_times,
+    transpose,
+)
 
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 
 
 @borrower(fastmath={"contract"})
-def subtract_block_product(c, at, a, i, b, size_n):
-    """c[at] -= a[i] b for blocks. For n = 6 or 12 half a dozen entries of a row of c are held in registers, for n = 3 all of b."""
+def subtract_block_product(c, at, a, i, b, shape, size_n):
+    """c[at] -= a[i] b for blocks; a[i] has so many rows and columns, and b so many columns, as ``shape`` says where they are wide.
+
+    For n = 6 or 12 half a dozen entries of a row of c are held in registers, for n = 3 all of b.
+    """
     n = len(size_n)
+    if is_wide(size_n):
+        add_squares(-1.0, a[i], False, b, shape[1], (shape[0], shape[2]), c[at])
+        return
     if n == 3:
         b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
         b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
@@ -45,31 +60,20 @@ def subtract_block_product(c, at, a, i, b, size_n):
 
 
 @kernel(inline="always")
-def load_column(matrix, symbolic, j, where, square, lows, ups, symmetric, n):
-    """Blocks of A in column j into ``square`` (1, n, n) and those of L and of (D U)^T; ``where`` (N,) numbers their rows."""
-    (diagonal, lower, upper), row, below = matrix, symbolic.row, symbolic.below
+def load_column(matrix, symbolic, j, where, to, symmetric, size_n):
+    """Blocks of A in column j into ``to``: a square (n, n), the blocks of L and of (D U)^T; ``where`` (N,) numbers their rows."""
+    (diagonal, lower, upper), (square, lows, ups), row, below = matrix, to, symbolic.row, symbolic.below
+    own = rows_of(symbolic, j, size_n)
     for t in range(symbolic.start[j], symbolic.start[j + 1]):
         where[below[t]] = t
-    for t in range(symbolic.column[j], symbolic.column[j + 1]):
-        i = where[row[t]]
-        for p in range(n):
-            for q in range(n):
-                lows[i, p, q] = lower[t, p, q]
+        clear_rows(rows_of(symbolic, below[t], size_n), own, lows[t])
         if not symmetric:
-            for p in range(n):
-                for q in range(n):
-                    ups[i, p, q] = upper[t, p, q]
-    for p in range(n):
-        for q in range(n):
-            square[0, p, q] = diagonal[j, p, q]
-
-
-@kernel(inline="always")
-def put_transposed(block, out, n):
-    """out = block^T."""
-    for p in range(n):
-        for q in range(n):
-            out[p, q] = block[q, p]
+            clear_rows(rows_of(symbolic, below[t], size_n), own, ups[t])
+    for t in range(symbolic.column[j], symbolic.column[j + 1]):
+        copy_rows(lower[t], rows_of(symbolic, row[t], size_n), own, lows[where[row[t]]])
+        if not symmetric:
+            copy_rows(upper[t], rows_of(symbolic, row[t], size_n), own, ups[where[row[t]]])
+    copy_rows(diagonal[j], own, own, square)
 
 
 class ColumnScratch(NamedTuple):
@@ -87,7 +91,8 @@ class ColumnScratch(NamedTuple):
 
 @kernel()
 def factorise_columns(matrix, factor, symmetric):
-    """:func:`factorise_ldu` where each supernode is one node: blocks of L and of (D U)^T one after another, all loops over them unrolled.
+    """:func:`factorise_ldu` where each supernode is one node: blocks of L and of (D U)^T one after another, all loops over them unrolled
+    unless blocks are wide.
 
     Of a symmetric matrix L is all.
     """
@@ -96,8 +101,6 @@ def factorise_columns(matrix, factor, symmetric):
         np.full(count, -1), np.full(count, -1), np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64), np.empty((n, n)),
         np.empty((1, n, n)), np.empty((n, n)), np.empty((n, n)),
     )  # fmt: skip
-    if is_wide(factor.size):
-        return eliminate_wide_columns(matrix, factor, symmetric, scratch)
     return _eliminate_columns(matrix, factor, symmetric, scratch)
 
 
@@ -109,39 +112,40 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
     squares, lows = factor.squares.reshape((count, n, n)), factor.panels.reshape((len(below), n, n))
     ups = factor.others.reshape((len(below), n, n))
     head, following, at, where, work, square, turned, other = scratch
-    lows[:] = 0.0
-    if not symmetric:
-        ups[:] = 0.0
     for j in range(count):
-        load_column(matrix, symbolic, j, where, square, lows, ups, symmetric, n)
+        own = rows_of(symbolic, j, size)
+        load_column(matrix, symbolic, j, where, (square[0], lows, ups), symmetric, size)
         k = head[j]
         while k >= 0:  # all columns k < j with a block in row j
-            coming, t0, end = following[k], at[k], first[k + 1]
+            coming, t0, end, inner = following[k], at[k], first[k + 1], rows_of(symbolic, k, size)
             if symmetric:
-                put_transposed(lows[t0], work, n)
-                multiply(squares[k], work, False, turned, size)  # D^-1 U, which is L^T
+                transpose(lows[t0], own, inner, work)
+                multiply_blocks(squares[k], work, (inner, inner, own), turned, size)  # D^-1 U, which is L^T
             else:
-                put_transposed(ups[t0], turned, n)
-            subtract_block_product(square, 0, lows, t0, turned, size)
+                transpose(ups[t0], own, inner, turned)
+            subtract_block_product(square, 0, lows, t0, turned, (own, inner, own), size)
             for t in range(t0 + 1, end):
-                subtract_block_product(lows, where[below[t]], lows, t, turned, size)
+                shape = rows_of(symbolic, below[t], size), inner, own
+                subtract_block_product(lows, where[below[t]], lows, t, turned, shape, size)
             if symmetric:
-                put_transposed(turned, lows[t0], n)
+                transpose(turned, inner, own, lows[t0])
             else:
-                put_transposed(lows[t0], other, n)
+                transpose(lows[t0], own, inner, other)
                 for t in range(t0 + 1, end):
-                    subtract_block_product(ups, where[below[t]], ups, t, other, size)
+                    shape = rows_of(symbolic, below[t], size), inner, own
+                    subtract_block_product(ups, where[below[t]], ups, t, other, shape, size)
             if t0 + 1 < end:
                 at[k], following[k] = t0 + 1, head[below[t0 + 1]]
                 head[below[t0 + 1]] = k
             k = coming
-        sign *= invert(square[0], squares[j], work, size)
+        sign *= invert(square[0], own, squares[j], work, size)
         if sign == 0.0:
             return sign
         if not symmetric:
             for t in range(first[j], first[j + 1]):
-                multiply(lows[t], squares[j], False, work, size)  # L
-                copy_flat(work, lows[t])
+                rows = rows_of(symbolic, below[t], size)
+                multiply_blocks(lows[t], squares[j], (rows, own, own), work, size)  # L
+                copy_rows(work, rows, own, lows[t])
         if first[j] < first[j + 1]:
             at[j], following[j] = first[j], head[below[first[j]]]
             head[below[first[j]]] = j
@@ -152,13 +156,10 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
 def forward_columns(symbolic, low, x, size_n):
     """:func:`forward_substitution` where each supernode is one node."""
     n, below = len(size_n), symbolic.below
-    if is_wide(size_n):
-        forward_wide_columns(symbolic, low, x, n)
-        return
     lows = low.reshape((len(below), n, n))
     for j in range(len(symbolic.column) - 1):
-        nothing = True  # where only a few rows of x are not zero, few columns have anything to pass on
-        for q in range(n):
+        own, nothing = rows_of(symbolic, j, size_n), True  # where only a few rows of x are not zero, few columns have anything to pass on
+        for q in range(own):
             nothing = nothing and x[j, q] == 0.0
         if nothing:
             continue
@@ -172,6 +173,9 @@ def forward_columns(symbolic, low, x, size_n):
             continue
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
+            if is_wide(size_n):
+                subtract_rows_times(lows[t], x[j], rows_of(symbolic, i, size_n), own, x[i])
+                continue
             for p in range(n):
                 total = x[i, p]
                 for q in range(n):
@@ -186,22 +190,25 @@ def backward_columns(symbolic, inverse, up, x, y, symmetric, size_n):
     y is room for the entries of a node, at least.
     """
     n, below, size = len(size_n), symbolic.below, len(symbolic.column) - 1
-    if is_wide(size_n):
-        backward_wide_columns(symbolic, inverse, up, x, y, symmetric)
-        return
     squares, ups = inverse.reshape((size, n, n)), up.reshape((len(below), n, n))
     if symmetric:
         for j in range(size):
-            divide_node(squares, j, x, y, n)
+            divide_node(symbolic, squares, j, x, y, size_n)
     for j in range(size - 1, -1, -1):
-        subtract_from_node(symbolic, ups, j, x, n)
+        subtract_from_node(symbolic, ups, j, x, size_n)
         if not symmetric:
-            divide_node(squares, j, x, y, n)
+            divide_node(symbolic, squares, j, x, y, size_n)
 
 
 @kernel(inline="always", fastmath={"contract"})
-def divide_node(squares, j, x, y, n):
+def divide_node(symbolic, squares, j, x, y, size_n):
     """x_j <- D_j^-1 x_j."""
+    n = rows_of(symbolic, j, size_n)
+    if is_wide(size_n):
+        for p in range(n):
+            y[p], x[j, p] = -x[j, p], 0.0
+        subtract_rows_times(squares[j], y, n, n, x[j])
+        return
     for p in range(n):
         total = squares.dtype.type(0.0)
         for q in range(n):
@@ -212,10 +219,10 @@ def divide_node(squares, j, x, y, n):
 
 
 @kernel(inline="always", fastmath={"contract"})
-def subtract_from_node(symbolic, ups, j, x, n):
+def subtract_from_node(symbolic, ups, j, x, size_n):
     """Subtract from x_j what the rows below have in column j, whose blocks are transposed."""
-    below = symbolic.below
-    if n == 3:  # the sums stay in registers: no block of the column waits for the one before it
+    n, below = rows_of(symbolic, j, size_n), symbolic.below
+    if len(size_n) == 3:  # the sums stay in registers: no block of the column waits for the one before it
         s0, s1, s2 = x[j, 0], x[j, 1], x[j, 2]
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
@@ -227,6 +234,9 @@ def subtract_from_node(symbolic, ups, j, x, n):
         return
     for t in range(symbolic.start[j], symbolic.start[j + 1]):
         i = below[t]
+        if is_wide(size_n):
+            subtract_columns_times(ups[t], x[i], rows_of(symbolic, i, size_n), n, x[j])
+            continue
         for q in range(n):  # summed first: the next block of the column waits for one subtraction then
             total = ups[t, 0, q] * x[i, 0]
             for p in range(1, n):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry, kernel
-from masonry_cd.mechanics.linalg.vectors import add_six_times, fill_six, load_six, store_six
+from masonry_cd.mechanics.linalg.vectors import add_six_times, add_times, fill_four, fill_six, load_four, load_six, store_lanes, store_six
 
 EPSILON = 2.2e-16  # relative rounding error of a float
 NARROW = 12  # unknowns of a rigid block, or of one of uniform strain, at the most: loops over so many are unrolled
@@ -70,10 +70,12 @@ def cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
 
 
 @borrower()
-def invert(a, out, work, size_n):
-    """Inverse of an (n, n) block by Gauss and Jordan in place, with row pivoting; the sign of its determinant, or 0 if it is singular or
-    not finite. ``work`` (2 or more, n) is scratch."""
-    n, sign, factors, pivots = len(size_n), 1.0, work[0], work[1]
+def invert(a, width, out, work, size_n):
+    """Inverse of an (n, n) block, or of its first ``width`` rows if it is wide, by Gauss and Jordan in place, with row pivoting.
+
+    Returns the sign of its determinant, or 0 if it is singular or not finite. ``work`` (2 or more, n) is scratch.
+    """
+    n, sign, factors, pivots = width if is_wide(size_n) else len(size_n), 1.0, work[0], work[1]
     for i in range(n):
         for j in range(n):
             out[i, j] = a[i, j]
@@ -94,7 +96,7 @@ def invert(a, out, work, size_n):
         for i in range(n):
             factors[i], out[i, k] = out[i, k], 0.0
         factors[k], out[k, k] = 0.0, 1.0
-        _take_off_row(out, k, 1.0 / pivot, factors, n)
+        _take_off_row(out, k, 1.0 / pivot, factors, n, size_n)
     for k in range(n - 1, -1, -1):
         best = int(pivots[k])
         if best != k:
@@ -104,9 +106,16 @@ def invert(a, out, work, size_n):
 
 
 @kernel(inline="always")
-def _take_off_row(a, k, scale, factors, n):
-    """Scale row k of a block (n, n), and take it off all rows, so many times each. Half a dozen of its entries are held in registers."""
-    if n % 6 == 0:
+def _take_off_row(a, k, scale, factors, n, size_n):
+    """Scale row k of a block (n, n), and take it off all rows, so many times each. Half a dozen of its entries, or STEP, are held in
+    registers."""
+    if is_wide(size_n):
+        for t in range(0, n, STEP):
+            four = add_times(fill_four(0.0), scale, load_four(a, k, t))
+            store_lanes(a, k, t, four)
+            for i in range(n):
+                store_lanes(a, i, t, add_times(load_four(a, i, t), -factors[i], four))
+    elif n % 6 == 0:
         for t in range(0, n, 6):
             line = add_six_times(fill_six(0.0), scale, load_six(a, k, t))
             store_six(a, k, t, line)
@@ -131,10 +140,10 @@ def dot(x, y, length):
 
 
 @borrower(fastmath={"contract"})
-def multiply(a, b, transposed, out, size_n):
-    """out = a b, or a b^T. Of a b for n = 6 or 12 half a dozen entries of a row are held in registers."""
+def multiply(a, b, out, size_n):
+    """out = a b. For n = 6 or 12 half a dozen entries of a row are held in registers, for n = 3 all of b."""
     n = len(size_n)
-    if n % 6 == 0 and not transposed:
+    if n % 6 == 0:
         for p in range(n):
             for t in range(0, n, 6):
                 total = fill_six(0.0)
@@ -142,7 +151,7 @@ def multiply(a, b, transposed, out, size_n):
                     total = add_six_times(total, a[p, r], load_six(b, r, t))
                 store_six(out, p, t, total)
         return
-    if n == 3 and not transposed:
+    if n == 3:
         b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
         b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
         b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
@@ -156,7 +165,7 @@ def multiply(a, b, transposed, out, size_n):
         for q in range(n):
             total = 0.0
             for r in range(n):
-                total += a[p, r] * (b[q, r] if transposed else b[r, q])
+                total += a[p, r] * b[r, q]
             out[p, q] = total
 
 
@@ -184,5 +193,5 @@ def inverses(blocks, size_n):
     """Inverses of blocks (N, n, n) that are regular."""
     out, work = np.empty(blocks.shape), np.empty(blocks.shape[1:])
     for b in range(len(blocks)):
-        invert(blocks[b], out[b], work, size_n)
+        invert(blocks[b], len(size_n), out[b], work, size_n)
     return out

@@ -9,7 +9,7 @@ so every orientation starts as the unit quaternion (1, 0, 0, 0).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -21,6 +21,18 @@ from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.geometry import Faces, MassProperties, Polyhedra, Polyhedron, mass_properties
 from masonry_cd.mechanics.model.materials import JointLaw, JointLaws, friction_table, joint_table, refuse_unfelt_laws, rolling_table
 from masonry_cd.mechanics.model.sphere import ball_centre, facetted_ball, sphere_properties
+
+
+class Carried(NamedTuple):
+    """What a block carries and moves as if it were a part of it, such as the fill above a voussoir."""
+
+    mass: float  # [kg]
+    centre: np.ndarray  # (3,) of mass, world frame [m]
+    inertia: np.ndarray  # (3, 3) about that centre, world frame [kg m2]
+
+    def moved(self, turn: np.ndarray, place: Callable[[np.ndarray], np.ndarray]) -> Carried:
+        """Turned by (3, 3), with its centre where ``place`` puts the point (1, 3) [m]."""
+        return Carried(self.mass, np.asarray(place(self.centre[None]))[0], turn @ self.inertia @ turn.T)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +50,7 @@ class Block:
         structure: the one that it belongs to where a scene has several, else empty.
         radius: of a sphere [m], whose vertices and faces are then the facetted ball by which it is drawn (:meth:`sphere` makes one); 0 of
             a polyhedron.
+        carried: what moves with it besides; None: nothing.
     """
 
     name: str
@@ -49,6 +62,7 @@ class Block:
     parts: tuple[Polyhedron, ...] = ()
     structure: str = ""
     radius: float = 0.0
+    carried: Carried | None = None
 
     @classmethod
     def sphere(
@@ -64,8 +78,22 @@ class Block:
 
     @property
     def mass_properties(self) -> MassProperties:
-        """Volume, centre of mass and inertia per density."""
-        return sphere_properties(self.vertices, self.radius) if self.radius else mass_properties(self.vertices, self.faces)
+        """Volume, centre of mass and inertia per density; what the block carries counts as more volume."""
+        own = sphere_properties(self.vertices, self.radius) if self.radius else mass_properties(self.vertices, self.faces)
+        if self.carried is None:
+            return own
+        whole = own.volume + self.carried_volume
+        centre = (own.volume * own.centre + self.carried_volume * self.carried.centre) / whole
+        inertia = own.unit_inertia + self.carried.inertia / self.density
+        for volume, place in ((own.volume, own.centre), (self.carried_volume, self.carried.centre)):
+            arm = place - centre
+            inertia = inertia + volume * ((arm @ arm) * np.eye(3) - np.outer(arm, arm))
+        return MassProperties(whole, centre, inertia)
+
+    @property
+    def carried_volume(self) -> float:
+        """Volume of the block's own material that weighs as much as what it carries [m3]."""
+        return 0.0 if self.carried is None else self.carried.mass / self.density
 
 
 def refuse_spheres(blocks: Sequence[Block], what: str) -> None:
@@ -196,7 +224,8 @@ class Assembly:
             raise InputError("structure: no free block, nothing can move")
         groups = tuple(dict.fromkeys(block.group for block in blocks))
         properties = [block.mass_properties for block in blocks]
-        volume = np.array([p.volume for p in properties])
+        heavy = np.array([p.volume for p in properties])
+        volume = heavy - np.array([block.carried_volume for block in blocks])
         density = np.array([block.density for block in blocks])
         centre = np.array([p.centre for p in properties])
         fixed = np.array([block.fixed for block in blocks])
@@ -212,7 +241,7 @@ class Assembly:
             group_of=group_of,
             fixed=fixed,
             support_of=np.where(fixed, 0, -1),
-            mass=volume * density,
+            mass=heavy * density,
             inertia=inertia,
             centre=centre,
             volume=volume,
@@ -243,7 +272,11 @@ class Assembly:
                 (part - self.centre[b]) @ rotation[b].T + position[b] for part in (block.vertices, *(p.vertices for p in block.parts))
             ]
             parts = tuple(Polyhedron(own, part.faces) for own, part in zip(corners[1:], block.parts, strict=True))
-            moved.append(replace(block, vertices=corners[0], parts=parts))
+            new = replace(block, vertices=corners[0], parts=parts)
+            if block.carried is not None:
+                shift, turn = position[b], rotation[b]
+                new = replace(new, carried=block.carried.moved(turn, lambda p, b=b, t=turn, s=shift: (p - self.centre[b]) @ t.T + s))
+            moved.append(new)
         inertia = np.einsum("bij,bjk,blk->bil", rotation, self.inertia, rotation)
         shapes = self.shapes._replace(solids=turned)
         deformation = None if self.deformation is None else self.deformation.turned(rotation)

@@ -28,7 +28,7 @@ from masonry_cd.mechanics.linalg.supernodes import has_single_columns
 from masonry_cd.mechanics.linalg.threads import wait
 from masonry_cd.mechanics.linalg.triples import minus, plus, scaled
 from masonry_cd.mechanics.linalg.vectors import LANES, fill_four, root_of, sum_of, where_at_most
-from masonry_cd.mechanics.linalg.wide_columns import add_turned_product
+from masonry_cd.mechanics.linalg.wide_blocks import add_turned_product
 
 SLIDING = 300.0  # k below which much slides
 SAME = 1e-12  # square of how far apart two R may be by rounding, relative to them

@@ -19,7 +19,7 @@ from masonry_cd.mechanics.friction.joint_twists import out_of_frame
 from masonry_cd.mechanics.friction.operators import has_frames, has_unit_masses
 from masonry_cd.mechanics.linalg.small_blocks import add_outer_product, is_wide
 from masonry_cd.mechanics.linalg.vectors import add_six_times, load_six, pack_six, store_six
-from masonry_cd.mechanics.linalg.wide_columns import add_turned_product
+from masonry_cd.mechanics.linalg.wide_blocks import add_turned_product
 
 NUMBERS = 9  # of D^T B D
 

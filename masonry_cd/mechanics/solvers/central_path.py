@@ -11,7 +11,8 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.body_sides import add_impulse_of_sides
 from masonry_cd.mechanics.friction.coulomb_law import tangent_length
 from masonry_cd.mechanics.linalg.threads import take, wait
-from masonry_cd.mechanics.solvers.shared_operators import contact_change, contact_velocity, solve_by_first
+from masonry_cd.mechanics.solvers.linearised import keep_better
+from masonry_cd.mechanics.solvers.shared_operators import contact_change, contact_velocity, map_norm, solve_by_first
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
 
 LONGEST = 2.0  # step: more than one is not made
@@ -301,6 +302,15 @@ def longest_step(shares, here, way, cones):
         shares.sums[turn, 0, k] = longest
     wait(shares.team)
     return least_of_chunks(shares, len(mu))[0]
+
+
+@kernel()
+def judge(shares, problem, work, inside, answer):
+    """Take where the room of a method is as the answer if its error is less; returns the error."""
+    take_impulse(shares, inside.here.p, problem.mu, inside.impulse)
+    error = map_norm(shares, problem, inside.impulse, work.room, inside.v) / answer.size
+    keep_better(shares, answer, inside.impulse, inside.v, error)
+    return error
 
 
 @borrower()

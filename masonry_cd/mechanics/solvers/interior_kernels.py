@@ -18,14 +18,14 @@ from masonry_cd.mechanics.solvers.central_path import (
     complementarity,
     cones_of,
     interior_direction,
+    judge,
     linearise_products,
     longest_step,
     missing_velocity,
     soften,
-    take_impulse,
 )
-from masonry_cd.mechanics.solvers.linearised import STIFFEST, keep_better
-from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, factorise, map_norm, missing_momentum
+from masonry_cd.mechanics.solvers.linearised import STIFFEST
+from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, factorise, missing_momentum
 from masonry_cd.mechanics.solvers.shares import begin_sums, chunk_of, sum_of_chunks
 
 
@@ -121,7 +121,7 @@ def interior_point(shares, problem, work, inside, answer, settings):
 
     ``inside`` is its :class:`InteriorRoom`.
     """
-    impulse, v, here, way, linear = inside
+    here, way, linear = inside.here, inside.way, inside.linear
     cones, room = cones_of(problem.mu, problem.m, settings.k), work.room
     contact_velocity(shares, problem, answer.velocity, linear.miss)
     begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
@@ -144,9 +144,6 @@ def interior_point(shares, problem, work, inside, answer, settings):
         advance(shares, here, step, way)
         short = short + 1 if step < 0.02 else 0
         stiffness = stiffness_after(step, stiffness)
-        take_impulse(shares, here.p, problem.mu, impulse)
-        error = map_norm(shares, problem, impulse, room, v) / answer.size
-        keep_better(shares, answer, impulse, v, error)
-        if not error < np.inf:
+        if not judge(shares, problem, work, inside, answer) < np.inf:
             break
     return iterations

@@ -23,10 +23,9 @@ from masonry_cd.mechanics.friction.operators import (
 from masonry_cd.mechanics.linalg.threads import SharedRoom, ThreadTeam, room_of_own, run_by_team, take, wait
 from masonry_cd.mechanics.solvers.interior_kernels import allocate_interior, interior_point
 from masonry_cd.mechanics.solvers.linearised import Answer, Elimination, Settings, Work, allocate_work, largest
-from masonry_cd.mechanics.solvers.newton_kernels import NEWTON, allocate_newton, settle_springs
-from masonry_cd.mechanics.solvers.path_kernels import allocate_paths, path_bodies
-from masonry_cd.mechanics.solvers.pivoting_kernels import PIVOTING, allocate_pivoting, follow
-from masonry_cd.mechanics.solvers.proximal_kernels import proximal_points
+from masonry_cd.mechanics.solvers.newton_kernels import allocate_newton, newton_points
+from masonry_cd.mechanics.solvers.path_kernels import allocate_paths, path_by_length
+from masonry_cd.mechanics.solvers.pivoting_kernels import allocate_pivoting, pivoting_points
 from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, map_norm
 from masonry_cd.mechanics.solvers.shares import Shares, allocate_sums, copy_share, shares_of
 
@@ -99,9 +98,21 @@ def room_needed(problem: ProblemArrays, elimination: Elimination) -> int:
     return max(interior, path, room.used[0])
 
 
+class Given(NamedTuple):
+    """What a method is given, and what it overwrites."""
+
+    problem: ProblemArrays
+    elimination: Elimination
+    settings: Settings
+    impulse: np.ndarray  # (C, m) the start, and then the best answer found
+    velocity: np.ndarray  # (B, n) its own
+    values: np.ndarray  # of a :class:`SharedRoom`
+
+
 @kernel()
-def begin(team, problem, elimination, impulse, values):
-    """What a method begins with, of the ProblemArrays and impulses (C, m); ``values`` are those of its :class:`SharedRoom`."""
+def begin(team, given):
+    """What a method begins with."""
+    problem, elimination, _, impulse, _, values = given
     room, rows = SharedRoom(values, np.zeros(1, dtype=np.int64)), (len(elimination.order) + 1, len(problem.n))
     bodies = len(elimination.order)
     sums = allocate_sums(room, len(impulse), bodies)
@@ -113,83 +124,39 @@ def begin(team, problem, elimination, impulse, values):
 
 
 @kernel()
-def in_given_order(shares, elimination, answer, velocity):
-    """velocity (B, n) = that of the answer."""
+def improve(method, allocate, team, given):
+    """Iterations and natural map error of a method, which works on what ``allocate`` makes, by a thread of a team."""
+    room, shares, ordered, work, answer = begin(team, given)
+    inside = allocate(room, given.impulse.shape, work.room.shape)
+    iterations = method(shares, ordered, work, inside, answer, given.settings)
     for b in range(shares.rows[0], shares.rows[1]):
-        for i in range(velocity.shape[1]):
-            velocity[elimination.order[b], i] = answer.velocity[b, i]
-
-
-@entry()
-def newton_by_team(
-    team: ThreadTeam,
-    problem: ProblemArrays,
-    elimination: Elimination,
-    settings: Settings,
-    impulse: np.ndarray,
-    velocity: np.ndarray,
-    values: np.ndarray,
-) -> tuple[int, float]:
-    """:func:`over_bodies` by proximal points with Newton's steps, for a thread of a team."""
-    room, shares, ordered, work, answer = begin(team, problem, elimination, impulse, values)
-    inside = allocate_newton(room, impulse.shape, work.room.shape)
-    iterations = proximal_points(settle_springs, shares, ordered, work, inside, NEWTON, answer, settings)
-    in_given_order(shares, elimination, answer, velocity)
+        for i in range(len(ordered.n)):
+            given.velocity[given.elimination.order[b], i] = answer.velocity[b, i]
     return iterations, answer.error[0]
 
 
 @entry()
-def pivoting_by_team(
-    team: ThreadTeam,
-    problem: ProblemArrays,
-    elimination: Elimination,
-    settings: Settings,
-    impulse: np.ndarray,
-    velocity: np.ndarray,
-    values: np.ndarray,
-) -> tuple[int, float]:
-    """:func:`over_bodies` by proximal points with pivoting, for a team of one thread."""
-    room, shares, ordered, work, answer = begin(team, problem, elimination, impulse, values)
-    inside = allocate_pivoting(room, impulse.shape, work.room.shape)
-    iterations = proximal_points(follow, shares, ordered, work, inside, PIVOTING, answer, settings)
-    in_given_order(shares, elimination, answer, velocity)
-    return iterations, answer.error[0]
+def newton_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
+    """Proximal points with Newton's steps."""
+    return improve(newton_points, allocate_newton, team, given)
 
 
 @entry()
-def interior_by_team(
-    team: ThreadTeam,
-    problem: ProblemArrays,
-    elimination: Elimination,
-    settings: Settings,
-    impulse: np.ndarray,
-    velocity: np.ndarray,
-    values: np.ndarray,
-) -> tuple[int, float]:
-    """:func:`over_bodies` by the interior point method, for a thread of a team."""
-    room, shares, ordered, work, answer = begin(team, problem, elimination, impulse, values)
-    inside = allocate_interior(room, impulse.shape, work.room.shape)
-    iterations = interior_point(shares, ordered, work, inside, answer, settings)
-    in_given_order(shares, elimination, answer, velocity)
-    return iterations, answer.error[0]
+def pivoting_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
+    """Proximal points with pivoting, by a team of one thread."""
+    return improve(pivoting_points, allocate_pivoting, team, given)
 
 
 @entry()
-def path_by_team(
-    team: ThreadTeam,
-    problem: ProblemArrays,
-    elimination: Elimination,
-    settings: Settings,
-    impulse: np.ndarray,
-    velocity: np.ndarray,
-    values: np.ndarray,
-) -> tuple[int, float]:
-    """:func:`over_bodies` by the path by its length, for a thread of a team."""
-    room, shares, ordered, work, answer = begin(team, problem, elimination, impulse, values)
-    inside = allocate_paths(room, impulse.shape, work.room.shape)
-    iterations = path_bodies(shares, ordered, work, inside, answer, settings)
-    in_given_order(shares, elimination, answer, velocity)
-    return iterations, answer.error[0]
+def interior_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
+    """The interior point method."""
+    return improve(interior_point, allocate_interior, team, given)
+
+
+@entry()
+def path_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
+    """The path by its length."""
+    return improve(path_by_length, allocate_paths, team, given)
 
 
 def over_bodies(
@@ -206,5 +173,5 @@ def over_bodies(
     Returns iterations, one factorisation each, and the natural map error.
     """
     values = np.zeros(room_needed(problem, elimination) if threads > 1 else 0)
-    found: tuple[int, float] = run_by_team(by_team, threads, problem, elimination, settings, impulse, velocity, values)
+    found: tuple[int, float] = run_by_team(by_team, threads, Given(problem, elimination, settings, impulse, velocity, values))
     return found

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
 from masonry_cd.mechanics.linalg.small_blocks import size_tuple
 from masonry_cd.mechanics.solvers import admm, nlgs
@@ -42,17 +43,19 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         options: ``max_iterations`` counts factorisations.
         start: its impulse (C, m) is the first centre, its memory that of the step before.
     """
+    return solve_by_proximal_points("newton", newton_by_team, LIMIT, options.threads, problem, options, start)
+
+
+def solve_by_proximal_points(
+    name: str, by_team: Entry, limit: int, threads: int, problem: Problem, options: Options, start: Solution | None
+) -> Solution:
+    """:func:`solve` with what solves the problem of a centre; ``name`` is the solver's, for the reason, and ``limit`` its own."""
     if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
-    impulse = first_impulse(problem, start)
-    settings = Settings(0.0, 0.0, 0.0, options.tolerance, options.limit(LIMIT), size_tuple(problem.dimension + 1))
-    arrays, velocity = problem.arrays(), np.empty(problem.v_free.shape)
-    state, factors, index, block = admm.recall(arrays, start)
+    impulse, velocity = first_impulse(problem, start), np.empty(problem.v_free.shape)
+    state, factors, index, block = admm.recall(problem.arrays(), start)
     elimination = elimination_of(problem, factors.pattern, index, block)
-    iterations, error = over_bodies(newton_by_team, arrays, elimination, settings, impulse, velocity, options.threads)
-    return Solution(impulse, velocity, iterations, _reason(error, options), state, error)
-
-
-def _reason(error: float, options: Options) -> str:
-    """Say how it ended."""
-    return "newton: converged" if error <= options.tolerance else f"newton: stopped at an error of {error:.1e}"
+    settings = Settings(0.0, 0.0, 0.0, options.tolerance, options.limit(limit), size_tuple(problem.dimension + 1))
+    iterations, error = over_bodies(by_team, problem.arrays(), elimination, settings, impulse, velocity, threads)
+    reason = f"{name}: converged" if error <= options.tolerance else f"{name}: stopped at an error of {error:.1e}"
+    return Solution(impulse, velocity, iterations, reason, state, error)

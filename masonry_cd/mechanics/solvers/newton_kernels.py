@@ -15,6 +15,7 @@ from masonry_cd.mechanics.solvers.proximal_kernels import (
     Course,
     allocate_centre,
     allocate_springs,
+    proximal_points,
     spring_blocks,
     spring_changes,
     spring_direction,
@@ -145,3 +146,9 @@ def settle_springs(shares, moved, work, springs, stiffness, goal, most, search):
         if step < 1.0:
             turned, last = turned + 1 if which == last and step < 1e-9 else 0, which
     return norm <= goal, spent
+
+
+@kernel()
+def newton_points(shares, problem, work, inside, answer, settings):
+    """Proximal points by Newton from ``answer`` on, which gets better; returns the iterations."""
+    return proximal_points(settle_springs, shares, problem, work, inside, NEWTON, answer, settings)

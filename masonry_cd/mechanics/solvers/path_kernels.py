@@ -19,14 +19,13 @@ from masonry_cd.mechanics.solvers.central_path import (
     complementarity,
     cones_of,
     interior_direction,
+    judge,
     linearise_products,
     longest_step,
     missing_velocity,
     soften,
-    take_impulse,
 )
-from masonry_cd.mechanics.solvers.linearised import keep_better
-from masonry_cd.mechanics.solvers.shared_operators import body_velocity, contact_velocity, factorise, map_norm, missing_momentum
+from masonry_cd.mechanics.solvers.shared_operators import body_velocity, contact_velocity, factorise, missing_momentum
 from masonry_cd.mechanics.solvers.shares import any_of, begin_sums, chunk_of, copy_share, sum_of_chunks
 
 BEYOND = 1.02  # of a step, inside the cones
@@ -214,12 +213,12 @@ def choose_step(shares, here, ways, cones, level, tau, sign, wide):
 
 
 @kernel()
-def path_bodies(shares, problem, work, inside, answer, settings):
-    """The central path followed by its length over bodies, see interior.py, from near ``answer``, which gets better.
+def path_by_length(shares, problem, work, inside, answer, settings):
+    """The central path followed by its length, see interior.py, from near ``answer``, which gets better.
 
     ``inside`` is its :class:`PathRoom`. Returns the iterations.
     """
-    impulse, v, here, linear, ways = inside
+    here, linear, ways = inside.here, inside.linear, inside.ways
     cones, room = cones_of(problem.mu, problem.m, settings.k), work.room
     # a point on the path at tau = 1, where w is off by far
     contact_velocity(shares, problem, answer.velocity, linear.miss)
@@ -243,9 +242,6 @@ def path_bodies(shares, problem, work, inside, answer, settings):
         change = choose_step(shares, here, ways, cones, level, tau, -sign, settings.wide)
         advance(shares, here, 1.0, ways.ahead)
         tau *= 1.0 + change
-        take_impulse(shares, here.p, problem.mu, impulse)
-        error = map_norm(shares, problem, impulse, room, v) / answer.size
-        keep_better(shares, answer, impulse, v, error)
-        if not error < np.inf:
+        if not judge(shares, problem, work, inside, answer) < np.inf:
             break
     return iterations

@@ -28,13 +28,10 @@ by W alone.
 
 from __future__ import annotations
 
-import numpy as np
-
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution
-from masonry_cd.mechanics.linalg.small_blocks import size_tuple
-from masonry_cd.mechanics.solvers import admm, interior
-from masonry_cd.mechanics.solvers.linearised import Settings, elimination_of
-from masonry_cd.mechanics.solvers.linearised_bodies import over_bodies, pivoting_by_team
+from masonry_cd.mechanics.solvers import interior
+from masonry_cd.mechanics.solvers.linearised_bodies import pivoting_by_team
+from masonry_cd.mechanics.solvers.newton import solve_by_proximal_points
 from masonry_cd.mechanics.solvers.options import Options
 
 LIMIT = 300  # factorisations
@@ -55,12 +52,4 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     """
     if not (isinstance(problem, FrictionProblem) and applies(problem) and problem.contacts):
         return interior.solve(problem, options, start)
-    arrays, (bodies, n) = problem.arrays(), problem.v_free.shape
-    state, factors, index, block = admm.recall(arrays, start)
-    elimination = elimination_of(problem, factors.pattern, index, block)
-    impulse, velocity = np.zeros((problem.contacts, 2)) if start is None else start.impulse.copy(), np.empty((bodies, n))
-    limit = options.limit(LIMIT)
-    settings = Settings(0.0, 0.0, 0.0, options.tolerance, limit, size_tuple(3))
-    iterations, error = over_bodies(pivoting_by_team, arrays, elimination, settings, impulse, velocity)
-    reason = "pivoting: converged" if error <= options.tolerance else f"pivoting: stopped at an error of {error:.1e}"
-    return Solution(impulse, velocity, iterations, reason, state, error)
+    return solve_by_proximal_points("pivoting", pivoting_by_team, LIMIT, 1, problem, options, start)

@@ -16,6 +16,7 @@ from masonry_cd.mechanics.solvers.proximal_kernels import (
     Course,
     allocate_centre,
     allocate_springs,
+    proximal_points,
     softness,
     spring_blocks,
     spring_residual,
@@ -206,3 +207,9 @@ def follow(shares, moved, work, springs, stiffness, goal, most, path):
             if not pivot(moved, work, path, k) > 0.0:
                 return False, spent
     return False, most
+
+
+@kernel()
+def pivoting_points(shares, problem, work, inside, answer, settings):
+    """Proximal points by pivoting from ``answer`` on, which gets better; returns the iterations."""
+    return proximal_points(follow, shares, problem, work, inside, PIVOTING, answer, settings)

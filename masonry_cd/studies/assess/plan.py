@@ -23,7 +23,7 @@ from masonry_cd.studies.study.varied import Varied
 DESIGN = "assess"
 SIZE = 1e-9  # by which amplitudes of neighbouring members of the ensemble differ, relative; [m/s] of velocities in their place
 TIMEOUT = 6 * 3600.0  # of a run [s]: small blocks and half a time step take several times as long as the base case
-OWN_DRAW = ("velocities", "friction")  # what members differ by, in the place of loads that have no size
+OWN_DRAW = ("velocities", "friction")  # what members differ by, instead of loads that have no size
 
 
 @dataclass(frozen=True)

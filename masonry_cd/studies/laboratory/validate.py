@@ -12,7 +12,8 @@ import numpy as np
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.studies.laboratory.case import Case, Found, Row
 from masonry_cd.studies.laboratory.cases import CASES
-from reports.laboratory.plots import beside_figure, save
+from reports.drawing.figure import save
+from reports.laboratory.plots import beside_figure
 
 TABLE, FIGURE = "table.json", "curves.svg"
 DRAWN = 300  # points of a curve: figures of the page stay small

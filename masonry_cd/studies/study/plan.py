@@ -215,7 +215,7 @@ def _make_absolute(tables: dict[str, Any], folder: Path) -> None:
 
 
 def _replace_paths(table: Any, by: Callable[[str], str]) -> None:
-    """Put something in the place of the paths of files, in place, tables within tables included."""
+    """Put something instead of the paths of files, in place, tables within tables included."""
     if isinstance(table, list):
         for item in table:
             _replace_paths(item, by)

@@ -20,8 +20,8 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 from reports.damage import part_files
 from reports.drawing.figure import in_metres
+from reports.maps.crack_map import vector_maps
 from reports.maps.framing import MapStyle
-from reports.maps.vector_map import vector_maps
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, *(box(f"p{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1), "pier") for k in range(3))]

@@ -11,6 +11,7 @@ from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.limit.candidates import with_mechanisms
 from masonry_cd.analysis.limit.from_mechanisms import admitted
 from masonry_cd.analysis.limit.macro import analyse_element
+from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.problem import limit_problem
 
 X = (1.0, 0.0, 0.0)
@@ -56,8 +57,9 @@ def test_a_known_mechanism_lowers_the_least_factor_found_or_leaves_it() -> None:
     assert analysis.least is not None
     leans = np.zeros((assembly.count, 6))
     leans[1] = [-1.5, 0.0, 0.25, 0.0, -1.0, 0.0]
-    more = with_mechanisms(analysis, assembly, joints, [leans])
+    known = mechanism(analysis.problem, assembly, joints, analysis.problem.unknowns_of(leans))
+    more = with_mechanisms(analysis, assembly, joints, [known])
     assert more.least is not None and more.starts == 2
     assert abs(more.least.optimum.factor - 0.5 / 3.0) < 1e-4 < analysis.least.optimum.factor - more.least.optimum.factor
-    again = with_mechanisms(analysis, assembly, joints, [leans, leans, leans])
+    again = with_mechanisms(analysis, assembly, joints, [known, known, known])
     assert again.least is not None and again.starts == 2 and again.least.agreeing == 1  # one mechanism three times is no agreement

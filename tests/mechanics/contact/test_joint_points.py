@@ -8,12 +8,12 @@ from scipy.optimize import brentq
 from benchmarks.joint_points import errors, table
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
-from masonry_cd.mechanics.contact.joint_points import rule
+from masonry_cd.mechanics.contact.joint_points import LIGHT, rule
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.materials import JointLaw
-from masonry_cd.mechanics.model.state import State, rotation_matrices
+from masonry_cd.mechanics.model.state import rotation_matrices
 
 DEPTH, WIDTH, STIFFNESS, WEIGHT = 0.5, 0.3, 2e10, 2e4  # [m], [N/m3], [N]
 RECTANGLE = 0.5 * np.array([[-DEPTH, -WIDTH], [DEPTH, -WIDTH], [DEPTH, WIDTH], [-DEPTH, WIDTH]])
@@ -36,24 +36,46 @@ class Bed:
         law = {"default": JointLaw(normal_stiffness=STIFFNESS, joint_points=points)}
         self.assembly = Assembly.from_blocks([ground(), prism(corners)], 0.6, law)
         self.axis = np.array([*axis, 0.0]) / np.hypot(*axis)
+        self.rising = float((corners @ [-self.axis[1], self.axis[0]]).max())  # of the corner that opens first [m]
 
-    def contacts(self, angle: float, sunk: float) -> ContactSet:
-        """Those of the block turned by an angle [rad] and sunk [m], whose joint just touched before."""
-        detector, moved = Detector(self.assembly), turned(self.assembly, 1, tuple(self.axis), angle, (0.0, 0.0, 0.0))
-        moved.position[1, 2] -= sunk
-        for state in (State.at_rest(self.assembly), moved):
-            found = detector.detect(state.position, rotation_matrices(state.orientation), np.zeros((2, 6)), 1e-3, 1.0, np.zeros(3))
+    @property
+    def light(self) -> float:
+        """By how much a joint is shortened whose points just matter, by the weight of the block [m]."""
+        return float(LIGHT * GRAVITY * self.assembly.mass[1] / (STIFFNESS * DEPTH * WIDTH))
+
+    def contacts(self, angle: float, *sunk: float) -> ContactSet:
+        """Those of the block turned by an angle [rad] and sunk [m], one depth after the other, whose joint just touched before."""
+        detector, still = Detector(self.assembly), np.zeros((2, 6))
+        found = detector.detect(*self.placed(0.0, 0.0), still, 1e-3, 1.0, np.zeros(3))
+        for depth in sunk:
+            found = detector.detect(*self.placed(angle, depth), still, 1e-3, 1.0, np.zeros(3))
         return found
 
+    def nearly_open(self, angle: float) -> float:
+        """How far the block is sunk whose joint is closed all over, and about to open [m]."""
+        return 1.25 * self.rising * angle
+
+    def placed(self, angle: float, sunk: float) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (2, 3) and rotations (2, 3, 3) of the ground and the block."""
+        state = turned(self.assembly, 1, tuple(self.axis), angle, (0.0, 0.0, 0.0))
+        state.position[1, 2] -= sunk
+        return state.position, rotation_matrices(state.orientation)
+
     def under_weight(self, angle: float) -> ContactSet:
-        """Those in which the joint carries WEIGHT."""
-        sunk = brentq(lambda z: pressure(self.contacts(angle, z)).sum() - WEIGHT, -0.6 * angle, 0.6 * angle + 1e-4, xtol=1e-16)
-        return self.contacts(angle, sunk)
+        """Those in which the joint carries WEIGHT, and opened as the block rose."""
+        closed = self.nearly_open(angle)
+        sunk = brentq(lambda z: pressure(self.contacts(angle, closed, z)).sum() - WEIGHT, -0.6 * angle, 0.6 * angle + 1e-4, xtol=1e-16)
+        return self.contacts(angle, closed, sunk)
 
 
 def pressure(found: ContactSet) -> np.ndarray:
     """Normal forces of the springs (C,) [N]."""
     return STIFFNESS * found.area * np.maximum(0.0, -found.gap)
+
+
+def energy(found: ContactSet) -> float:
+    """Of the springs [J]."""
+    return float(0.5 * STIFFNESS * found.area @ np.minimum(found.gap, 0.0) ** 2)
 
 
 def moments_of(found: ContactSet) -> np.ndarray:
@@ -83,7 +105,8 @@ def test_the_rules_are_as_exact_as_the_table_says():
 @pytest.mark.parametrize("corners", [RECTANGLE, TRIANGLE, ROUND])
 @pytest.mark.parametrize("points", [5, 7, 15])
 def test_rings_have_area_centre_and_second_moments_of_corners_and_centroid(corners, points):
-    closed, open_ = Bed(corners, (0.3, 1.0), points).contacts(0.0, 1e-4), Bed(corners, (0.3, 1.0), points).contacts(1e-5, 0.0)
+    bed, angle = Bed(corners, (0.3, 1.0), points), 1e-4
+    closed, open_ = bed.contacts(0.0, 1e-4), bed.contacts(angle, bed.nearly_open(angle), 0.0)
     assert len(closed.gap) == len(corners) + 1
     assert len(open_.gap) == len(corners) * (points // 2) + 1
     assert open_.area.min() > 0.0
@@ -96,6 +119,27 @@ def test_joints_that_are_closed_rigid_or_have_three_points_keep_their_corners():
     rigid = Bed(RECTANGLE, (0.0, 1.0))
     rigid.assembly = Assembly.from_blocks([ground(), prism(RECTANGLE)], 0.6)
     assert len(rigid.contacts(1e-4, 0.0).gap) == 4
+
+
+def test_a_joint_gets_its_points_where_it_carries_what_counts_beside_its_block():
+    bed, angle = Bed(RECTANGLE, (0.0, 1.0)), 1e-4
+    hardly, well = 0.2 * bed.light, 5.0 * bed.light  # sunk by what makes a joint that is closed all over carry too little, and enough
+    tilted = hardly / DEPTH
+    assert len(bed.contacts(tilted, hardly, 0.0).gap) == 5
+    assert len(bed.contacts(tilted, hardly, 0.0, well).gap) == 5  # closed, and far from opening again
+    assert len(bed.contacts(angle, bed.nearly_open(angle), 0.0).gap) == 13
+    assert len(bed.contacts(angle, bed.nearly_open(angle), -0.6 * DEPTH * angle).gap) == 5  # it came off
+
+
+def test_a_joint_that_is_pressed_while_it_is_open_gets_its_points_where_its_springs_gain_nothing():
+    bed, angle = Bed(RECTANGLE, (0.0, 1.0)), 1e-3
+    above = -0.6 * DEPTH * angle
+    for touching in (0.95, 0.85, 0.7, 0.6, 0.45, 0.3, 0.1):
+        sunk = (touching - 0.5) * DEPTH * angle
+        pressed, corners = bed.contacts(angle, above, sunk), Bed(RECTANGLE, (0.0, 1.0), 3).contacts(angle, above, sunk)
+        gain = energy(pressed) - energy(corners)
+        assert (len(pressed.gap) == 5 and gain == 0.0) or (len(pressed.gap) == 13 and gain <= 0.0)
+        assert touching > 0.5 or len(pressed.gap) == 13
 
 
 # --- in a run ---------------------------------------------------------------------------------------------------------------------

@@ -11,31 +11,38 @@ import heapq
 
 import numpy as np
 
-from masonry_cd.analysis.deformed import Solids
-from reports.drawing.render import View
+from masonry_cd.mechanics.model.geometry import area_vectors
+from reports.drawing.parts import Surface, View
 
 EDGE_ON = 1e-3  # a plane whose normal is nearer to perpendicular to the view than this puts neither block before the other
 
 
-def painting_order(solids: Solids, points: np.ndarray, normals: np.ndarray, view: View) -> np.ndarray:
-    """(B,) the rank of each block, 0 for the one that is painted first.
+class Planes:
+    """The faces of B blocks that a surface has and owns: corners and planes of each."""
 
-    Args:
-        solids: of the blocks.
-        points: (V, 3) their vertices where they are drawn [m].
-        normals: (F, 3) outward unit normals of their faces there.
-        view: from where.
-    """
-    count = len(solids.centre)
-    corners = [points[rows] for rows in rows_by_block(solids.vertex_block, count)]
-    faces = rows_by_block(solids.face_block, count)
-    foot = np.einsum("fi,fi->f", normals, points[solids.loops[solids.loop_start[:-1]]])  # of each face's plane
-    depth = np.array([float((corner @ view.towards).mean()) for corner in corners])
-    nearer: list[list[int]] = [[] for _ in range(count)]  # blocks that are painted after this one
-    waits = np.zeros(count, dtype=np.int64)
-    for a, b in overlapping(corners, view).tolist():
-        facing = _facing(corners[b], normals[faces[a]], foot[faces[a]], view), _facing(corners[a], normals[faces[b]], foot[faces[b]], view)
-        (apart_a, towards_a), (apart_b, towards_b) = facing
+    def __init__(self, surface: Surface) -> None:
+        assert surface.owner is not None
+        self.count = int(surface.owner.max(initial=-1)) + 1
+        area = area_vectors(surface.points, surface.loops, surface.loop_start)
+        self.normals = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)  # (P, 3)
+        self.foot = np.einsum("fi,fi->f", self.normals, surface.points[surface.loops[surface.loop_start[:-1]]])
+        self.faces = rows_by_block(surface.owner, self.count)
+        corner_block = np.repeat(surface.owner, np.diff(surface.loop_start))
+        self.corners = [surface.points[np.unique(surface.loops[rows])] for rows in rows_by_block(corner_block, self.count)]
+
+    def contain(self, block: int, point: np.ndarray) -> bool:
+        """Whether a point (3,) lies within a block."""
+        own = self.faces[block]
+        return bool((self.normals[own] @ point < self.foot[own]).all())
+
+
+def painting_order(planes: Planes, view: View) -> np.ndarray:
+    """(B,) the rank of each block, 0 for the one that is painted first."""
+    depth = np.array([float((corner @ view.towards).mean()) if len(corner) else 0.0 for corner in planes.corners])
+    nearer: list[list[int]] = [[] for _ in range(planes.count)]  # blocks that are painted after this one
+    waits = np.zeros(planes.count, dtype=np.int64)
+    for a, b in overlapping(planes.corners, view).tolist():
+        (apart_a, towards_a), (apart_b, towards_b) = _facing(planes, b, a, view), _facing(planes, a, b, view)
         side = towards_a if apart_a >= apart_b else -towards_b  # above 0: b is nearer to the viewer than a
         if abs(side) < EDGE_ON:
             continue
@@ -66,11 +73,12 @@ def overlapping(corners: list[np.ndarray], view: View) -> np.ndarray:
     return np.concatenate(pairs) if pairs else np.zeros((0, 2), np.int64)
 
 
-def _facing(corners: np.ndarray, normals: np.ndarray, foot: np.ndarray, view: View) -> tuple[float, float]:
-    """How far corners (N, 3) keep away from the farthest of some planes [m], and how much its normal looks towards the viewer."""
-    apart = (normals @ corners.T - foot[:, None]).min(axis=1)
+def _facing(planes: Planes, block: int, other: int, view: View) -> tuple[float, float]:
+    """How far a block keeps away from the farthest of another's planes [m], and how much its normal looks towards the viewer."""
+    own = planes.faces[other]
+    apart = (planes.normals[own] @ planes.corners[block].T - planes.foot[own][:, None]).min(axis=1)
     best = int(np.argmax(apart))
-    return float(apart[best]), float(normals[best] @ view.towards)
+    return float(apart[best]), float(planes.normals[own][best] @ view.towards)
 
 
 def in_order(nearer: list[list[int]], waits: np.ndarray, depth: np.ndarray) -> np.ndarray:

@@ -17,15 +17,14 @@ from masonry_cd.analysis.deformed import Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import finite_number
 from masonry_cd.foundation.units import UnitError, begins_as_number, number_in
-from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import clip_loops, next_in_loop
-from reports.drawing.render import Lines, Surface, View
-from reports.drawing.tie_lines import DrawnTies
-from reports.maps.bands import Bands
+from reports.drawing.bands import Bands, DrawnJoints
+from reports.drawing.parts import Lines, Surface, Ties, View, replaced
 
 AXES = "xyz"
 FACING = {"x": "side", "y": "front", "z": "top"}  # the views that look along an axis
 ON_PLANE = 1e-9  # [m] corners nearer than this count as behind the plane
+CAP = 0.82  # faces of a cut are darker than others by this factor
 EDGE_ON = 0.05  # a plane whose normal is nearer to perpendicular to the view than this shows nothing
 
 
@@ -94,60 +93,49 @@ def _parse(text: str) -> tuple[str, float | None]:
 
 def clipped(surface: Surface, cut: Cut) -> Surface:
     """What the plane leaves of a surface; caps are extra."""
-    points, start, kept = clip_loops(surface.points[surface.loops], surface.loop_start, cut.distance(surface.points)[surface.loops])
-    return Surface(points, np.arange(len(points)), start, surface.colours[kept], surface.lit)
+    if surface.spared is None:
+        return surface
+    d = cut.distance(surface.points) + surface.spared
+    points, start, kept = clip_loops(surface.points[surface.loops], surface.loop_start, d[surface.loops])
+    owner = None if surface.owner is None else surface.owner[..., kept]
+    return replaced(surface, points=points, loops=np.arange(len(points)), loop_start=start, colours=surface.colours[kept], owner=owner)
 
 
 def clipped_lines(lines: Lines, cut: Cut) -> Lines:
     """What the plane leaves of straight lines."""
-    d = cut.distance(lines.points)
-    kept = (d[lines.pairs] > 0).any(axis=1)
-    a, b = lines.pairs[kept].T
-    swap = d[a] < 0
-    a, b = np.where(swap, b, a), np.where(swap, a, b)  # a is kept
-    crossed = d[b] < 0
-    share = np.where(crossed, d[a] / np.where(crossed, d[a] - d[b], 1.0), 1.0)
-    ends = lines.points[a] + share[:, None] * (lines.points[b] - lines.points[a])
-    points = np.stack([lines.points[a], ends], axis=1).reshape(-1, 3)
-    return Lines(points, np.arange(len(points)).reshape(-1, 2), lines.colour, lines.width)
+    ends, _ = _kept(lines.points[lines.pairs], cut)
+    return replaced(lines, points=ends.reshape(-1, 3), pairs=np.arange(2 * len(ends)).reshape(-1, 2))
 
 
-def clipped_ties(ties: DrawnTies, cut: Cut) -> DrawnTies:
+def clipped_ties(ties: Ties, cut: Cut) -> Ties:
     """What the plane leaves of ties."""
-    d = cut.distance(ties.ends.reshape(-1, 3)).reshape(-1, 2)
+    ends, kept = _kept(ties.ends, cut)
+    return Ties(ends, tuple(ties.texts[i] for i in kept.tolist()), ties.tension[kept])
+
+
+def _kept(ends: np.ndarray, cut: Cut) -> tuple[np.ndarray, np.ndarray]:
+    """What the plane leaves of lines (E, 2, 3), and which of them each was."""
+    d = cut.distance(ends.reshape(-1, 3)).reshape(-1, 2)
     kept = np.flatnonzero((d > 0).any(axis=1))
-    ends, d = ties.ends[kept].copy(), d[kept]
+    out, d = ends[kept].copy(), d[kept]
     for k in range(2):
         crossed = d[:, k] < 0
         share = d[crossed, 1 - k] / (d[crossed, 1 - k] - d[crossed, k])
-        ends[crossed, k] = ends[crossed, 1 - k] + share[:, None] * (ends[crossed, k] - ends[crossed, 1 - k])
-    return DrawnTies(ends, tuple(ties.texts[i] for i in kept.tolist()), ties.tension[kept])
+        out[crossed, k] = out[crossed, 1 - k] + share[:, None] * (out[crossed, k] - out[crossed, 1 - k])
+    return out, kept
 
 
-@dataclass(frozen=True, eq=False)
-class Caps:
-    """The closed faces in the plane: loops (as in :class:`Surface`) and the block of each."""
-
-    points: np.ndarray
-    loops: np.ndarray
-    loop_start: np.ndarray
-    block: np.ndarray
-
-    def outline(self, colour: str, width: float) -> Lines:
-        """Their edges."""
-        following = next_in_loop(self.loop_start)
-        return Lines(self.points, np.stack([self.loops, self.loops[following]], axis=1), colour, width)
-
-
-def caps_of(solids: Solids, points: np.ndarray, cut: Cut) -> Caps:
-    """Caps of the blocks with corners at points (V, 3): the cut edges of their faces, joined into loops."""
-    d = cut.distance(points)
-    face = np.repeat(np.arange(len(solids.face_block)), np.diff(solids.loop_start))
-    a = solids.loops
-    following = next_in_loop(solids.loop_start)
+def caps_of(surface: Surface, cut: Cut) -> Surface:
+    """The caps of closed blocks, whose faces a surface has and owns: the cut edges of the faces, joined into loops."""
+    assert surface.owner is not None and surface.inside is not None
+    d = cut.distance(surface.points)
+    face = np.repeat(np.arange(len(surface.loop_start) - 1), np.diff(surface.loop_start))
+    a = surface.loops
+    following = next_in_loop(surface.loop_start)
     b = a[following]
     leaves, enters = (d[a] > 0) & (d[b] < 0), (d[a] < 0) & (d[b] > 0)
-    place = points[a] + (d[a] / np.where(leaves | enters, d[a] - d[b], 1.0))[:, None] * (points[b] - points[a])
+    share = (d[a] / np.where(leaves | enters, d[a] - d[b], 1.0))[:, None]
+    place = surface.points[a] + share * (surface.points[b] - surface.points[a])
     edge = {(int(a[k]), int(b[k])): k for k in np.flatnonzero(enters).tolist()}
     out_of = {int(face[k]): k for k in np.flatnonzero(leaves).tolist()}  # a convex face is left once
     loops: list[list[int]] = []
@@ -164,22 +152,27 @@ def caps_of(solids: Solids, points: np.ndarray, cut: Cut) -> Caps:
             loops.append(loop)
     flat = np.array([k for loop in loops for k in loop], dtype=np.int64)
     start = np.cumsum([0, *map(len, loops)])
-    block = solids.face_block[face[flat[start[:-1]]]] if loops else np.zeros(0, dtype=np.int64)
-    return Caps(place[flat], np.arange(len(flat)), start, block)
+    block = surface.owner[face[flat[start[:-1]]]] if loops else np.zeros(0, dtype=np.int64)
+    colours = (CAP * surface.inside[block]).astype(np.uint8)
+    return Surface(place[flat], np.arange(len(flat)), start, colours, lit=False, owner=block, spared=None)
 
 
-def traces(joints: Joints, on_a: np.ndarray, on_b: np.ndarray, drawn: np.ndarray, cut: Cut) -> Bands:
-    """Where the plane runs through the joints drawn (J,): a quadrilateral each, from the cut of the polygon on a to that on b (N, 3)."""
-    middle = (on_a + on_b) / 2.0
-    d = cut.distance(middle)
-    following = next_in_loop(joints.polygon_start)
-    joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
-    crossed = drawn[joint] & (d * d[following] < 0)
-    k = np.flatnonzero(crossed)
-    _, count = np.unique(joint[k], return_counts=True)
+def outline(surface: Surface, colour: str, width: float) -> Lines:
+    """The edges of the polygons of a surface, just before them."""
+    pairs = np.stack([surface.loops, surface.loops[next_in_loop(surface.loop_start)]], axis=1)
+    return Lines(surface.points, pairs, colour, width, lift=5e-4, outline=True)
+
+
+def traces(joints: DrawnJoints, cut: Cut) -> Bands:
+    """Where the plane runs through the joints shown: a quadrilateral each, from the cut of the band on a to that on b."""
+    on_a, on_b = joints.band_corners()
+    d = cut.distance((on_a + on_b) / 2.0)
+    following = next_in_loop(joints.start)
+    k = np.flatnonzero(joints.shown[joints.owner] & (d * d[following] < 0))
+    _, count = np.unique(joints.owner[k], return_counts=True)
     k = k[np.repeat(count == 2, count)]  # interface polygons are convex: crossed twice or not at all
     share = (d[k] / (d[k] - d[following[k]]))[:, None]
     a, b = (side[k] + share * (side[following[k]] - side[k]) for side in (on_a, on_b))
     corners = np.stack([a[0::2], a[1::2], b[1::2], b[0::2]], axis=1)
     corners[..., AXES.index(cut.axis)] = cut.value
-    return Bands(corners, joint[k[0::2]])
+    return Bands(corners, joints.owner[k[0::2]])

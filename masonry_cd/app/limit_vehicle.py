@@ -1,0 +1,204 @@
+r"""The worst place of a vehicle on a bridge: the least factor of its axles over where it stands.
+
+At each of some places of the first axle, from where it comes onto the bridge to where the last one leaves it, the largest factor that
+equilibrium and friction allow is found, with dead loads, fill and all other loads as they are. Around the least of these, places are
+halved until they are CLOSE. The analysis of the scene is then made at that place. The factors of the envelope are associated: where joints
+slide at collapse the least factor, searched for at that place alone, lies below.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from masonry_cd.analysis.limit.analysis import STANDS, NoFiniteFactor, Options, at_rest, largest_factor
+from masonry_cd.analysis.limit.crushing import crushable, solved_finely
+from masonry_cd.analysis.limit.problem import limit_problem
+from masonry_cd.analysis.limit.solution import Unbounded
+from masonry_cd.app.scene import Scene
+from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.errors import InputError
+
+if TYPE_CHECKING:
+    from loads.kinds.vehicle import VehicleTable
+    from masonry_cd.app.limit_structure import LimitStructure
+    from masonry_cd.mechanics.model.fill import Fill
+
+CROSSING_OUTPUTS = ("crossing.csv", "crossing.png")
+IN_PLANE, IN_SPACE = 60, 16  # places looked at first; in space each takes cone programmes
+CLOSE = 1.0 / 400.0  # of the length of the bridge: how finely the worst place is found
+PATTERNS = ("push", "tilt", "live")
+
+
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """What a vehicle that crosses a bridge may weigh."""
+
+    load: int  # its place in [[loads]]
+    vehicle: str  # in words
+    position: np.ndarray  # (M,) of the first axle along the road [m], growing
+    factor: np.ndarray  # (M,) associated; inf where any multiple is borne
+    spans: tuple[tuple[float, float], ...]  # from springing to springing of the spans [m]
+
+    @property
+    def worst(self) -> int:
+        """The place of the least factor."""
+        return int(np.argmin(self.factor))
+
+    def numbers(self) -> dict[str, Any]:
+        """For limit.json."""
+        finite = [float(f) if math.isfinite(f) else None for f in self.factor]
+        return {
+            "load": self.load, "vehicle": self.vehicle, "position": self.position.tolist(), "factor": finite,
+            "critical_position": float(self.position[self.worst]), "least": finite[self.worst],
+        }  # fmt: skip
+
+    def line(self) -> str:
+        """In words."""
+        least, place = float(self.factor[self.worst]), float(self.position[self.worst])
+        first, last = float(self.position[0]), float(self.position[-1])
+        return (
+            f"loads[{self.load}] {self.vehicle}: of {len(self.position)} places of its first axle, from x = {first:.4g} to {last:.4g} m, "
+            f"the worst is x = {place:.4g} m, factor {least:.5g} (associated)"
+        )
+
+
+def at_worst(scene: Scene) -> tuple[Scene, Crossing | None]:
+    """A scene with the vehicle that its limit analysis multiplies at its worst place; the scene itself where no place is to be found.
+
+    Raises:
+        InputError: anything wrong with the scene.
+    """
+    number = _vehicle(scene)
+    if number is None:
+        return scene, None
+    scene = replace(scene, limit={**scene.limit, "live": scene.limit.get("live", [number])})
+    if "position" in scene.loads[number]:
+        return scene, None
+    from masonry_cd.app.limit_structure import limit_structure
+
+    middle = _placed(scene, number, 0.0)
+    structure = limit_structure(middle)
+    try:
+        found = _crossing(middle, structure, number)
+    except InputError as error:
+        raise scene.at_fault(error) from None
+    if found is None:
+        return _placed(scene, number, _range(structure, number)[0]), None
+    return _placed(scene, number, float(found.position[found.worst])), found
+
+
+def _vehicle(scene: Scene) -> int | None:
+    """The one vehicle that is multiplied: named in limit.live, or the only load that could be."""
+    kinds = [load.get("kind") for load in scene.loads]
+    live = scene.limit.get("live")
+    if live is not None:
+        some = [i for i in live if isinstance(i, int) and 0 <= i < len(kinds) and kinds[i] == "vehicle"]
+        free = [i for i in some if "position" not in scene.loads[i]]
+        if len(free) > 1:
+            raise InputError(f"limit.live: the worst place of one vehicle is looked for; give loads{free[1:]} a position")
+        return free[0] if free else (some[0] if some else None)
+    vehicles = [i for i, kind in enumerate(kinds) if kind == "vehicle"]
+    others = [kind for kind in kinds if kind in ("push", "tilt", "settlement", "spreading")]
+    return vehicles[0] if len(vehicles) == 1 and not others and not any(scene.limit.get(name) for name in PATTERNS) else None
+
+
+def _placed(scene: Scene, number: int, position: float) -> Scene:
+    """A scene whose vehicle stands at a place."""
+    tables = [dict(load) for load in scene.loads]
+    tables[number] = {**tables[number], "position": position}
+    return replace(scene, loads=tuple(tables))
+
+
+def _asked(structure: LimitStructure, number: int) -> tuple[VehicleTable, Fill]:
+    """The table of the vehicle and its bridge."""
+    import loads
+    from loads.kinds.vehicle import VehicleTable, on_bridge
+
+    where = f"loads[{number}]"
+    table = loads.parse_load(structure.scene.loads[number], where)
+    assert isinstance(table, VehicleTable)
+    return table, on_bridge(table, list(structure.made.fills), where)
+
+
+def _range(structure: LimitStructure, number: int) -> tuple[float, float]:
+    """Between which places of the first axle any of them stands on the bridge [m]."""
+    table, fill = _asked(structure, number)
+    return fill.deck[0], fill.deck[1] + sum(table.known.spacing)
+
+
+def _crossing(scene: Scene, structure: LimitStructure, number: int) -> Crossing | None:
+    """The envelope; None of a structure that does not stand, which the analysis then says."""
+    from masonry_cd.app.limit_search import ways
+
+    low, high = _range(structure, number)
+    first = structure.loads()
+    options = replace(ways(structure.assembly, structure.joints, first, structure.asked, scene.run.seed).analysis, starts=0)
+    problem, alone = at_rest(structure.assembly, structure.joints, first.at(), options)
+    if alone.factor < 1.0 - STANDS:
+        return None
+    known: dict[float, float] = {}
+
+    def at(place: float) -> float:
+        if place not in known:
+            known[place] = _factor(_placed(scene, number, place), structure, options)
+        return known[place]
+
+    count = structure.asked.positions or (IN_PLANE if problem.axis is not None else IN_SPACE)
+    _look(at, np.linspace(low, high, count + 2)[1:-1].tolist(), CLOSE * (high - low))
+    places = np.array(sorted(known))
+    table, fill = _asked(structure, number)
+    words = f"vehicle {table.name}" if table.name else f"vehicle of {len(table.known.loads)} axles"
+    return Crossing(number, words, places, np.array([known[p] for p in places.tolist()]), _spans(fill))
+
+
+def _look(at: Callable[[float], float], places: Sequence[float], close: float) -> None:
+    """Ask for a value at places, and halve those beside the least of them until they are close."""
+    values = {place: at(place) for place in places}
+    while True:
+        ordered = sorted(values)
+        k = ordered.index(min(ordered, key=lambda place: values[place]))
+        beside = [ordered[j] for j in (k - 1, k + 1) if 0 <= j < len(ordered) and abs(ordered[j] - ordered[k]) > close]
+        if not beside or not math.isfinite(values[ordered[k]]):
+            return
+        for place in beside:
+            values[0.5 * (place + ordered[k])] = at(0.5 * (place + ordered[k]))
+
+
+def _factor(scene: Scene, structure: LimitStructure, options: Options) -> float:
+    """The largest factor of the vehicle where a scene puts it."""
+    loads = replace(structure, scene=scene).loads()
+    problem = crushable(limit_problem(structure.assembly, structure.joints, loads.at()), structure.assembly, structure.joints)
+    try:
+        return solved_finely(problem, lambda finer: largest_factor(finer, options)[0])[1].factor
+    except NoFiniteFactor:
+        return math.inf
+    except Unbounded as failure:
+        raise InputError(f"limit: no answer: {failure}") from None
+
+
+def _spans(fill: Fill) -> tuple[tuple[float, float], ...]:
+    """Where the arches of a bridge begin and end along the road [m]."""
+    reach: dict[str, list[float]] = {}
+    for face in fill.faces:
+        if face.kind == "extrados":
+            reach.setdefault(face.block.split(".v")[0].split("_")[0], []).extend((fill.along(face.corners)[:, 0]).tolist())
+    return tuple((min(x), max(x)) for x in reach.values())
+
+
+def write_crossing(found: Crossing, folder: Path, title: str, pictures: bool) -> list[Path]:
+    """Write crossing.csv and crossing.png."""
+    table, picture = (folder / name for name in CROSSING_OUTPUTS)
+    rows = [[f"{x:.6g}", f"{factor:.8g}"] for x, factor in zip(found.position, found.factor, strict=True)]
+    write_csv(table, ("position_m", "factor"), rows)
+    if not pictures:
+        return [table]
+    from reports.limit.crossing_picture import crossing_picture
+
+    crossing_picture(found.position, found.factor, found.spans, picture, f"{title}: {found.vehicle}")
+    return [table, picture]

@@ -1,0 +1,106 @@
+"""Blocks in pictures: from where they are seen, what of them, in which colours, with their edges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from masonry_cd.analysis.deformed import Solids
+from masonry_cd.mechanics.model.blocks import Block
+from reports.drawing.palette import EDGE, SUPPORT
+from reports.drawing.parts import Layer, Lines, Surface, View, Window, rgb, view_named
+
+AROUND = 0.35  # of the structure's largest extent: how far a level ground is drawn around it
+FAR = 1.25  # of the size of a structure: how far from it blocks still draw a wide ground out, a block across the end of a picture too
+MOTTLE = 0.025  # blocks of one colour differ by this share, as stones do
+MARGIN = 0.10  # around the free blocks, as a share of their larger side
+MANY = 2000  # blocks from which on edges are drawn thin
+
+
+def auto_view(solids: Solids) -> str:
+    """``front`` for planar structures: free blocks that are prisms across y and span one common width; else ``isometric``."""
+    free = ~solids.fixed if not solids.fixed.all() else solids.fixed
+    across = np.abs(solids.face_normals[free[solids.face_block], 1])
+    prisms = bool(((across < 1e-6) | (across > 1 - 1e-6)).all())
+    y = solids.vertices[free[solids.vertex_block], 1]
+    common = bool((solids.sizes[free, 1] > (1 - 1e-6) * np.ptp(y)).all())
+    return "front" if prisms and common else "isometric"
+
+
+def looking_at(solids: Solids, view: str = "auto") -> View:
+    """The view of a name, which ``auto`` leaves to the structure.
+
+    Raises:
+        InputError: an unknown view.
+    """
+    return view_named(auto_view(solids) if view == "auto" else view)
+
+
+def structure_window(solids: Solids, view: View, *moved: np.ndarray) -> Window:
+    """The window around the free blocks, at rest and with vertices ``moved`` (V, 3); supports do not widen it, they may run out of it."""
+    free = ~solids.fixed[solids.vertex_block]
+    window = window_around(view, solids.vertices[free] if free.any() else solids.vertices, solids.vertices)
+    for points in moved:
+        window = window.joined(Window.around(view.plane(points[free]), 0.05))
+    return window
+
+
+def window_around(view: View, free: np.ndarray, every: np.ndarray) -> Window:
+    """The window around the points (N, 3) of what is free, and of ``every`` other point (M, 3) as much as lies near [m]."""
+    return Window.around(view.plane(every), 0.03).within(Window.around(view.plane(free), MARGIN))
+
+
+def within_sight(solids: Solids, vertices: np.ndarray, seen: np.ndarray | None = None) -> np.ndarray:
+    """Vertices (V, 3) of all blocks, level supports drawn in to what lies near the free blocks, at rest and where they are [m].
+
+    A ground is made wide, for what falls; as wide as it is it would fill the picture. Blocks flung farther than the structure is large
+    and a quarter do not draw it out. ``seen`` (N, 3) are other places of free blocks, instead of those where they are.
+    """
+    owner = solids.vertex_block
+    free = ~solids.fixed[owner]
+    if not free.any():
+        return vertices
+    rest, there = solids.vertices[free, :2], (vertices[free] if seen is None else seen)[:, :2]
+    low, high = rest.min(axis=0), rest.max(axis=0)
+    size = float(np.ptp(solids.vertices[free], axis=0).max())
+    there = np.clip(there, low - FAR * size, high + FAR * size)
+    low, high = np.minimum(low, there.min(axis=0)) - AROUND * size, np.maximum(high, there.max(axis=0)) + AROUND * size
+    out = vertices.copy()
+    for block in np.flatnonzero(solids.fixed):
+        own = owner == block
+        if len(np.unique(vertices[own, 2])) == 2:  # an upright prism, which stays one
+            out[own, :2] = np.clip(vertices[own, :2], low, high)
+    return out
+
+
+def drawn_in(blocks: Sequence[Block]) -> list[Block]:
+    """The blocks as built, wide level supports drawn in, see :func:`within_sight`."""
+    solids = Solids.from_blocks(blocks)
+    near = within_sight(solids, solids.vertices)
+    return [replace(block, vertices=near[solids.vertex_block == k]) if block.fixed else block for k, block in enumerate(blocks)]
+
+
+def mottled(colours: np.ndarray) -> np.ndarray:
+    """Colours (B, 3) 0..1 of blocks, by which stones are distinguished."""
+    share = 2.0 * ((np.arange(len(colours)) * 0.6180339887498949) % 1.0) - 1.0  # golden ratio: neighbours differ
+    return np.asarray(np.clip(colours * (1.0 + MOTTLE * share)[:, None], 0.0, 1.0))
+
+
+def two_colours(solids: Solids, chosen: np.ndarray, first: str, second: str) -> np.ndarray:
+    """(B, 3) colours 0..1 of blocks, one of those chosen (B,), another of the others, and that of supports."""
+    colours = np.where(chosen[:, None], rgb(first), rgb(second))
+    colours[solids.fixed] = rgb(SUPPORT)
+    return np.asarray(colours)
+
+
+def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, faces: np.ndarray | None = None) -> list[Layer]:
+    """The faces of all blocks in colours (B, 3) 0..1, where ``faces`` (F, 3) are finite in those, and their edges just before them."""
+    own = mottled(colours)[solids.face_block]
+    shade = own if faces is None else np.where(np.isnan(faces), own, faces)
+    inside = (255.0 * colours).astype(np.uint8)
+    return [
+        Surface(vertices, solids.loops, solids.loop_start, (255.0 * shade).astype(np.uint8), owner=solids.face_block, inside=inside),
+        Lines(vertices, solids.edges(), EDGE, 1.2 if len(colours) < MANY else 0.7, lift=5e-4, outline=True),
+    ]

@@ -1,0 +1,131 @@
+"""Draws scenes as polygons, in SVG and PDF: sharp at any size, and open to a drawing program.
+
+Instead of a depth buffer it paints the farther polygons first: blocks in the order of :mod:`reports.drawing.painter`, of each the faces
+that look at the viewer, the band of a joint as soon as both of its blocks are painted. Of a cut structure the caps and the joints in the
+plane come last, since nothing lies before them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.mechanics.model.polygon import next_in_loop
+from reports.drawing import palette
+from reports.drawing.bands import DrawnJoints
+from reports.drawing.painter import EDGE_ON, Planes, painting_order
+from reports.drawing.parts import AMONG, Lines, Surface, View
+from reports.drawing.render import AMBIENT, LIGHTS
+from reports.drawing.scene import Scene, cut_layers, joint_layers, ties_of
+
+OUTLINE = 0.55  # width of the edges of blocks [points]
+POINT = 0.72 / 2.0  # points of a line that is a pixel of the sampled image wide
+NEAR = 1e-3  # how far beside a joint it is asked what covers it, as a share of the joint's extent
+CAPS, TRACES, LAST = 1.0, 2.0, 3.0  # ranks behind that of the last block: of caps, of joints in the plane, of what is before everything
+
+
+@dataclass(eq=False)
+class _Painting:
+    """Polygons with the rank in which they are painted."""
+
+    view: View
+    rank: list[float] = field(default_factory=list)
+    polygons: list[np.ndarray] = field(default_factory=list)  # (n, 2) each, in the plane of the picture [m]
+    colours: list[np.ndarray] = field(default_factory=list)  # (3,) each, 0..1
+    outlined: list[bool] = field(default_factory=list)
+
+    def add(self, surface: Surface, rank: np.ndarray | float, colours: np.ndarray | None = None, outlined: bool = False) -> None:
+        """Add the polygons of a surface, with ranks (P,), in its colours or others (P, 3) 0..1."""
+        flat, count = self.view.plane(surface.points), len(surface.colours)
+        self.polygons += [flat[loop] for loop in np.split(surface.loops, surface.loop_start[1:-1])] if count else []
+        self.colours += list(surface.colours / 255.0 if colours is None else colours)
+        self.rank += np.broadcast_to(rank, count).tolist()
+        self.outlined += [outlined] * count
+
+
+def draw_polygons(axes: Any, scene: Scene) -> None:
+    """Draw a scene into axes of its window's shape."""
+    axes.set_xlim(scene.window.left, scene.window.right)
+    axes.set_ylim(scene.window.bottom, scene.window.top)
+    _place(axes, _painted(scene))
+    for layer in cut_layers(scene):
+        if isinstance(layer, Lines) and not layer.outline:
+            _draw_lines(axes, layer, scene.view)
+    ties = ties_of(scene)
+    for ends, text, tension in zip(ties.ends, ties.texts, ties.tension, strict=True):
+        flat, colour = scene.view.plane(ends), palette.PULLING if tension > 0.0 else palette.SLACK
+        axes.plot(*flat.T, color=colour, linewidth=1.6, solid_capstyle="butt")
+        axes.annotate(text, flat.mean(axis=0), (0, 5), textcoords="offset points", color=colour, fontsize=6, ha="center")
+
+
+def _painted(scene: Scene) -> _Painting:
+    """All polygons of a scene."""
+    painting, whole = _Painting(scene.view), [layer for layer in scene.layers if isinstance(layer, Surface)]
+    solid = next(layer for layer in whole if layer.owner is not None)
+    planes = Planes(solid)
+    rank, last = painting_order(planes, scene.view).astype(float), float(planes.count)
+    for layer in cut_layers(scene):
+        if not isinstance(layer, Surface):
+            continue
+        if layer.place != AMONG:
+            painting.add(layer, -1.0 if layer.place < AMONG else last + LAST)
+        elif layer.spared is None:
+            painting.add(layer, last + CAPS, outlined=True)
+        elif layer.owner is not None:
+            _add_faces(painting, layer, rank)
+    hidden = None if scene.joints is None else hidden_sides(scene.joints, planes, scene.view)
+    for surface in joint_layers(scene, hidden):
+        assert surface.owner is not None
+        painting.add(surface, last + TRACES if surface.spared is None else np.maximum(*rank[surface.owner]) + 0.5)
+    return painting
+
+
+def _add_faces(painting: _Painting, surface: Surface, rank: np.ndarray) -> None:
+    """The faces of the blocks that look at the viewer, shaded as in the picture; edges with them."""
+    normals, view = Planes(surface).normals, painting.view
+    seen = normals @ view.towards > 1e-6
+    light = np.full(len(normals), AMBIENT)
+    for (right, up, towards), strength in LIGHTS:
+        direction = right * view.right + up * view.up + towards * view.towards
+        light += strength * np.maximum(normals @ (direction / np.linalg.norm(direction)), 0.0)
+    left = surface.some(seen)
+    painting.add(left, rank[left.owner], np.clip(left.colours / 255.0 * light[seen, None], 0.0, 1.0), outlined=True)
+
+
+def hidden_sides(joints: DrawnJoints, planes: Planes, view: View) -> np.ndarray:
+    """(2, N): whether the side of a joint's polygon that begins at a corner lies behind block a of its joint, and behind block b.
+
+    The block on the viewer's side of a joint hides a side over which it reaches out, as a stone does above a head joint.
+    """
+    joint, following = joints.owner, next_in_loop(joints.start)
+    hidden = np.zeros((2, len(joint)), bool)
+    for k, sign in enumerate((-1.0, 1.0)):
+        corners, normal = joints.corners[k], sign * joints.normals[k]
+        middle = (corners + corners[following]) / 2.0
+        outward = middle - joints.centres(corners)[joint] if len(joint) else middle
+        inside = middle + NEAR * outward + NEAR * normal[joint] * np.linalg.norm(outward, axis=1, keepdims=True)
+        for side in np.flatnonzero((normal @ view.towards > EDGE_ON)[joint]).tolist():
+            hidden[k, side] = planes.contain(int(joints.blocks[k, joint[side]]), inside[side])
+    return hidden
+
+
+def _draw_lines(axes: Any, lines: Lines, view: View) -> None:
+    """Lines behind everything or before it."""
+    from matplotlib.collections import LineCollection
+
+    flat = view.plane(lines.points)[lines.pairs]
+    axes.add_collection(LineCollection(flat, colors=lines.colour, linewidths=POINT * lines.width, zorder=0 if lines.place < AMONG else 2))
+
+
+def _place(axes: Any, painting: _Painting) -> None:
+    """Put the polygons into axes, in the order of their ranks; without outlines, edges of their own colour hide the seams."""
+    from matplotlib.collections import PolyCollection
+
+    order = np.argsort(painting.rank, kind="stable")
+    colours = np.array([painting.colours[k] for k in order]).reshape(-1, 3)
+    edges = [palette.EDGE if painting.outlined[k] else tuple(painting.colours[k]) for k in order]
+    widths = [OUTLINE if painting.outlined[k] else 0.15 for k in order]
+    polygons = [painting.polygons[k] for k in order]
+    axes.add_collection(PolyCollection(polygons, facecolors=colours, edgecolors=edges, linewidths=widths, joinstyle="round"))

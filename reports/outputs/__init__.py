@@ -1,0 +1,116 @@
+"""What the folder of a run gets from the reports, by the settings of the scene's ``[report]``: a module here for each kind of output."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from masonry_cd.analysis.damage.grades import read_grades
+from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
+from masonry_cd.analysis.deformed import Solids, frame_index
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
+from masonry_cd.io.results import Results
+from masonry_cd.mechanics.model.blocks import Block
+from reports.damage.joint_files import damage_settings, thresholds_of
+from reports.drawing.figure import Sheet
+from reports.files import Job
+from reports.maps.crack_map import sheet_of
+from reports.maps.framing import MapStyle, framing, view_and_cut
+from reports.maps.sequence import frames_at, slack
+from reports.settings import Report
+
+PAGE, PRINT = "report.html", "report.pdf"
+
+
+def style_of(settings: Report) -> MapStyle:
+    """How crack maps are drawn."""
+    thresholds = thresholds_of(settings)
+    beyond = 10.0 * max(thresholds.opened, thresholds.slid)  # models at another scale set their thresholds, and need not set this as well
+    largest = settings.largest if settings.largest > beyond / 10.0 else beyond
+    return MapStyle(settings.view, settings.scale, thresholds, largest, settings.cut, settings.thrust)
+
+
+def check(settings: Report, blocks: Sequence[Block], end: float, spacing: float) -> None:
+    """Check what only the reports know of, before a run takes its time.
+
+    Args:
+        settings: of the scene.
+        blocks: of its structure.
+        end: of the run [s].
+        spacing: of its frames [s].
+
+    Raises:
+        InputError: names the key of ``[report]``.
+    """
+    if settings.draws:
+        require("report: a picture", "pyvista", "matplotlib", "PIL", without=" (or go without: report.crack_map = false)")
+    if settings.html:
+        require("report.html: the page", "matplotlib")
+    read_grades(settings.grades)
+    beyond = next((time for time in settings.times if time > end + slack(spacing)), None)
+    if beyond is not None:
+        raise InputError(f"report.times: {beyond:g} s lies beyond the run, which ends at {end:g} s")
+    if settings.cut:
+        try:
+            view_and_cut(Solids.from_blocks(blocks), style_of(settings))
+        except InputError as error:
+            raise InputError(f"report.{error}") from None
+
+
+def check_again(settings: Report, results: Results) -> None:
+    """Check the settings of reports that are redone on a run's results.
+
+    Raises:
+        InputError: names the setting.
+    """
+    read_grades(settings.grades)
+    framing(results, [0], style_of(settings))
+
+
+def damage_of(results: Results, settings: Report) -> PartDamage:
+    """The damage by part."""
+    return part_damage(results, damage_settings(settings))
+
+
+def parse_times(results: Results, text: str) -> list[float]:
+    """Times given as ``1,2,3`` [s].
+
+    Raises:
+        InputError: something that is no number, or a time outside the run.
+    """
+    times = []
+    for word in text.split(","):
+        try:
+            times.append(float(word))
+        except ValueError:
+            raise InputError(f'--times: "{word.strip()}" is no number; write seconds, 1,2.5,4') from None
+    frames_at(results, times)
+    return times
+
+
+def frame_at(results: Results, time: float | None) -> int:
+    """The frame next to a time [s]; the last for None."""
+    return frame_index(results, -1) if time is None else frames_at(results, [time])[0]
+
+
+def sheet_at(results: Results, settings: Report, time: float | None) -> Sheet:
+    """The crack map next to a time [s], the last for None."""
+    frame = frame_at(results, time)
+    return sheet_of(results, frame, framing(results, [frame], style_of(settings)))
+
+
+def write_page(results: Results, path: Path, settings: Report, summary: Mapping[str, Any], damage: PartDamage) -> None:
+    """Write the page that shows a run."""
+    from reports import page
+
+    style = style_of(settings)
+    page.write_page(results, path, summary, thresholds_of(settings), settings.scale, style.largest, damage)
+
+
+def write_asked(results: Results, folder: Path, settings: Report, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Write the outputs that a scene asks for, beside joints.csv; return what they add to the summary."""
+    job = Job(results, folder, settings, summary)
+    job.write()
+    return job.more

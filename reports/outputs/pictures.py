@@ -1,0 +1,115 @@
+"""Crack maps, stress with its map, and extra reports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from reports.extra import EXTRA, extra_report
+from reports.files import Job, Output
+from reports.maps.sequence import animation, crack_maps, times_within
+from reports.outputs import frame_at, sheet_at, style_of
+
+
+def _crack_map(job: Job) -> Iterable[Path]:
+    """The map of a frame."""
+    sheet_at(job.results, job.settings, job.time).save(job.folder / "crack_map.png")
+    return [job.folder / "crack_map.png"]
+
+
+def _vector(job: Job) -> Iterable[Path]:
+    """That map as polygons."""
+    from reports.maps.crack_map import vector_maps
+
+    return vector_maps(job.results, job.folder, style_of(job.settings), frame_at(job.results, job.time))
+
+
+def _times(job: Job) -> Iterable[Path]:
+    """Maps at some times; of a run that left out rests or was interrupted, a warning for those beyond its end."""
+    times, beyond = times_within(job.results, job.settings.times)
+    if beyond:
+        at = ", ".join(f"{time:g}" for time in beyond)
+        why = "which was interrupted" if job.summary.get("stopped") else "whose rests were cut short"
+        line = f"report.times: no map at {at} s: the run, {why}, ends at {job.results.time[-1]:g} s"
+        job.more["warnings"] = [*job.summary.get("warnings", ()), line]
+    return crack_maps(job.results, job.folder, times, style_of(job.settings)) if times else []
+
+
+def _animation(job: Job) -> Iterable[Path]:
+    """The map through the run."""
+    animation(job.results, job.folder / "crack_map.gif", style_of(job.settings))
+    return [job.folder / "crack_map.gif"]
+
+
+def _stress(job: Job) -> Iterable[Path]:
+    """The tables, and the numbers of the summary.
+
+    Raises:
+        InputError: the run kept no stress.
+    """
+    from masonry_cd.analysis.stress.peaks import stress_peaks
+    from masonry_cd.analysis.stress.summary import stress_summary
+    from reports.stress.files import write_stress
+
+    peaks = stress_peaks(job.results, job.settings.opened)
+    job.more["stress"] = stress_summary(job.results, peaks)
+    return write_stress(job.results, peaks, job.folder)
+
+
+def _stress_map(job: Job) -> Iterable[Path]:
+    """The map of a frame where a time is given, else of the whole run."""
+    from reports.maps.stress_map import FILE, stress_sheet, vector_stress_maps
+
+    if not job.more["stress"]:
+        return []
+    frame, style = None if job.time is None else frame_at(job.results, job.time), style_of(job.settings)
+    stress_sheet(job.results, frame, style).save(job.folder / FILE)
+    return [job.folder / FILE, *(vector_stress_maps(job.results, job.folder, frame, style) if job.settings.vector else [])]
+
+
+def _extra(job: Job) -> Iterable[Path]:
+    """Extra reports by their names."""
+    for name in dict.fromkeys(job.settings.extra):
+        report = extra_report(name)
+        report.write(job.results, job.folder)
+        yield from (job.folder / file for file in report.files if (job.folder / file).exists())
+
+
+OUTPUTS = {
+    "stress": Output(
+        {
+            "stress.csv": "every block: largest mean compression and tension and when, its stress at the end, the share of its strength",
+            "joint_stress.csv": "every joint: largest compression at its edge, largest normal force",
+            "element_stress.csv": "every element of meshed blocks: largest compression and tension and when, stress at the end",
+        },
+        _stress,
+        lambda job: job.results.has_stress,
+        20,
+    ),
+    "stress_map": Output(
+        {
+            "stress_map.png": "the structure, its blocks coloured by their largest compression",
+            "stress_map.svg": "that map as polygons",
+            "stress_map.pdf": "that map as polygons",
+        },
+        _stress_map,
+        lambda job: job.results.has_stress,
+        21,
+    ),
+    "crack_map": Output(
+        {"crack_map.png": "the structure at the end, its joints coloured by opening and sliding"},
+        _crack_map,
+        lambda job: job.settings.crack_map,
+        30,
+    ),
+    "vector": Output(
+        {"crack_map.svg": "that map as polygons", "crack_map.pdf": "that map as polygons"}, _vector, lambda job: job.settings.vector, 31
+    ),
+    "times": Output({}, _times, lambda job: bool(job.settings.times), 32),
+    "animation": Output(
+        {"crack_map.gif": "that map through the run"}, _animation, lambda job: job.settings.animation and job.results.frames > 1, 33
+    ),
+    "extra": Output(
+        {name: report.meaning for report in EXTRA.values() for name in report.files}, _extra, lambda job: bool(job.settings.extra), 40
+    ),
+}

@@ -1,0 +1,51 @@
+"""The results, the summary, and the tables of damage, ties, pushes and gauges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from reports.files import Job, Output
+
+DAMAGE = {
+    "damage.csv": "every part: counts, largest and last values, drift, mechanism, grade with its reason",
+    "damage_history.csv": "every part over time",
+    "hinges.csv": "joints that were hinges, and where they touched",
+    "drift.csv": "displacement and drift of every part, level by level",
+    "damage_shocks.csv": "every part after each shock",
+    "damage.json": "the tables of damage in one document, with all thresholds",
+}
+
+
+def _damage(job: Job) -> Iterable[Path]:
+    """The damage by part, in short in the summary as well."""
+    from reports.damage.part_files import in_short, write_part_damage
+
+    job.more["parts"] = in_short(job.damage.parts)
+    return write_part_damage(job.damage, job.folder)
+
+
+OUTPUTS = {
+    "run": Output(
+        {
+            "result.h5": "all that the run recorded, frame by frame and step by step, with its blocks and its scene",
+            "joints.csv": "every joint: largest and last opening and sliding, rotation, contact lost, state",
+            "summary.json": "the run in numbers, the verdict on it among the first",
+            "ties.csv": "every tie: largest tension and when, tension at the end, from when it yielded",
+        },
+        carried=("joints.csv",),
+    ),
+    "damage": Output(DAMAGE, _damage, lambda job: job.settings.damage, 10, tuple(name for name in DAMAGE if name.endswith(".csv"))),
+    "laboratory": Output(
+        {
+            "force_displacement.csv": "every push by displacement, step by step: displacement, reaction, inertia left in it",
+            "push_cycles.csv": "every cycle of a push: dissipated energy, equivalent damping",
+            "force_displacement.png": "the curves of pushes by displacement",
+            "points.csv": "the motion of the points that the scene watches",
+            "joint_gauges.csv": "the joints that the scene watches: opening, slip, forces, compressed depth",
+            "cracks.csv": "the gauges between two points that the scene names",
+            "supports.csv": "the reaction of every support over time",
+            "gauges.png": "the histories of watched points, joints and gauges",
+        }
+    ),
+}

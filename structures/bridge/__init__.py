@@ -1,0 +1,1 @@
+"""Masonry bridges: spans, rings, piers, walls and the fill between them."""

@@ -1,0 +1,239 @@
+"""Where the parts of a bridge lie along the road, and what does not fit together: all of it at once, by span and place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from masonry_cd.foundation.errors import InputError, InputErrors
+from structures.bridge.profile import Profile, profile_of, rise_of, voussoirs_of
+from structures.bridge.table import BridgeTable, SpanTable, SupportTable
+
+COVER = 0.3  # of fill over the highest crown, by default [m]
+LEAST_COVER = 0.02  # [m]: of walls thinner than this over a crown nothing could be cut
+SAME = 1e-9  # [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """A pier or an abutment in the x-z plane, with the joints on which arches stand."""
+
+    name: str
+    keys: SupportTable
+    left: float  # x of its faces [m]
+    right: float
+    foot: float  # z [m]
+    before: Profile | None  # the arch that ends on it; None of a left abutment
+    after: Profile | None  # that begins on it
+
+    @property
+    def seats(self) -> tuple[np.ndarray, np.ndarray]:
+        """Ends of the extrados on it (2,) from the left, or the back of an abutment at the height of the other [m]."""
+        first = None if self.before is None else self.before.extrados[-1]
+        last = None if self.after is None else self.after.extrados[0]
+        if first is None:
+            assert last is not None
+            first = np.array([self.left, last[1]])
+        return first, np.array([self.right, first[1]]) if last is None else last
+
+    @property
+    def springing(self) -> float:
+        """The lower of its springings [m]."""
+        return min(float(arch.intrados[end, 1]) for arch, end in ((self.before, -1), (self.after, 0)) if arch is not None)
+
+    @property
+    def split(self) -> float:
+        """x of the line between what rests on the one side and on the other [m]; of an abutment its back."""
+        if self.before is None or self.after is None:
+            return self.left if self.before is None else self.right
+        first, last = self.seats
+        return 0.5 * float(first[0] + last[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """A bridge along the road."""
+
+    keys: BridgeTable
+    profiles: tuple[Profile, ...]
+    supports: tuple[Support, ...]  # abutment, piers, abutment
+    deck: float  # level of the road [m]
+
+    @cached_property
+    def slant(self) -> float:
+        """Tangent of the skew: x of a block grows by so much with y."""
+        return math.tan(math.radians(self.keys.skew)) if self.keys.skew else 0.0
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """x of the backs of the abutments [m]."""
+        return self.supports[0].left, self.supports[-1].right
+
+    @property
+    def clear(self) -> float:
+        """Half the width between the walls [m]."""
+        return 0.5 * self.keys.width - (0.0 if self.keys.walls is None else self.keys.walls.thickness)
+
+
+def layout_of(keys: BridgeTable) -> Layout:
+    """Put the spans on their supports.
+
+    Raises:
+        InputErrors: all measures that do not fit together, a line each.
+    """
+    faults = [line for i, span in enumerate(keys.spans) for line in _of_span(span, f"structure.spans[{i}]")]
+    faults += _of_counts(keys)
+    if faults:
+        raise InputErrors(faults)
+    lefts = _lefts(keys)
+    faults = _overlaps(keys.spans, lefts)
+    profiles = []
+    for i, (span, left) in enumerate(zip(keys.spans, lefts, strict=True)):
+        try:
+            profiles.append(profile_of(span, left))
+        except InputError as fault:
+            faults.append(str(fault).replace("structure.", f"structure.spans[{i}].", 1))
+    if faults:
+        raise InputErrors(faults)
+    made = Layout(keys, tuple(profiles), tuple(_supports(keys, profiles)), _deck(keys, profiles))
+    faults = [*_of_seats(made), *_of_deck(made), *_of_walls(made)]
+    if faults:
+        raise InputErrors(faults)
+    return made
+
+
+def _of_span(span: SpanTable, where: str) -> list[str]:
+    """What is wrong with one span."""
+    half, rise, found = 0.5 * span.span, span.rise, list[str]()
+    named = f"of a {span.shape} span" if span.shape != "elliptical" else "of an elliptical span"
+    if rise is None and span.shape in ("segmental", "elliptical"):
+        found.append(f"{where}.rise: missing; a {span.shape} span is given by its span and its rise")
+    if rise is not None and span.shape in ("segmental", "elliptical") and rise > half * (1.0 + SAME):
+        found.append(f"{where}.rise: {named} must be at most half the span, {half:g} m, got {rise:g}; a pointed one rises more")
+    if rise is not None and span.shape == "semicircular" and abs(rise - half) > 1e-6 * half:
+        found.append(f"{where}.rise: {named} is half the span, {half:g} m, got {rise:g}; leave it out, or make it segmental")
+    if span.shape == "pointed" and (rise is None or rise <= half):
+        found.append(f"{where}.rise: {named} must exceed half the span, {half:g} m, got {'none' if rise is None else f'{rise:g}'}")
+    thickest = max(span.thickness, span.thickness_springing or 0.0)
+    if thickest >= half:
+        found.append(f"{where}.thickness: must be below half the span, {half:g} m, got {thickest:g}")
+    if rise is not None and rise < 0.02 * span.span:
+        found.append(f"{where}.rise: must be at least a fiftieth of the span, {0.02 * span.span:g} m, got {rise:g}")
+    if span.shape == "pointed" and span.voussoirs is not None and span.voussoirs % 2:
+        found.append(f"{where}.voussoirs: {named} must be even, it has a joint at its apex; got {span.voussoirs}")
+    if not found and rise_of(span) and voussoirs_of(span) * span.rings > 8000:
+        found.append(f"{where}.rings: {span.rings} of {voussoirs_of(span)} voussoirs are too many")
+    return found
+
+
+def _of_counts(keys: BridgeTable) -> list[str]:
+    """Supports that are too few or too many, and two ways to say one thing."""
+    between, found = len(keys.spans) - 1, list[str]()
+    if len(keys.piers) not in ({0, 1} if between == 0 else {1, between}):
+        found.append(f"structure.piers: one for all, or one between each two of {len(keys.spans)} spans, {between}; got {len(keys.piers)}")
+    if keys.cover is not None and keys.deck is not None:
+        found.append("structure.deck: give the level of the road or the cover over the highest crown, not both")
+    return found
+
+
+def _pier(keys: BridgeTable, number: int) -> SupportTable:
+    return keys.piers[0 if len(keys.piers) == 1 else number]
+
+
+def _lefts(keys: BridgeTable) -> list[float]:
+    """x of the left springings [m]."""
+    lefts = list[float]()
+    for i, span in enumerate(keys.spans):
+        behind = lefts[-1] + keys.spans[i - 1].span + _pier(keys, i - 1).width if i else 0.0
+        lefts.append(behind if span.start is None else span.start)
+    return lefts
+
+
+def _overlaps(spans: Sequence[SpanTable], lefts: Sequence[float]) -> list[str]:
+    """Spans that begin where others have not ended."""
+    found = []
+    for i in range(1, len(spans)):
+        end = max(lefts[j] + spans[j].span for j in range(i))
+        if lefts[i] < end + SAME:
+            found.append(
+                f"structure.spans[{i}].start: span {i + 1} begins at x = {lefts[i]:g} m, where a span before it reaches to x = {end:g} m: "
+                "they overlap, or leave no pier"
+            )
+    return found
+
+
+def _supports(keys: BridgeTable, profiles: Sequence[Profile]) -> list[Support]:
+    first, last = keys.abutments[0], keys.abutments[-1]
+    x, low = profiles[0].intrados[0]
+    made = [Support("abutment1", first, float(x) - first.width, float(x), float(low) - first.height, None, profiles[0])]
+    for i in range(len(profiles) - 1):
+        (left, one), (right, other) = profiles[i].intrados[-1], profiles[i + 1].intrados[0]
+        foot = float(min(one, other)) - _pier(keys, i).height
+        made.append(Support(f"pier{i + 1}", _pier(keys, i), float(left), float(right), foot, profiles[i], profiles[i + 1]))
+    x, low = profiles[-1].intrados[-1]
+    made.append(Support("abutment2", last, float(x), float(x) + last.width, float(low) - last.height, profiles[-1], None))
+    return made
+
+
+def _deck(keys: BridgeTable, profiles: Sequence[Profile]) -> float:
+    highest = max(profile.crown for profile in profiles)
+    return highest + (COVER if keys.cover is None else keys.cover) if keys.deck is None else keys.deck
+
+
+def _of_seats(made: Layout) -> list[str]:
+    """Supports that are too narrow for what stands on them, or too low for the step between two springings."""
+    found = []
+    for i, support in enumerate(made.supports):
+        first, last = support.seats
+        if first[0] > last[0] + SAME or (support.split in (support.left, support.right) and last[0] - first[0] < SAME):
+            least = support.right - support.left + float(first[0] - last[0])
+            where = (
+                f"structure.piers[{0 if len(made.keys.piers) == 1 else i - 1}]"
+                if support.before and support.after
+                else "structure.abutments"
+            )
+            found.append(
+                f"{where}.width: {support.name}, from x = {support.left:g} to {support.right:g} m, must be wider than {least:.4g} m for "
+                "the springings that it bears"
+            )
+        if support.before and support.after:
+            step = abs(float(support.before.intrados[-1, 1] - support.after.intrados[0, 1]))
+            if step > SAME and step > support.keys.height * 10.0:
+                found.append(f"structure.spans[{i}].springing: {step:g} m from that of the span before it, more than {support.name} bears")
+    return found
+
+
+def _of_deck(made: Layout) -> list[str]:
+    """A road below an extrados."""
+    key = "cover" if made.keys.deck is None else "deck"
+    found = []
+    for i, profile in enumerate(made.profiles):
+        if made.deck < profile.crown + LEAST_COVER:
+            place = float(profile.extrados[int(np.argmax(profile.extrados[:, 1])), 0])
+            found.append(
+                f"structure.{key}: the fill ends at {made.deck:g} m, which must be {LEAST_COVER:g} m or more above the extrados "
+                f"of span {i + 1}, {profile.crown:.4g} m at x = {place:.4g} m"
+            )
+    highest = max(float(end[1]) for support in made.supports for end in support.seats)
+    if not found and made.deck <= highest:
+        found.append(f"structure.{key}: the fill ends at {made.deck:g} m, below the springings at {highest:.4g} m")
+    return found
+
+
+def _of_walls(made: Layout) -> list[str]:
+    """Walls that leave no road between them."""
+    walls = made.keys.walls
+    if walls is None:
+        return []
+    found = []
+    if made.clear <= 0.0:
+        found.append(f"structure.walls.thickness: two of {walls.thickness:g} m leave no road on a width of {made.keys.width:g} m")
+    if walls.parapet_thickness is not None and walls.parapet_height is None:
+        found.append("structure.walls.parapet_height: missing; it makes the parapets whose thickness is given")
+    if walls.parapet_thickness is not None and walls.parapet_thickness > walls.thickness:
+        found.append(f"structure.walls.parapet_thickness: must be at most that of the walls, {walls.thickness:g} m")
+    return found

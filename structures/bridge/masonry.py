@@ -1,0 +1,210 @@
+"""Voussoirs, piers and abutments of a bridge, drawn out across the road, and the faces on which its fill lies."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.fill import FillFace
+from masonry_cd.mechanics.model.geometry import Faces
+from structures.bridge.layout import SAME, Layout, Support
+from structures.geometry.compound_block import compound_block
+from structures.geometry.prism import prism_xz, rectangle
+
+SLAB = 0.5  # thickness of the fixed feet [m]
+
+
+def drawn_out(layout: Layout, polygon: np.ndarray, near: float, far: float) -> tuple[np.ndarray, Faces]:
+    """A polygon (n, 2) of the x-z plane between two places across the road, slanted by the skew."""
+    vertices, faces = prism_xz(polygon, near, far)
+    vertices[:, 0] += layout.slant * vertices[:, 1]
+    return vertices, faces
+
+
+def face_of(layout: Layout, block: str, line: np.ndarray, near: float, far: float) -> np.ndarray:
+    """Corners (4, 3) of the face over a line (2, 2) of the x-z plane from left to right, counter-clockwise seen from above [m]."""
+    (x0, z0), (x1, z1) = line
+    corners = np.array([[x0, near, z0], [x1, near, z1], [x1, far, z1], [x0, far, z0]])
+    corners[:, 0] += layout.slant * corners[:, 1]
+    return corners
+
+
+def arches(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]:
+    """The voussoirs, ``arch1.v3``, of several rings ``arch1_ring2.v3``, of several strips ``arch1.v3.2``; and their extradoses."""
+    blocks, faces = list[Block](), list[FillFace]()
+    for number, profile in enumerate(layout.profiles, start=1):
+        rings = len(profile.lines) - 1
+        for r, (inner, outer) in enumerate(pairwise(profile.lines)):
+            group = f"arch{number}" if rings == 1 else f"arch{number}_ring{r + 1}"
+            for k in range(len(inner) - 1):
+                polygon = np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]])
+                for s, (near, far) in enumerate(pairwise(_cuts(layout, k + r)), start=1):
+                    name = f"{group}.v{k + 1}" + (f".{s}" if layout.keys.strips > 1 else "")
+                    blocks.append(Block(name, *drawn_out(layout, polygon, near, far), density, group))
+                    low, high = max(near, -layout.clear), min(far, layout.clear)
+                    if r == rings - 1 and high - low > SAME:
+                        faces.append(FillFace(name, "extrados", face_of(layout, name, outer[k : k + 2], low, high)))
+    return blocks, faces
+
+
+def _cuts(layout: Layout, row: int) -> list[float]:
+    """Where a row of voussoirs is cut across the width, in running bond [m]."""
+    half, strips = 0.5 * layout.keys.width, layout.keys.strips
+    if strips == 1:
+        return [-half, half]
+    shift = 0.5 * (row % 2)
+    inner = [half * (2.0 * (i + shift) / strips - 1.0) for i in range(0 if shift else 1, strips)]
+    return [-half, *inner, half]
+
+
+def supports(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]:
+    """Piers and abutments with their fixed feet, and what the fill touches of them."""
+    blocks, faces = list[Block](), list[FillFace]()
+    half = 0.5 * layout.keys.width
+    for support in layout.supports:
+        top = top_of(support)
+        if support.keys.rigid:
+            beds = [support.foot, support.springing]
+        else:
+            count = max(1, round((support.springing - support.foot) / support.keys.course_height))
+            beds = np.linspace(support.foot, support.springing, count + 1).tolist()
+        for course, (low, high) in enumerate(pairwise(beds[:-1] if len(beds) > 2 else beds[:1]), start=1):
+            piece = drawn_out(layout, rectangle(support.left, support.right, low, high), -half, half)
+            blocks.append(Block(f"{support.name}.{course}", *piece, density, support.name))
+        last = beds[-2] if len(beds) > 2 else beds[0]
+        line, springer = _springer(_joined(support, top))
+        parts = [drawn_out(layout, part, -half, half) for part in _cap(support, line, last)]
+        name = support.name if support.keys.rigid else f"{support.name}.{max(1, len(beds) - 1)}"
+        cap = compound_block(name, parts, density, "base" if support.keys.rigid else support.name)
+        stones = [cap]
+        if springer is not None:
+            stones.append(Block(f"{support.name}.springer", *drawn_out(layout, springer, -half, half), density, cap.group))
+        blocks += [_fixed(stone) if support.keys.rigid else stone for stone in stones]
+        for part in (np.array(pair) for pair in pairwise(top) if pair[1][0] - pair[0][0] > SAME):
+            on = stones[-1] if springer is not None and _lies_on(part, springer) else cap
+            faces.append(FillFace(on.name, "top", face_of(layout, on.name, part, -layout.clear, layout.clear)))
+        if not support.keys.rigid:
+            faces += _backs(layout, support, [block for block in blocks if block.name.startswith(f"{support.name}.")])
+    return blocks + _feet(layout, density), faces
+
+
+def _lies_on(line: np.ndarray, stone: np.ndarray) -> bool:
+    """Whether both ends of a line (2, 2) are corners of a stone (n, 2)."""
+    return all(bool((np.abs(stone - end).max(axis=1) <= SAME).any()) for end in line)
+
+
+def _joined(support: Support, top: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """The joints of a support with its arches and the line between them, from the left."""
+    before = [] if support.before is None else [tuple(support.before.intrados[-1].tolist())]
+    after = [] if support.after is None else [tuple(support.after.intrados[0].tolist())]
+    return [*before, *top, *after]
+
+
+def _fixed(block: Block) -> Block:
+    return Block(block.name, block.vertices, block.faces, block.density, "base", True, block.parts)
+
+
+def steep(line: np.ndarray) -> bool:
+    """Whether an extrados (n, 2) rises by more than 45 degrees where it begins, from its springing on."""
+    across, up = np.abs(line[1] - line[0])
+    return bool(up > across)
+
+
+def top_of(support: Support) -> list[tuple[float, float]]:
+    """The line from the end of the one extrados to the beginning of the other: level where one of them is steep."""
+    first, last = support.seats
+    middle, level = support.split, 0.5 * float(first[1] + last[1])
+    if support.before is None or support.after is None:
+        return [tuple(first.tolist()), tuple(last.tolist())]
+    one, other = steep(support.before.extrados[::-1]), steep(support.after.extrados)
+    left = float(first[1]) if one else float(last[1]) if other else level
+    right = float(last[1]) if other else float(first[1]) if one else level
+    line = [tuple(first.tolist()), (middle, left), (middle, right), tuple(last.tolist())]
+    return [point for i, point in enumerate(line) if i == 0 or abs(point[0] - line[i - 1][0]) + abs(point[1] - line[i - 1][1]) > SAME]
+
+
+def _cap(support: Support, line: list[tuple[float, float]], low: float) -> list[np.ndarray]:
+    """Convex parts (n, 2) of the topmost stone, between a level and a line over it."""
+    whole = _without_middles(np.array([(support.left, low), (support.right, low), *line[::-1]]))
+    if _convex(whole):
+        return [whole]
+    return [_without_middles(np.array([(a[0], low), (b[0], low), b, a])) for a, b in pairwise(line) if b[0] - a[0] > SAME]
+
+
+def _springer(line: list[tuple[float, float]]) -> tuple[list[tuple[float, float]], np.ndarray | None]:
+    """The line over a pier up to the lower of two levels with a step between them, and the stone (m, 2) on the higher one."""
+    step = next(((a[1], b[1]) for a, b in pairwise(line) if b[0] - a[0] <= SAME and abs(a[1] - b[1]) > SAME), None)
+    if step is None:
+        return line, None
+    level, below, above = min(step), list[tuple[float, float]](), list[tuple[float, float]]()
+    for k, point in enumerate(line):
+        if k and (line[k - 1][1] - level) * (point[1] - level) < 0.0:
+            x, z = line[k - 1]
+            crossing = (x + (point[0] - x) * (level - z) / (point[1] - z), level)
+            below.append(crossing)
+            above.append(crossing)
+        if point[1] <= level + SAME:
+            below.append(point)
+        if point[1] > level + SAME or (abs(point[1] - level) <= SAME and point in line[1:-1]):
+            above.append(point)
+    middle = next(a[0] for a, b in pairwise(line) if b[0] - a[0] <= SAME)
+    side = -1.0 if step[0] > step[1] else 1.0
+    return below, _without_middles(np.array([point for point in above if side * (point[0] - middle) >= -SAME])[::-1])
+
+
+def _without_middles(polygon: np.ndarray) -> np.ndarray:
+    """A polygon (n, 2) without corners twice and corners in the middle of a side."""
+    kept = polygon[np.abs(polygon - np.roll(polygon, 1, axis=0)).max(axis=1) > SAME]
+    return np.asarray(kept[np.abs(_turns(kept)) > SAME])
+
+
+def _turns(polygon: np.ndarray) -> np.ndarray:
+    before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
+    return np.asarray(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
+
+
+def _convex(polygon: np.ndarray) -> bool:
+    return bool((_turns(polygon) > 0.0).all())
+
+
+def _backs(layout: Layout, support: Support, own: list[Block]) -> list[FillFace]:
+    """The back of an abutment of blocks, against which there is fill."""
+    if support.before is not None and support.after is not None:
+        return []
+    outside, found = support.left if support.before is None else support.right, list[FillFace]()
+    half = layout.clear
+    for block in own:
+        x = block.vertices[:, 0] - layout.slant * block.vertices[:, 1]
+        z = block.vertices[np.abs(x - outside) < 1e-6, 2]
+        low, high = float(z.min()), float(z.max())
+        corners = np.array([[outside, -half, low], [outside, -half, high], [outside, half, high], [outside, half, low]])
+        corners[:, 0] += layout.slant * corners[:, 1]
+        found.append(FillFace(block.name, "back", corners[::-1] if outside == support.left else corners))
+        if found[-1].area[0] * (outside - 0.5 * (support.left + support.right)) < 0.0:
+            found[-1] = FillFace(block.name, "back", found[-1].corners[::-1])
+    return found
+
+
+def _feet(layout: Layout, density: float) -> list[Block]:
+    """A fixed slab under each support of blocks, up to the middle of the spans beside it."""
+    found, margin = list[Block](), 0.5 * (layout.deck - min(support.foot for support in layout.supports))
+    for i, support in enumerate(layout.supports):
+        if support.keys.rigid:
+            continue
+        start = support.left - margin if i == 0 else _reach(layout, i - 1, support.left)
+        end = support.right + margin if i == len(layout.supports) - 1 else _reach(layout, i, support.right)
+        polygon = rectangle(start, end, support.foot - SLAB, support.foot)
+        half = 0.5 * layout.keys.width + margin
+        found.append(Block(f"foot_{support.name}", *drawn_out(layout, polygon, -half, half), density, "base", fixed=True))
+    return found
+
+
+def _reach(layout: Layout, span: int, face: float) -> float:
+    """How far a foot reaches under a span: to its middle, or to a fixed support on its far side."""
+    beside = layout.supports[span : span + 2]
+    far = next((s for s in beside if s.keys.rigid), None)
+    if far is None:
+        return layout.profiles[span].axis
+    return far.right if far.right < face else far.left

@@ -1,0 +1,192 @@
+"""The courses of a spandrel wall over the extradoses of a bridge: plane pieces, all of them convex, without a feather edge.
+
+Each half of an arch is looked at from the support on which it stands, up to its axis:
+
+- Where the extrados is steeper than 45 degrees, beds lie at its corners, and a course ends on its chord.
+- Where it is flatter, a head joint rises from each corner, and a stone of its own, 0.5 to 1.5 courses high, levels each chord up to
+  the next bed of those that are counted down from the road.
+- Above it courses run on until they meet the next stone of that kind, or pass the crown and meet those of the other half.
+
+Courses of one height that touch are one, and are cut by head joints in running bond.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from structures.bridge.layout import SAME, Layout, Support
+from structures.bridge.masonry import top_of
+
+STEP = 0.5  # courses: least height of a stone that levels a chord
+TALL = 1.5  # courses: a steep chord of more than that is cut by beds
+LEAST_HEAD = 0.35  # of a stone: between a head joint and the end of its course
+
+
+class Course(NamedTuple):
+    """A stretch of a course: a trapezoid between two levels."""
+
+    low: float
+    high: float
+    left: tuple[float, float]  # x at the lower and at the upper level [m]
+    right: tuple[float, float]
+
+    @property
+    def polygon(self) -> np.ndarray:
+        """(3 or 4, 2), counter-clockwise."""
+        points = [(self.left[0], self.low), (self.right[0], self.low), (self.right[1], self.high), (self.left[1], self.high)]
+        return np.array([p for i, p in enumerate(points) if max(abs(p[0] - points[i - 1][0]), abs(p[1] - points[i - 1][1])) > SAME])
+
+
+@dataclass(frozen=True, eq=False)
+class Half:
+    """Half of an extrados and what lies behind it, mirrored so that x grows from its support to its axis."""
+
+    corners: np.ndarray  # (K + 1, 2) of the extrados from the springing up [m]
+    axis: float  # x of the middle of the arch
+    even: bool  # the last corner lies on it
+    outer: float  # where the part of the support ends that belongs to it
+    top: float  # level of the support at that place; that at the springing is the first corner's
+    course: float
+    deck: float
+
+    @property
+    def flat(self) -> int:
+        """The first corner from which the extrados is flatter than 45 degrees."""
+        across, up = np.diff(self.corners, axis=0).T
+        return int(np.argmax(np.append(up <= across, True)))
+
+    def bed_over(self, height: float) -> float:
+        """The first bed at least half a course above a height: one of those counted down from the road, or the road."""
+        count = math.floor((self.deck - height) / self.course - STEP + 1e-9)
+        return self.deck - max(count, 0) * self.course
+
+    @property
+    def levels(self) -> list[float]:
+        """Beds from the springing to the road."""
+        start = float(self.corners[0, 1])
+        if abs(self.top - start) > SAME:
+            out = [self.bed_over(max(self.top, start))]
+        else:
+            out = [start]
+            for height in self.corners[1 : self.flat + 1, 1]:
+                count = max(1, math.ceil((height - out[-1]) / (TALL * self.course)))
+                out += [out[-1] + (float(height) - out[-1]) * i / count for i in range(1, count + 1)]
+            out += [self.bed_over(out[-1])] if out[-1] < self.deck - SAME else []
+        while out[-1] < self.deck - SAME:
+            out.append(min(out[-1] + self.course, self.deck))
+        return [min(level, self.deck) for level in out]
+
+    def columns(self) -> list[np.ndarray]:
+        """Stones that level the chords of the flat part, and a top of the support that is not level, as polygons."""
+        chords = [self.corners[k : k + 2] for k in range(self.flat, len(self.corners) - 1)]
+        if abs(self.top - self.corners[0, 1]) > SAME:
+            chords.insert(0, np.array([[self.outer, self.top], self.corners[0]]))
+        return [self._column(chord) for chord in chords]
+
+    def _column(self, chord: np.ndarray) -> np.ndarray:
+        (x0, z0), (x1, z1) = chord
+        high = self.bed_over(max(z0, z1))
+        return np.array([[x0, z0], [x1, z1], [x1, high], [x0, high]])
+
+    def end(self, low: float, high: float) -> tuple[float, float]:
+        """Where a course between two levels ends, towards the axis: x at both."""
+        k = self.flat
+        if high <= self.corners[k, 1] + SAME:
+            x = np.interp([low, high], self.corners[: k + 1, 1], self.corners[: k + 1, 0])
+            return float(x[0]), float(x[1])
+        while k < len(self.corners) - 1 and self.bed_over(float(self.corners[k + 1, 1])) <= low + SAME:
+            k += 1
+        passes = k == len(self.corners) - 1 and (self.even or self.bed_over(float(self.corners[k, 1])) <= low + SAME)
+        x_end = self.axis if passes else float(self.corners[k, 0])
+        return x_end, x_end
+
+    def courses(self) -> list[Course]:
+        """From the springing to the road, from the support to where each ends."""
+        beds = self.levels
+        return [Course(low, high, (self.outer, self.outer), self.end(low, high)) for low, high in pairwise(beds) if high - low > SAME]
+
+
+def pieces(layout: Layout) -> list[np.ndarray]:
+    """All stones of a spandrel wall over the supports and the arches, (n, 2) each, by height and then by x."""
+    assert layout.keys.walls is not None
+    found, rows = list[np.ndarray](), list[Course]()
+    for support in layout.supports:
+        for half, sign in _halves(layout, support):
+            found += [_mirrored(polygon, sign) for polygon in half.columns()]
+            rows += [_turned(course, sign) for course in half.courses()]
+    for profile in layout.profiles:
+        if len(profile.extrados) % 2 == 0:  # the chord over the axis belongs to both halves
+            k = len(profile.extrados) // 2
+            found.append(_over_crown(layout, profile.extrados[k - 1 : k + 1]))
+    unit, course = layout.keys.walls.unit_length, layout.keys.walls.course_height
+    for row in _merged(rows):
+        number = round((layout.deck - row.high) / course)
+        found += cut(row, unit, number, layout.ends[0])
+    return sorted(found, key=lambda polygon: (round(float(polygon[:, 1].min()), 6), float(polygon[:, 0].min())))
+
+
+def _over_crown(layout: Layout, chord: np.ndarray) -> np.ndarray:
+    half = Half(chord, 0.0, False, 0.0, 0.0, layout.keys.walls.course_height if layout.keys.walls else 0.0, layout.deck)
+    return half._column(chord)
+
+
+def _halves(layout: Layout, support: Support) -> list[tuple[Half, float]]:
+    """The halves of arches that stand on a support, and which way they go."""
+    assert layout.keys.walls is not None
+    line, found = top_of(support), list[tuple[Half, float]]()
+    middle = support.split
+    for profile, sign in ((support.before, -1.0), (support.after, 1.0)):
+        if profile is None:
+            continue
+        corners = profile.extrados if sign > 0 else profile.extrados[::-1] * [-1.0, 1.0]
+        count = len(corners)
+        levels = [z for x, z in line if abs(x - middle) <= SAME]
+        top = levels[-1 if sign > 0 else 0]
+        even = count % 2 == 1
+        kept = corners[: count // 2 + 1] if even else corners[: count // 2]
+        found.append((Half(kept, sign * profile.axis, even, sign * middle, top, layout.keys.walls.course_height, layout.deck), sign))
+    return found
+
+
+def _mirrored(polygon: np.ndarray, sign: float) -> np.ndarray:
+    return polygon if sign > 0 else (polygon * [-1.0, 1.0])[::-1]
+
+
+def _turned(course: Course, sign: float) -> Course:
+    if sign > 0:
+        return course
+    (a, b), (c, d) = course.left, course.right
+    return Course(course.low, course.high, (-c, -d), (-a, -b))
+
+
+def _merged(rows: Sequence[Course]) -> list[Course]:
+    """Courses with those of the same levels that begin, upright, where they end."""
+    out = list[Course]()
+    for row in sorted(rows, key=lambda r: (round(r.low, 6), round(r.high, 6), min(r.left))):
+        last = out[-1] if out else None
+        if (
+            last is not None
+            and abs(last.low - row.low) + abs(last.high - row.high) < 1e-7
+            and max(abs(last.right[k] - row.left[k]) for k in (0, 1)) < 1e-7
+            and abs(row.left[0] - row.left[1]) < 1e-7
+        ):
+            out[-1] = Course(last.low, last.high, last.left, row.right)
+        else:
+            out.append(row)
+    return out
+
+
+def cut(row: Course, unit: float, number: int, start: float) -> list[np.ndarray]:
+    """A course cut by head joints in running bond, counted from a place."""
+    anchor = start + 0.5 * unit * (number % 2)
+    low, high = max(row.left) + LEAST_HEAD * unit, min(row.right) - LEAST_HEAD * unit
+    first, last = math.ceil((low - anchor) / unit - 1e-9), math.floor((high - anchor) / unit + 1e-9)
+    heads = [anchor + i * unit for i in range(first, last + 1)]
+    ends = [row.left, *((x, x) for x in heads), row.right]
+    return [Course(row.low, row.high, a, b).polygon for a, b in pairwise(ends)]

@@ -1,0 +1,165 @@
+"""Walls that other tables make: arcades, whose arches are openings from column to column, and buttresses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from structures.building.axes import Facet, legs_of, place
+from structures.building.columns import Row
+from structures.building.polygons import without_straight
+from structures.building.table import ArcadeTable, BuildingTable, BuildingWallTable, ButtressTable
+
+RING = 0.38  # of a column: most that the ring of an arch takes of what two of them spring from
+
+
+def added(table: BuildingTable, rows: Sequence[Row], faults: list[str]) -> list[BuildingWallTable]:
+    """The walls of all arcades and buttresses; what is wrong is added to the faults."""
+    found = []
+    for k, arcade in enumerate(table.arcades):
+        name = arcade.name or f"arcade{k + 1}"
+        row = next((row for row in rows if row.name == arcade.columns), None)
+        if row is None or len(row.places) < 2:
+            what = "there are no columns of this name" if row is None else "they are one column, an arcade needs a row of two or more"
+            faults.append(f'arcade {name}: columns "{arcade.columns}": {what}')
+            continue
+        try:
+            found += _arcade(arcade, name, row, table)
+        except ValueError as fault:
+            faults.append(f"arcade {name}: {fault}")
+    for k, buttress in enumerate(table.buttresses):
+        try:
+            found.append(_buttress(buttress, buttress.name or f"buttress{k + 1}", table))
+        except ValueError as fault:
+            faults.append(f"buttress {buttress.name or f'buttress{k + 1}'}: {fault}")
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """What an arch springs from."""
+
+    place: np.ndarray  # (2,) [m]
+    half: float  # of its width along the arcade [m]
+
+
+def _arcade(keys: ArcadeTable, name: str, row: Row, table: BuildingTable) -> list[BuildingWallTable]:
+    """The wall over a row of columns, and the responds against the walls at its ends, from which its outer arches spring.
+
+    Raises:
+        ValueError: no wall at one of its ends.
+    """
+    size, base = row.keys.size, row.keys.base + row.keys.height
+    columns = [Support(place, 0.5 * size) for place in row.places]
+    ends = [Support(np.array(end), _half_wall(table, np.array(end)) + 0.5 * size) for end in keys.ends or ()]
+    supports = [*ends[:1], *columns, *ends[1:]]
+    first = supports[0].place if ends else _beyond(row.places[1], row.places[0], 0.5 * size)
+    last = supports[-1].place if len(ends) > 1 else _beyond(row.places[-2], row.places[-1], 0.5 * size)
+    axis = without_straight(np.array([first, *(s.place for s in supports), last]), closed=False)
+    openings = list(_arches(keys, supports, size, table, 0.0 if ends else 0.5 * size))
+    highest = max(o["height"] + o["ring"] for o in openings)
+    wall = {
+        "name": name,
+        "axis": axis.tolist(),
+        "base": base,
+        "height": keys.top - base if keys.top is not None and keys.top > base else highest + table.course_height,
+        "openings": openings,
+    }
+    beside = [row.places[0], row.places[-1]]
+    responds = [
+        {"name": f"{name}_respond{k + 1}", "base": row.keys.base, "height": row.keys.height}
+        | {"axis": [end.place.tolist(), (end.place + end.half * (to - end.place) / math.dist(to, end.place)).tolist()]}
+        for k, (end, to) in enumerate(zip(ends, beside, strict=False))
+    ]
+    shared = {"thickness": keys.thickness or size, "group": keys.group or name}
+    return [BuildingWallTable.model_validate(one | shared) for one in (wall, *responds)]
+
+
+def _half_wall(table: BuildingTable, point: np.ndarray) -> float:
+    """Half the thickness of the wall that a point lies in [m].
+
+    Raises:
+        ValueError: there is none.
+    """
+    for wall in table.walls:
+        for leg in legs_of(0, wall):
+            for facet in leg.facets:
+                s, n = facet.local(point)
+                if abs(n) <= 0.5 * wall.thickness + 1e-6 and -0.5 * wall.thickness <= s <= facet.length + 0.5 * wall.thickness:
+                    return 0.5 * wall.thickness
+    raise ValueError(f"there is no wall at its end, {place(point)}")
+
+
+def _beyond(start: np.ndarray, end: np.ndarray, by: float) -> np.ndarray:
+    """The point beyond an end of a line."""
+    return np.asarray(end + by * (end - start) / math.dist(start, end))
+
+
+def _arches(keys: ArcadeTable, supports: Sequence[Support], size: float, table: BuildingTable, before: float) -> Iterator[dict[str, Any]]:
+    """The openings between supports; the axis begins so far before the first of them [m]."""
+    at = before
+    for k, (a, b) in enumerate(pairwise(supports)):
+        bay = math.dist(a.place, b.place)
+        width = bay - a.half - b.half
+        if width < size:
+            raise ValueError(f"its arch {k + 1} would be {width:.3g} m wide, less than a column")
+        rise = {"round": 0.5 * width, "segmental": keys.rise or width / 6.0, "pointed": keys.rise or 0.5 * math.sqrt(3.0) * width}[
+            keys.shape
+        ]
+        ring = keys.ring or min(RING * size, max(0.1 * width, 0.8 * table.course_height))
+        yield {
+            "name": f"arch{k + 1}",
+            "shape": keys.shape,
+            "at": at + a.half + 0.5 * width,
+            "width": width,
+            "height": rise,
+            "ring": ring,
+            "rise": None if keys.shape == "round" else rise,
+        }
+        at += bay
+
+
+def _buttress(keys: ButtressTable, name: str, table: BuildingTable) -> BuildingWallTable:
+    """The wall that a buttress is.
+
+    Raises:
+        ValueError: no such wall, a place beyond it, or a slope that is more than its height.
+    """
+    wall = next((wall for wall in table.walls if wall.name == keys.wall), None)
+    if wall is None:
+        raise ValueError(f'there is no wall "{keys.wall}"')
+    if keys.slope >= keys.height:
+        raise ValueError(f"its slope must be less than its height, {keys.height:g} m, got {keys.slope:g}")
+    facet = _facet_at(wall, keys.at)
+    if facet is None:
+        raise ValueError(f"at {keys.at:g} m it is beyond wall {keys.wall}")
+    out = facet.left if keys.side == "left" else -facet.left
+    start = facet.place(np.array([facet.s_of(keys.at), 0.0]))
+    face = 0.5 * wall.thickness
+    end = start + (face + keys.depth) * out
+    profile = [(0.0, keys.height), (face, keys.height), (face + keys.depth, keys.height - keys.slope)]
+    return BuildingWallTable.model_validate(
+        {
+            "name": name,
+            "axis": [start.tolist(), end.tolist()],
+            "thickness": keys.width,
+            "base": wall.base,
+            "course_height": wall.course_height,
+            "block_length": wall.block_length,
+            "masonry": wall.masonry,
+            "density": wall.density,
+            "group": "buttresses",
+            **({"top": profile} if keys.slope else {"height": keys.height}),
+        }
+    )
+
+
+def _facet_at(wall: BuildingWallTable, at: float) -> Facet | None:
+    """The facet at a place along a wall."""
+    facets = [facet for leg in legs_of(0, wall) for facet in leg.facets]
+    return next((facet for facet in facets if facet.span[0] <= at <= facet.span[1]), None)

@@ -1,0 +1,100 @@
+"""Columns and piers of a building, one by one or in rows: round ones with plinth and capital, square ones of coursed stones."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.foundation import libm
+from masonry_cd.mechanics.model.blocks import Block
+from structures.building.stones import upright
+from structures.building.table import BuildingColumnTable, BuildingTable
+from structures.kinds.column import ColumnTable, column
+
+SIDES = 12  # of a round column
+LEAST_HEIGHT = 1.5  # of a round column, in diameters: what is lower has no plinth and capital
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """A row of columns, or a single one."""
+
+    name: str
+    keys: BuildingColumnTable
+    places: tuple[np.ndarray, ...]  # (2,) each [m]
+
+
+def rows_of(table: BuildingTable, faults: list[str]) -> list[Row]:
+    """The columns of a table by rows; what is wrong is added to the faults."""
+    found: list[Row] = []
+    for k, keys in enumerate(table.columns):
+        name = keys.name or f"column{k + 1}"
+        points = [keys.at] if isinstance(keys.at[0], float) else list(keys.at)
+        if (keys.to is None) != (keys.number is None):
+            faults.append(f"columns {name}: a row from at to to has a number of columns; give both of to and number")
+            continue
+        if keys.to is not None and keys.number is not None:
+            if len(points) > 1:
+                faults.append(f"columns {name}: a row from at to to begins with one point, at has {len(points)}")
+                continue
+            share = np.linspace(0.0, 1.0, keys.number)[:, None]
+            places = (1.0 - share) * np.array(points[0]) + share * np.array(keys.to)
+        else:
+            places = np.array(points, dtype=float)
+        if name in {row.name for row in found}:
+            faults.append(f'columns {name}: other ones have the name "{name}", too')
+        gaps = [math.dist(a, b) for i, a in enumerate(places) for b in places[:i]]
+        if gaps and min(gaps) < keys.size:
+            faults.append(f"columns {name}: two of them are {min(gaps):.3g} m apart, closer than their size, {keys.size:g} m")
+        found.append(Row(name, keys, tuple(places)))
+    return found
+
+
+def blocks_of(row: Row, table: BuildingTable, density: float) -> list[Block]:
+    """The blocks ``NAME.cNUMBER.PART`` of a row of columns."""
+    found = []
+    for i, place in enumerate(row.places, start=1):
+        prefix = f"{row.name}.c{i}."
+        found += _square(row, place, prefix, table, density) if row.keys.section == "square" else _round(row, place, prefix, table, density)
+    return found
+
+
+def _round(row: Row, place: np.ndarray, prefix: str, table: BuildingTable, density: float) -> list[Block]:
+    """A column with plinth and capital, as wide as an arcade needs."""
+    keys = row.keys
+    plain = keys.height < LEAST_HEIGHT * keys.size
+    plinth, capital = (0.0, 0.0) if plain else (0.25 * keys.size, 0.4 * keys.size)
+    drum = keys.drum or 2.0 * table.course_height
+    own = ColumnTable.model_validate(
+        {
+            "height": keys.height,
+            "diameter": keys.size,
+            "top_diameter": keys.size * (1.0 if plain else 0.9),
+            "plinth": plinth,
+            "capital": capital,
+            "sides": SIDES,
+            "drums": max(1, round((keys.height - plinth - capital) / drum)),
+        }
+    )
+    return column((float(place[0]), float(place[1])), keys.base, own, density, prefix, row.name)
+
+
+def _square(row: Row, place: np.ndarray, prefix: str, table: BuildingTable, density: float) -> list[Block]:
+    """A pier in courses of stones that lie crosswise in turns."""
+    keys = row.keys
+    half, turn = 0.5 * keys.size, math.radians(keys.turned)
+    x, y = libm.cos(np.array([turn]))[0], libm.sin(np.array([turn]))[0]
+    axes = np.array([[x, y], [-y, x]])
+    beds = keys.base + np.linspace(0.0, keys.height, max(1, round(keys.height / (keys.drum or table.course_height))) + 1)
+    count = max(1, round(keys.size / table.block_length))
+    found = []
+    for course in range(len(beds) - 1):
+        ends = np.linspace(-half, half, count + 1)
+        for k in range(count):
+            plan = np.array([(ends[k], -half), (ends[k + 1], -half), (ends[k + 1], half), (ends[k], half)])
+            plan = plan if course % 2 == 0 else plan[:, ::-1]
+            vertices, faces = upright(place + plan @ axes, float(beds[course]), float(beds[course + 1]))
+            found.append(Block(f"{prefix}{course + 1}.{k + 1}", vertices, faces, density, row.name))
+    return found

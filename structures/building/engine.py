@@ -1,0 +1,214 @@
+"""The blocks of a building, from its table: walls, then what stands in and on them.
+
+All that is wrong with a plan is found before anything is built, and said at once, a line for each fault.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.foundation.errors import InputErrors
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
+from structures import size
+from structures.building import columns, junctions, openings, polygons, vaults
+from structures.building.added_walls import added
+from structures.building.axes import Facet, Leg, legs_of
+from structures.building.beds import beds
+from structures.building.cuts import with_pockets
+from structures.building.footprints import Plan, order
+from structures.building.frames import Frame
+from structures.building.panels import Laying, Piece, lay
+from structures.building.stones import Part, across, parts_of, stone, welded
+from structures.building.table import BuildingTable, BuildingWallTable
+
+
+@dataclass(frozen=True, eq=False)
+class Walls:
+    """The walls of a building, ready to be laid."""
+
+    table: BuildingTable
+    plan: Plan
+    frames: dict[tuple[int, int], list[Frame]]  # by leg and facet
+    layings: list[Laying]  # of each leg
+
+
+def blocks_of(table: BuildingTable, density: float) -> list[Block]:
+    """The blocks of the walls of a building.
+
+    Raises:
+        InputErrors: all that is wrong with it, a line each.
+    """
+    faults: list[str] = []
+    rows = columns.rows_of(table, faults)
+    table = table.model_copy(update={"walls": (*table.walls, *added(table, rows, faults))})
+    walls = prepared(table, faults)
+    over = vaults.vaults_of(walls.plan, table, faults) if walls is not None else []
+    refuse(faults)
+    assert walls is not None
+    blocks = [block for number in range(len(table.walls)) for block in _wall_blocks(walls, number, density)]
+    vaulted = [block for vault in over for block in vaults.blocks_of(vault, table.block_length, density)]
+    if vaulted:
+        blocks = list(with_pockets(blocks, [part for block in vaulted for part in block.convex_parts]))
+    blocks += [block for row in rows for block in columns.blocks_of(row, table, density)]
+    return welded([*blocks, *vaulted])
+
+
+def refuse(faults: Sequence[str]) -> None:
+    """Raise all faults as one error, where there are any."""
+    if faults:
+        raise InputErrors(faults)
+
+
+def prepared(table: BuildingTable, faults: list[str]) -> Walls | None:
+    """The walls of a table with their junctions, beds and openings; what is wrong is added to the faults, None where too much is."""
+    legs: list[Leg] = []
+    if not table.walls:
+        faults.append("structure.walls: missing; every wall is a table of its own, headed [[structure.walls]], or comes from a plan")
+    names: dict[str, int] = {}
+    for k, keys in enumerate(table.walls):
+        if keys.name in names:
+            faults.append(f'structure.walls[{k}].name: wall {names[keys.name]} has the name "{keys.name}", too')
+        names.setdefault(keys.name, k)
+        if keys.masonry is not None and keys.masonry not in KINDS:
+            faults.append(f'wall {keys.name}: masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
+        try:
+            legs += legs_of(k, keys)
+        except ValueError as fault:
+            faults.append(f"wall {keys.name}: {fault}")
+    if faults:
+        return None
+    size.within(_estimate(legs, table), "block_length")
+    plan = Plan(legs, junctions.find(legs, table, faults))
+    frames = openings.frames(plan, table, faults)
+    layings = _layings(legs, table, frames)
+    _check_courses(plan, layings, faults)
+    if not faults:
+        openings.check(plan, layings, frames, faults)
+    return Walls(table, plan, frames, layings)
+
+
+def _estimate(legs: Sequence[Leg], table: BuildingTable) -> float:
+    """About how many stones: the faces of all walls over that of a block."""
+    total = 0.0
+    for leg in legs:
+        face = sum(facet.length for facet in leg.facets) * (max(z for _, z in leg.tops) - leg.base)
+        total += face / (leg.keys.block_length or table.block_length) / (leg.keys.course_height or table.course_height)
+    return total
+
+
+def _layings(legs: Sequence[Leg], table: BuildingTable, frames: dict[tuple[int, int], list[Frame]]) -> list[Laying]:
+    """How each leg is laid; those of one height of course share their beds."""
+    height = [leg.keys.course_height or table.course_height for leg in legs]
+    found: dict[float, np.ndarray] = {}
+    for course in dict.fromkeys(height):
+        own = [k for k, h in enumerate(height) if h == course]
+        levels = [z for k in own for z in (legs[k].base, *(z for _, z in legs[k].tops))]
+        soft = [z for (k, _), some in frames.items() if k in own for frame in some for z in frame.levels]
+        found[course] = beds(levels, soft, course, table.seed if table.bond == "rubble" else None)
+    return [
+        Laying(found[h], h, leg.keys.block_length or table.block_length, leg.keys.bond or table.bond, table.seed)
+        for leg, h in zip(legs, height, strict=True)
+    ]
+
+
+def _check_courses(plan: Plan, layings: Sequence[Laying], faults: list[str]) -> None:
+    """Walls that are bonded share their courses, and somebody fills each junction."""
+    for junction in plan.junctions:
+        for pair in junction.pairs:
+            a, b = (arm.leg for arm in pair.arms)
+            if layings[a].course != layings[b].course and pair.bond not in ("butt", 0.0):
+                faults.append(
+                    f"walls {plan.legs[a].keys.name} and {plan.legs[b].keys.name} at {junctions.place(pair.point)}: courses of "
+                    f"{layings[a].course:g} and {layings[b].course:g} m do not interlock; give both one course_height, or a junction with "
+                    'bond = "butt"'
+                )
+        levels = layings[junction.legs[0]].beds
+        for course in range(len(levels) - 1):
+            try:
+                order(plan, junction, course, float(levels[course]), float(levels[course + 1]))
+            except ValueError as fault:
+                faults.append(str(fault))
+                break
+
+
+def _wall_blocks(walls: Walls, number: int, density: float) -> list[Block]:
+    """The blocks of one wall: stones by course, then those of its openings."""
+    keys = walls.table.walls[number]
+    own = density_of(keys, density)
+    group = keys.group or keys.name
+    stones: dict[int, list[list[Part]]] = {}
+    around: list[Block] = []
+    opened = 0
+    for k, leg in enumerate(walls.plan.legs):
+        if leg.wall != number:
+            continue
+        for course, parts in _leg_stones(walls, k, leg):
+            stones.setdefault(course, []).append(parts)
+        for f, facet in enumerate(leg.facets):
+            for frame in walls.frames.get((k, f), []):
+                opened += 1
+                around += _frame_blocks(frame, leg, facet, f"{keys.name}.o{opened}", own, group, walls.layings[k])
+    found = []
+    for course in sorted(stones):
+        for i, parts in enumerate(stones[course], start=1):
+            found.append(stone(f"{keys.name}.{course + 1}.{i}", parts, own, group))
+    return found + around
+
+
+def density_of(keys: BuildingWallTable, density: float) -> float:
+    """Of a wall [kg/m3]: its own, that of its masonry, or that of the material."""
+    if keys.density is not None:
+        return keys.density
+    if keys.masonry is not None:
+        return KN_PER_M3 * KINDS[keys.masonry].weight.mean
+    return density
+
+
+def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[tuple[int, list[Part]]]:
+    """Course and convex parts of each stone of a leg; in odd courses stones turn round the bends."""
+    found: list[tuple[int, list[Part]]] = []
+    before: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the next facet
+    first: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the first facet
+    for f, facet in enumerate(leg.facets):
+        ends: dict[int, tuple[int, Piece]] = {}
+        for piece in lay(walls.plan, number, f, walls.layings[number], walls.frames.get((number, f), [])):
+            parts = parts_of(piece, facet, leg.thickness)
+            at = len(found)
+            if piece.mitre[0] and piece.course in before and _turns(before[piece.course][1], piece):
+                at = before[piece.course][0]
+                found[at][1].extend(parts)
+            else:
+                found.append((piece.course, parts))
+            if f == 0 and piece.mitre[0]:
+                first[piece.course] = at, piece
+            if piece.mitre[1]:
+                ends[piece.course] = at, piece
+        before = ends
+    for course, (at, piece) in before.items() if leg.closed else ():
+        if course in first and _turns(piece, first[course][1]) and first[course][0] != at:
+            found[first[course][0]][1].extend(found[at][1])
+            found[at] = course, []
+    return [(course, parts) for course, parts in found if parts]
+
+
+def _turns(one: Piece, other: Piece) -> bool:
+    """Whether two stones beside a bend are one: in odd courses, where both are level."""
+    level = polygons.is_rectangle(one.shape) and polygons.is_rectangle(other.shape)
+    return one.course % 2 == 1 and level and one.shape.bounds[1::2] == other.shape.bounds[1::2]
+
+
+def _frame_blocks(frame: Frame, leg: Leg, facet: Facet, name: str, density: float, group: str, laying: Laying) -> list[Block]:
+    """The voussoirs or the lintel of an opening, and the stones at the back of a niche."""
+    half = 0.5 * leg.thickness
+    found = []
+    for i, (kind, polygon) in enumerate(frame.pieces, start=1):
+        found.append(Block(f"{name}.{kind[0]}{i}", *across(polygon, facet, (-half, half)), density, group))
+    if frame.depth is not None:
+        reach = (-half, half - frame.depth) if frame.keys.side == "left" else (-half + frame.depth, half)
+        for i, shape in enumerate(openings.back(frame, laying.course, laying.unit), start=1):
+            found.append(stone(f"{name}.s{i}", [across(ring, facet, reach) for ring in shape], density, group))
+    return found

@@ -1,0 +1,114 @@
+"""The openings of walls in their facets: where each lies, and that it lies in masonry, clear of junctions, bends and others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from shapely.geometry import Polygon
+
+from structures.building import polygons
+from structures.building.axes import SAME, Leg, place
+from structures.building.beds import course_range
+from structures.building.footprints import Plan
+from structures.building.frames import Around, Frame, frame_of
+from structures.building.panels import Laying
+from structures.building.table import BuildingTable
+
+LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction or another frame [m]
+Frames = dict[tuple[int, int], list[Frame]]
+
+
+def frames(plan: Plan, table: BuildingTable, faults: list[str]) -> Frames:
+    """The frames of all openings by leg and facet; one beyond its wall is a fault."""
+    found: Frames = {}
+    for number, wall in enumerate(table.walls):
+        for i, keys in enumerate(wall.openings):
+            name = keys.name or f"o{i + 1}"
+            there = _facet_at(plan.legs, number, keys.at)
+            if there is None:
+                length = max(facet.span[1] for leg in plan.legs if leg.wall == number for facet in leg.facets)
+                faults.append(f"opening {name} of wall {wall.name}: at {keys.at:g} m it is beyond the wall, which is {length:.4g} m long")
+                continue
+            leg, f = plan.legs[there[0]], there[1]
+            around = Around(
+                leg.facets[f].s_of(keys.at), leg.base, wall.course_height or table.course_height, wall.block_length or table.block_length,
+                wall.thickness,
+            )  # fmt: skip
+            try:
+                found.setdefault(there, []).append(frame_of(keys, name, around))
+            except ValueError as fault:
+                faults.append(f"opening {name} of wall {wall.name} at {keys.at:g} m: {fault}")
+    return found
+
+
+def _facet_at(legs: Sequence[Leg], wall: int, at: float) -> tuple[int, int] | None:
+    """Leg and facet of a place along the axis of a wall."""
+    for k, leg in enumerate(legs):
+        for f, facet in enumerate(leg.facets):
+            if leg.wall == wall and facet.span[0] - SAME <= at <= facet.span[1] + SAME:
+                return k, f
+    return None
+
+
+def check(plan: Plan, layings: Sequence[Laying], found: Mapping[tuple[int, int], Sequence[Frame]], faults: list[str]) -> None:
+    """Each frame lies in the masonry of its facet, clear of what else is there."""
+    for (k, f), some in found.items():
+        leg, facet = plan.legs[k], plan.legs[k].facets[f]
+        for i, frame in enumerate(some):
+            what = f"opening {frame.name} of wall {leg.keys.name} at {frame.keys.at:g} m"
+            faults += [f"{what}: {why}" for why in _beyond(plan, k, f, frame, layings[k])]
+            for other in some[:i]:
+                if frame.hull.distance(other.hull) < SAME and frame.hull.intersection(other.hull).area > polygons.LEAST_AREA:
+                    at = facet.place(np.array([frame.hull.intersection(other.hull).centroid.x, 0.0]))
+                    faults.append(f"{what}: it overlaps opening {other.name} at {other.keys.at:g} m, with their heads, at {place(at)}")
+
+
+def _beyond(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> Iterator[str]:
+    """What a frame reaches beyond: the top of its wall, its end, a bend, a junction."""
+    leg, facet = plan.legs[number], plan.legs[number].facets[f]
+    left, low, right, high = frame.hull.bounds
+    margin = LEAST_JAMB
+    profile = leg.tops_between(facet, left, right)
+    wall = Polygon(
+        [
+            (left - margin, leg.base - 1.0),
+            (right + margin, leg.base - 1.0),
+            *reversed([(left - margin, profile[0][1]), *profile, (right + margin, profile[-1][1])]),
+        ]
+    )
+    if not wall.buffer(1e-7).contains(frame.hull):
+        top = min(z for _, z in profile)
+        yield f"with its head it reaches up to z = {high:.4g} m, the wall there to {top:.4g} m"
+        return
+    for course in course_range(laying.beds, low, high):
+        z0, z1 = float(laying.beds[course]), float(laying.beds[course + 1])
+        fits = [polygons.clean_stretch(area, 0.5 * leg.thickness) for area in plan.owned(number, f, course, z0, z1)]
+        if any(a + margin <= left and right <= b - margin for a, b in fits):
+            continue
+        near = [
+            (junction, other) for junction, _, own, other in plan.arms(number, f) if own.low - margin < right and left < own.high + margin
+        ]
+        if near:
+            names = " and ".join(dict.fromkeys(plan.legs[other.leg].keys.name for _, other in near))
+            yield f"with its head it lies over the junction with wall {names} at {place(near[0][0].point)}"
+        else:
+            end = facet.place(np.array([0.0 if left < margin + 0.5 * leg.thickness else facet.length, 0.0]))
+            what = "the end of the wall" if all(facet.open) else "a bend or the end of the wall"
+            yield f"with its head, {right - left:.3g} m wide, it comes closer than {margin:g} m to {what} at {place(end)}"
+        return
+
+
+def back(frame: Frame, course: float, unit: float) -> Iterator[list[np.ndarray]]:
+    """Convex polygons s, z of each stone at the back of a niche."""
+    left, low, right, high = frame.hole.bounds
+    rows, columns = max(1, round((high - low) / course)), max(1, round((right - left) / unit))
+    levels = np.linspace(low, high, rows + 1)
+    for j in range(rows):
+        shift = 0.5 * (j % 2)
+        heads = [left + (right - left) * (i + shift) / columns for i in range(1 if not shift else 0, columns)] if columns > 1 else []
+        ends = [left, *heads, right]
+        for a, b in pairwise(ends):
+            for part in polygons.polygons(frame.hole.intersection(polygons.box(a, b, float(levels[j]), float(levels[j + 1])))):
+                yield polygons.convex_pieces(part)

@@ -1,0 +1,127 @@
+"""Stones: a polygon of the face of a wall, drawn out over its footprint, as convex solids of the world.
+
+Where a footprint has the whole thickness, a stone is a prism across the wall. At its ends, which other walls and mitres cut at any angle,
+it is an upright prism over its plan; under a sloping top there it is the prism across the wall, cut by the upright planes of the plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+from shapely.geometry import Polygon
+
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
+from masonry_cd.mechanics.model.polygon import loop_planes
+from structures.building import polygons
+from structures.building.axes import SAME, Facet
+from structures.building.panels import Piece
+from structures.geometry.compound_block import compound_block
+from structures.geometry.convex import halves
+from structures.geometry.prism import between, prism_xz
+
+Part = tuple[np.ndarray, Faces]
+WELD = 1e-8  # corners closer than this are one [m]
+
+
+def parts_of(piece: Piece, facet: Facet, thickness: float) -> list[Part]:
+    """The convex parts of a stone, in the world."""
+    half = 0.5 * thickness
+    left, _, right, _ = piece.shape.bounds
+    a, b = piece.clean
+    if left >= a - SAME and right <= b + SAME:
+        return [across(polygon, facet, (-half, half)) for polygon in polygons.convex_pieces(piece.shape)]
+    found: list[Part] = []
+    level = polygons.is_rectangle(piece.shape)
+    stretches = [(left, right)] if level else [(left, min(a, right)), (max(left, a), min(right, b)), (max(left, b), right)]
+    for low, high in stretches:
+        if high - low < SAME:
+            continue
+        for shape in [piece.shape] if level else polygons.polygons(piece.shape.intersection(polygons.box(low, high))):
+            if low >= a - SAME and high <= b + SAME:
+                found += [across(polygon, facet, (-half, half)) for polygon in polygons.convex_pieces(shape)]
+            else:
+                found += _at_end(shape, piece.area, facet, half)
+    return found
+
+
+def across(polygon: np.ndarray, facet: Facet, reach: tuple[float, float]) -> Part:
+    """A convex polygon s, z drawn out across a facet, between two n [m]."""
+    vertices, faces = prism_xz(polygon, *reach)
+    return _placed(vertices, facet), faces
+
+
+def upright(plan: np.ndarray, low: float, high: float) -> Part:
+    """A convex polygon of the plan (n, 2) drawn up between two heights [m]."""
+    return between(*(np.column_stack([plan, np.full(len(plan), z)]) for z in (low, high)))
+
+
+def _at_end(shape: Polygon, area: Polygon, facet: Facet, half: float) -> Iterator[Part]:
+    """A stone that does not have the whole thickness all along."""
+    left, low, right, high = shape.bounds
+    plans = [ring for part in polygons.polygons(area.intersection(polygons.box(left, right))) for ring in polygons.convex_pieces(part)]
+    if polygons.is_rectangle(shape):
+        for plan in plans:
+            yield upright(facet.place(plan), low, high)
+        return
+    for polygon in polygons.convex_pieces(shape):
+        for plan in plans:
+            block: Block | None = Block("", *prism_xz(polygon, -half, half), 1.0)
+            for p, q in zip(plan, np.roll(plan, -1, axis=0), strict=True):
+                if abs(q[1] - p[1]) < SAME and abs(abs(p[1]) - half) < SAME:
+                    continue
+                out = np.array([q[1] - p[1], p[0] - q[0], 0.0]) / np.hypot(*(q - p))
+                block = halves(block, out, float(out[:2] @ p))[0] if block is not None else None
+            if block is not None:
+                yield _placed(block.vertices, facet), block.faces
+
+
+def _placed(local: np.ndarray, facet: Facet) -> np.ndarray:
+    """World corners (n, 3) of s, n, z."""
+    return np.column_stack([facet.place(local[:, :2]), local[:, 2]])
+
+
+def stone(name: str, parts: Sequence[Part], density: float, group: str) -> Block:
+    """One block of convex parts that touch; their shell is made of cells, where they do not share whole faces."""
+    try:
+        return compound_block(name, parts, density, group)
+    except InputError:
+        cells = [Block(name, *part, density, group) for part in parts]
+        planes = [loop_planes([vertices[list(face)] for face in faces]) for vertices, faces in parts]
+        for k, (normals, offsets) in enumerate(planes):
+            low, high = parts[k][0].min(axis=0) - WELD, parts[k][0].max(axis=0) + WELD
+            for normal, offset in zip(normals, offsets, strict=True):
+                cells = [half for cell in cells for half in _cut(cell, normal, float(offset), low, high) if half is not None]
+        whole = compound_block(name, [(cell.vertices, cell.faces) for cell in cells], density, group)
+        return replace(whole, parts=tuple(Polyhedron(*part) for part in parts))
+
+
+def _cut(cell: Block, normal: np.ndarray, offset: float, low: np.ndarray, high: np.ndarray) -> Sequence[Block | None]:
+    """A cell cut by a plane, where it touches the box of the part that the plane bounds."""
+    if (cell.vertices.max(axis=0) < low).any() or (cell.vertices.min(axis=0) > high).any():
+        return [cell]
+    return halves(cell, normal, offset)
+
+
+def welded(blocks: Sequence[Block]) -> list[Block]:
+    """The blocks with corners that rounding parts made equal to the bit."""
+    shells = [vertices for block in blocks for vertices in (block.vertices, *(part.vertices for part in block.parts))]
+    points = np.concatenate(shells)
+    pairs = cKDTree(points).query_pairs(WELD, output_type="ndarray")
+    first = np.arange(len(points))
+    for _ in range(3):  # the first of those near it, and of what is near that
+        np.minimum.at(first, pairs[:, 1], first[pairs[:, 0]])
+        np.minimum.at(first, pairs[:, 0], first[pairs[:, 1]])
+    points = points[first]
+    ends = np.cumsum([len(shell) for shell in shells])
+    moved = iter(np.split(points, ends[:-1]))
+    made = []
+    for block in blocks:
+        vertices = next(moved)
+        parts = tuple(Polyhedron(next(moved), part.faces) for part in block.parts)
+        made.append(replace(block, vertices=vertices, parts=parts))
+    return made

@@ -1,0 +1,113 @@
+"""Bridges: arches of their own shapes in one or several rings, on piers and abutments, with walls and fill up to a level road.
+
+Everything is plane in the x-z plane of the road and drawn out along y; with a skew it is slanted, x by tan(skew) times y, so that voussoirs
+are parallelepipeds whose joints run along the springings. Spans, thicknesses and widths are measured along and at right angles to the
+road: a span at right angles to the springings is cos(skew) times as long. The left springing of the first span is at x = 0, and
+springings are at z = 0 where their spans do not say otherwise.
+
+The fill is no blocks (:mod:`masonry_cd.mechanics.model.fill`). Its weight rides on the blocks under it, so that it is there in every
+analysis, and moves with them in an earthquake.
+
+Groups: ``arch1`` ... (of several rings ``arch1_ring1`` ... from the intrados outwards), ``pier1`` ..., ``abutment1``, ``spandrel_front``,
+``wing1_front`` ..., ``parapet_front`` and those at the ``back``, and ``base``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.foundation.errors import parse_table
+from masonry_cd.mechanics.model.blocks import Block, Carried
+from masonry_cd.mechanics.model.fill import Fill, FillFace
+from masonry_cd.mechanics.model.geometry import mass_properties
+from structures import Made, size
+from structures.bridge.layout import Layout, layout_of
+from structures.bridge.masonry import arches, supports
+from structures.bridge.profile import voussoirs_of
+from structures.bridge.table import BridgeTable
+from structures.bridge.walls import walls
+from structures.geometry.checks import check
+from structures.geometry.prism import between
+
+RIDDEN = ("extrados", "top")  # faces on which the fill lies
+
+__all__ = ["BridgeTable", "build"]
+
+
+def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
+    """Build a bridge on its fixed feet, with its fill.
+
+    Raises:
+        InputError: a key that is unknown or out of range, or all measures that do not fit together, a line each.
+    """
+    keys = parse_table(BridgeTable, table, "structure")
+    layout = layout_of(keys)
+    size.within(_estimate(layout), "spans" if keys.walls is None else "walls.unit_length")
+    blocks, faces = list[Block](), list[FillFace]()
+    for made, touched in (arches(layout, density), supports(layout, density), walls(layout, density)):
+        blocks += made
+        faces += touched
+    fill = _fill(layout, faces)
+    blocks = _loaded(blocks, fill)
+    check(blocks)
+    return Made(blocks, [_note(fill, blocks)], (), (fill,))
+
+
+def _estimate(layout: Layout) -> float:
+    """About how many blocks a bridge has."""
+    keys = layout.keys
+    arched = sum(span.rings * voussoirs_of(span) for span in keys.spans) * keys.strips
+    if keys.walls is None:
+        return arched
+    length = layout.ends[1] - layout.ends[0] + 2.0 * (keys.walls.wing_length or 0.0)
+    height = layout.deck - min(support.foot for support in layout.supports) + (keys.walls.parapet_height or 0.0)
+    return arched + 2.0 * length * height / keys.walls.course_height / keys.walls.unit_length
+
+
+def _fill(layout: Layout, faces: Sequence[FillFace]) -> Fill:
+    """The fill over and beside the faces that it touches."""
+    keys, wings = layout.keys.fill, 0.0 if layout.keys.walls is None else layout.keys.walls.wing_length or 0.0
+    return Fill(
+        where="structure.fill", level=layout.deck, density=keys.density, friction_angle=keys.friction_angle, spread=keys.spread,
+        pressure=keys.pressure, passive=keys.passive, passive_shaken=keys.passive_shaken, mobilised_at=keys.mobilised_at,
+        deck=(layout.ends[0] - wings, layout.ends[1] + wings), clear=(-layout.clear, layout.clear), faces=tuple(faces), slant=layout.slant,
+    )  # fmt: skip
+
+
+def _loaded(blocks: Sequence[Block], fill: Fill) -> list[Block]:
+    """The blocks, with the columns of fill that lie on them up to the road."""
+    over: dict[str, list[np.ndarray]] = {}
+    for face in fill.faces:
+        if face.kind in RIDDEN:
+            over.setdefault(face.block, []).append(face.corners)
+    return [block if block.fixed or block.name not in over else replace(block, carried=carried(over[block.name], fill)) for block in blocks]
+
+
+def carried(faces: Sequence[np.ndarray], fill: Fill) -> Carried:
+    """The fill between faces (n, 3) and the road, as one body."""
+    columns = [mass_properties(*between(face, face * [1.0, 1.0, 0.0] + [0.0, 0.0, fill.level])) for face in faces]
+    mass = np.array([fill.density * column.volume for column in columns])
+    centre = np.sum([m * column.centre for m, column in zip(mass, columns, strict=True)], axis=0) / mass.sum()
+    inertia = np.zeros((3, 3))
+    for m, column in zip(mass, columns, strict=True):
+        arm = column.centre - centre
+        inertia += fill.density * column.unit_inertia + m * ((arm @ arm) * np.eye(3) - np.outer(arm, arm))
+    return Carried(float(mass.sum()), centre, inertia)
+
+
+def _note(fill: Fill, blocks: Sequence[Block]) -> str:
+    """How the fill is taken, in a line."""
+    ridden = sum(block.carried.mass for block in blocks if block.carried is not None)
+    pressed = {"at_rest": "at rest", "active": "active", "none": "none"}[fill.pressure]
+    spread = "2:1" if fill.spread == "2:1" else "by Boussinesq's line load within 30 degrees"
+    k = fill.coefficients["passive"]
+    return (
+        f"fill up to z = {fill.level:g} m: {ridden:.4g} kg ride on the blocks below it and move with them; wheels are spread {spread}; "
+        f"pressure on walls and backs: {pressed}; arches that move into it meet at most {fill.passive:.3g} of K_p = {k:.3g}, "
+        f"under loads that shake or push {fill.passive_shaken:.3g} of it"
+    )

@@ -1,0 +1,104 @@
+"""Plans of buildings from files: drawings in DXF, and tables in JSON, as tables of ``kind = "building"``.
+
+:func:`open_plan` says what a file holds and what of it was not understood; :func:`read` is its tables alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from structures.plans.keys import PlanKeys
+    from structures.plans.recognised import Left
+
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+UNITS_OF_CODE = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # $INSUNITS
+FAR = 1000.0  # m: a plan further from the origin, as in the coordinates of a country, is brought near it
+SMALL, LARGE = 2.0, 500.0  # extent of a plan outside of which its unit is doubted [m]
+
+
+class Plan(NamedTuple):
+    """What a file says of a building."""
+
+    tables: dict[str, Any]  # walls with their openings, junctions, vaults, columns ... as in [structure]
+    notes: list[str]  # lines for the user: what was assumed, what is left
+    left: list[Left]  # entities of a drawing that are not understood
+
+
+def read(path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a plan, see :func:`open_plan`."""
+    return open_plan(path, keys).tables
+
+
+def open_plan(path: Path, keys: Mapping[str, Any]) -> Plan:
+    """Read a plan.
+
+    Args:
+        path: of a .dxf or .json file.
+        keys: of the scene's [structure]; those of :class:`.keys.PlanKeys` say how to read a drawing.
+
+    Raises:
+        InputError: no such file, none that can be read, or no wall in it.
+    """
+    from masonry_cd.foundation.errors import InputError, parse_table
+    from masonry_cd.foundation.files import is_file
+    from structures.plans.json_plan import read_json
+    from structures.plans.keys import PlanKeys
+
+    asked = parse_table(PlanKeys, {key: keys[key] for key in PlanKeys.model_fields if key in keys}, "structure")
+    suffix = path.suffix.lower()
+    if suffix not in (".dxf", ".json"):
+        hint = "; save it as DXF" if suffix == ".dwg" else ""
+        raise InputError(f"structure.plan: {path.name} is no plan; plans are read from .dxf and .json{hint}")
+    if not is_file(path):
+        raise InputError(f'structure.plan: no file "{path.name}" in {path.parent}')
+    if suffix == ".dxf":
+        return _drawing(path, asked)
+    for key in ("units", "layers"):
+        if key in asked.model_fields_set:
+            raise InputError(f"structure.{key}: belongs to a drawing; {path.name} is in metres and has no layers")
+    return Plan(read_json(path), [], [])
+
+
+def _drawing(path: Path, keys: PlanKeys) -> Plan:
+    """The plan of a DXF."""
+    import numpy as np
+
+    from masonry_cd.foundation.errors import InputError
+    from structures.files import foreign
+    from structures.plans.entities import from_pieces
+    from structures.plans.recognised import counted, recognise
+
+    pieces, figures = foreign.read("structures.plans.dxf_file:read", path)
+    try:
+        entities = from_pieces(pieces)
+    except ValueError as failure:
+        raise InputError(f"{path.name}: {failure}") from None
+    stated = UNITS_OF_CODE.get(int(figures[0]))
+    unit = keys.units or stated
+    if unit is None:
+        raise InputError(f"structure.units: missing; {path.name} does not state its unit ($INSUNITS), so take one of {', '.join(METRES)}")
+    notes = [f"{path.name}: is damaged; what could be read of it was"] if figures[1] else []
+    if keys.units and stated and keys.units != stated:
+        notes.append(f'{path.name}: units "{keys.units}" as the scene says, where the file has "{stated}"')
+    scaled = [e.scaled(METRES[unit]) for e in entities]
+    corner = _corner([e.points[:, :2] for e in scaled if keys.layers.role(e.layer) in ("walls", "axes")])
+    if corner is not None and np.abs(corner).max() > FAR:
+        notes.append(f"{path.name}: its place ({corner[0]:.0f}, {corner[1]:.0f}) m is the origin of the structure")
+        scaled = [e.scaled(1.0, corner) for e in scaled]
+    found = recognise(scaled, keys, path.name)
+    notes += found.notes
+    if found.left:
+        notes.append(f"{path.name}: {len(found.left)} entities are not understood:")
+        notes += [f"  {line}" for line in counted(found.left)]
+    return Plan(found.tables, notes, found.left)
+
+
+def _corner(places: list[Any]) -> Any:
+    """Lower left corner of some places in whole metres, (2,) [m]; None of none."""
+    import numpy as np
+
+    places = [p for p in places if len(p)]
+    return np.floor(np.concatenate(places).min(axis=0)) if places else None

@@ -1,0 +1,261 @@
+"""Openings, vaults and columns of a plan, from what is drawn on their layers and the texts beside it, as tables of a building."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from structures.plans import marks
+from structures.plans.axes import Wall
+from structures.plans.edges import Edge, edges_of, polygon
+from structures.plans.entities import INSERT, PATH, Entity
+from structures.plans.marks import Marks
+
+TOUCHING = 0.02  # lines on a layer of openings this near to each other draw one opening [m]
+BESIDE = 0.3  # an opening this far off every wall lies in none [m]
+NARROWEST = 0.08  # m
+DOOR, WINDOW, SILL = 2.1, 1.2, 0.9  # heights and sill where no text says them [m]
+READ_AT = 1.5  # a text further away than this belongs to something else [m]
+ROUND = 0.03  # share by which the radius of a round column may vary
+
+
+class Drawn(NamedTuple):
+    """Something on a layer of openings, vaults or columns."""
+
+    handles: tuple[str, ...]
+    layer: str
+    shape: Any  # of shapely: a polygon of what is closed, else lines
+    paths: tuple[Entity, ...]
+    text: str = ""  # the name and the attributes of its insert
+
+    def distance(self, line: Any) -> float:
+        """From a line of shapely, as of a text [m]."""
+        return float(self.shape.convex_hull.distance(line))
+
+
+def drawn(entities: Sequence[Entity], inserts: bool = True) -> list[Drawn]:
+    """What is drawn: every insert is one thing, every closed path, and every cluster of open ones that touch."""
+    import shapely
+
+    found, loose = [], []
+    own: dict[str, list[Entity]] = {e.handle: [] for e in entities if inserts and e.kind == INSERT}
+    texts = {e.handle: e.text for e in entities if e.kind == INSERT}
+    for entity in entities:
+        if entity.kind != PATH or not len(entity.points):
+            continue
+        if entity.owner in own:
+            own[entity.owner].append(entity)
+        elif entity.closed:
+            found.append(Drawn((entity.handle,), entity.layer, polygon(edges_of(entity)), (entity,)))
+        else:
+            loose.append(entity)
+    for handle, paths in own.items():
+        if paths:
+            layer = next(e.layer for e in entities if e.handle == handle)
+            found.append(Drawn((handle,), layer, shapely.union_all([_line(p) for p in paths]), tuple(paths), texts[handle]))
+    found = [one for one in found if not one.shape.is_empty]
+    free = []
+    for path in loose:
+        inside = next((k for k, one in enumerate(found) if one.shape.distance(_line(path)) < TOUCHING and not one.text), None)
+        if inside is None:
+            free.append(path)
+        else:
+            found[inside] = found[inside]._replace(handles=(*found[inside].handles, path.handle))
+    return found + _clusters(free)
+
+
+def _clusters(paths: Sequence[Entity]) -> list[Drawn]:
+    import shapely
+
+    if not paths:
+        return []
+    lines = [_line(path) for path in paths]
+    grown = shapely.union_all([line.buffer(TOUCHING, quad_segs=2) for line in lines])
+    parts = list(grown.geoms) if hasattr(grown, "geoms") else [grown]
+    members: list[list[int]] = [[] for _ in parts]
+    for k, line in enumerate(lines):
+        members[next((j for j, part in enumerate(parts) if part.intersects(line)), 0)].append(k)
+    return [
+        Drawn(
+            tuple(paths[k].handle for k in own),
+            paths[own[0]].layer,
+            shapely.union_all([lines[k] for k in own]),
+            tuple(paths[k] for k in own),
+        )
+        for own in members
+        if own
+    ]
+
+
+def _line(path: Entity) -> Any:
+    import shapely
+
+    edges = edges_of(path)
+    corners = [corner for edge in edges for corner in edge.points()] + ([edges[-1].end] if edges else [])
+    return shapely.LineString(corners) if len(corners) > 1 else shapely.Point(path.points[0, :2])
+
+
+class Fitted(NamedTuple):
+    """An opening in its wall."""
+
+    wall: int
+    at: float
+    width: float
+    across: tuple[float, float]  # its extent across the wall, from the axis to the left [m]
+
+
+def fit(one: Drawn, walls: Sequence[Wall]) -> Fitted | None:
+    """The wall that a drawn opening lies in and its extent along it, or None."""
+    for beside in (TOUCHING, BESIDE):
+        best: Fitted | None = None
+        for k, wall in enumerate(walls):
+            clip = one.shape.intersection(wall.ground(beside))
+            if clip.is_empty:
+                continue
+            corners = _coordinates(clip)
+            along = [wall.along(corner) for corner in corners]
+            width = max(along) - min(along)
+            if width > NARROWEST and (best is None or width > best.width):
+                best = Fitted(k, 0.5 * (max(along) + min(along)), width, _across(wall, corners))
+        if best is not None:
+            return best
+    return None
+
+
+def _coordinates(shape: Any) -> np.ndarray:
+    import shapely
+
+    return shapely.get_coordinates(shape)
+
+
+def _across(wall: Wall, corners: np.ndarray) -> tuple[float, float]:
+    import shapely
+
+    line = wall.line
+    out = []
+    for corner in corners:
+        s = line.project(shapely.Point(corner))
+        a, b = (np.array(line.interpolate(x).coords[0]) for x in (max(0.0, s - 1e-3), min(line.length, s + 1e-3)))
+        d, to = (b - a) / math.dist(a, b), corner - 0.5 * (a + b)
+        out.append(float(d[0] * to[1] - d[1] * to[0]))
+    return min(out), max(out)
+
+
+def opening_tables(fitted: Fitted, own: str, texts: Iterable[str], thickness: float) -> tuple[list[dict[str, Any]], list[str]]:
+    """The openings that a drawn one stands for, one above the other where its text has several parts, and what was taken for granted.
+
+    Args:
+        fitted: where it lies.
+        own: name and attributes of its insert, layer.
+        texts: beside it; parts between semicolons are openings one above the other.
+        thickness: of the wall [m].
+    """
+    groups: list[list[str]] = [[]]
+    for part in (part for text in texts for part in text.split(";") if part.strip()):
+        read = marks.read(part)
+        whole = read.pair or ("sill" in read.numbers and (read.shape or {"height", "width"} & set(read.numbers)))
+        if whole and groups[-1]:
+            groups.append([])
+        groups[-1].append(part)
+    tables, assumed = [], []
+    for group in groups:
+        table, said = _opening_table(fitted, [marks.read(part) for part in group], marks.read(own), thickness)
+        tables.append(table)
+        assumed += said
+    return tables, assumed
+
+
+def _opening_table(fitted: Fitted, beside: Sequence[Marks], own: Marks, thickness: float) -> tuple[dict[str, Any], list[str]]:
+    every = [*beside, own]
+    numbers: dict[str, float] = {}
+    for read in reversed(every):
+        numbers |= _with_pair(read, fitted.width)
+    shape = next((read.shape for read in every if read.shape), "rectangular")
+    kind = next((read.kind for read in every if read.kind), "")
+    name = next((read.name for read in beside if read.name and not read.kind), "")
+    assumed = []
+    if "sill" not in numbers and kind == "window":
+        numbers["sill"] = SILL
+        assumed.append(f"sill {SILL:g} m")
+    if "height" not in numbers and shape != "rose":
+        numbers["height"] = WINDOW if numbers.get("sill") else DOOR
+        assumed.append(f"height {numbers['height']:g} m")
+    table: dict[str, Any] = {"name": name} if name else {}
+    table |= {
+        "shape": shape,
+        "at": _rounded(fitted.at),
+        "width": numbers.get("width", _rounded(fitted.width)),
+        "sill": numbers.get("sill", 0.0),
+    }
+    table |= {key: numbers[key] for key in ("height", "rise", "ring") if key in numbers and not (key == "height" and shape == "rose")}
+    if shape == "niche":
+        table["depth"] = numbers.get("depth", _rounded(min(fitted.across[1] - fitted.across[0], 0.7 * thickness)))
+        table["side"] = "left" if sum(fitted.across) > 0.0 else "right"
+    return table, assumed
+
+
+def _with_pair(read: Marks, width: float) -> dict[str, float]:
+    """The numbers of marks, a pair among them: the one of the two that is the width as drawn is no height."""
+    if read.pair is None:
+        return read.numbers
+    a, b = read.pair
+    near = max(0.06, 0.08 * width)
+    if abs(b - width) < near and abs(a - width) >= near:
+        return read.numbers | {"height": a}
+    if abs(a - width) < near:
+        return read.numbers | {"height": b}
+    return read.numbers | {"height": a, "sill": b}
+
+
+def _rounded(value: float) -> float:
+    return round(float(value), 4)
+
+
+def vault_table(one: Drawn, texts: Sequence[Marks]) -> dict[str, Any] | str:
+    """The table of a vault whose bay is drawn, by its outline or its diagonals; or what it lacks."""
+    numbers: dict[str, float] = {}
+    for read in texts:
+        numbers |= read.numbers
+    shape = next((read.vault for read in texts if read.vault), "barrel" if one.shape.geom_type == "Polygon" else "cross")
+    if "springing" not in numbers and "level" not in numbers:
+        return "no text within 1.5 m says its springing, imp. 4.50"
+    hull = one.shape.minimum_rotated_rectangle
+    if hull.geom_type != "Polygon":
+        return "it encloses no bay"
+    corners = [[_rounded(x), _rounded(y)] for x, y in list(hull.exterior.coords)[:4]]
+    name = next((read.name for read in texts if read.name and not read.vault), "")
+    table: dict[str, Any] = {"name": name} if name else {}
+    table |= {"shape": shape, "corners": corners, "springing": numbers.get("springing", numbers.get("level", 0.0))}
+    return table | {key: numbers[key] for key in ("rise", "thickness") if key in numbers}
+
+
+def column_table(one: Drawn, texts: Sequence[Marks], height: float | None) -> dict[str, Any] | str:
+    """The table of a column or pier that is drawn; or what it lacks."""
+    numbers: dict[str, float] = {}
+    for read in texts:
+        numbers |= read.numbers
+    tall = numbers.get("height", height)
+    if tall is None:
+        return "no text within 1.5 m says its height, h=4.20"
+    if one.shape.geom_type != "Polygon":
+        return "its outline is not closed"
+    centre, edges = np.array(one.shape.centroid.coords[0]), [edge for path in one.paths for edge in edges_of(path)]
+    table: dict[str, Any] = {"at": [_rounded(x) for x in centre], "height": tall}
+    if "base" in numbers:
+        table["base"] = numbers["base"]
+    return table | section(edges, centre, one.shape)
+
+
+def section(edges: Sequence[Edge], centre: np.ndarray, shape: Any) -> dict[str, Any]:
+    """Round or square, its size, and how it is turned [degrees]."""
+    reach = np.hypot(*(np.concatenate([edge.points() for edge in edges]) - centre).T)
+    if any(edge.centre is not None for edge in edges) or (len(edges) > 5 and np.ptp(reach) < 2.0 * ROUND * reach.mean()):
+        return {"section": "round", "size": _rounded(2.0 * math.sqrt(shape.area / math.pi))}
+    long = max(edges, key=lambda edge: edge.length)
+    along = long.end - long.start
+    angle = math.degrees(math.atan2(along[1], along[0])) % 90.0
+    turned = 0.0 if min(angle, 90.0 - angle) < 0.01 else round(angle, 3)
+    return {"section": "square", "size": _rounded(math.sqrt(shape.area))} | ({"turned": turned} if turned else {})

@@ -1,0 +1,318 @@
+"""A drawing becomes a plan: its entities by layer, walls from faces, openings in walls, heights from texts; what is left over is listed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.errors import InputError
+from structures.plans import marks
+from structures.plans.axes import Wall, walls_of
+from structures.plans.bands import Band, bands_of
+from structures.plans.edges import Faces, edges_of, faces_of
+from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity
+from structures.plans.fitted import READ_AT, Drawn, column_table, drawn, fit, opening_tables, vault_table
+from structures.plans.heights import Note, height_keys, nearest_wall
+from structures.plans.keys import PlanKeys
+
+MOST_EDGES = 8000  # on layers of walls: a plan of one floor has hundreds
+LEFT_OVER = 0.05  # of the ground of walls a piece this wide is worth a word [m]
+
+
+LEAST_LEFT = 0.01  # and of this area [m2]
+
+
+class Left(NamedTuple):
+    """An entity that is not understood."""
+
+    handle: str
+    layer: str
+    drawn_as: str
+    why: str
+
+
+class Recognised(NamedTuple):
+    """A plan as tables of a building, and what was left."""
+
+    tables: dict[str, Any]
+    notes: list[str]
+    left: list[Left]
+
+
+class _Roles:
+    """Entities by what lies on their layer; what an insert on a layer of openings or columns brings belongs to it."""
+
+    def __init__(self, entities: Sequence[Entity], keys: PlanKeys) -> None:
+        self.inserts = {e.handle: e for e in entities if e.kind == INSERT}
+        self.by_role: dict[str, list[Entity]] = {}
+        self.role_of: dict[str, str] = {}  # by handle
+        self.unknown: list[Entity] = []
+        for entity in entities:
+            home = self._home(entity, keys)
+            role = keys.layers.role(home.layer)
+            if entity.kind == OTHER or not role:
+                self.unknown.append(entity)
+                continue
+            its = entity if home is entity else entity._replace(owner=home.handle, layer=home.layer)
+            self.by_role.setdefault(role, []).append(its)
+            self.role_of[its.handle] = role
+
+    def _home(self, entity: Entity, keys: PlanKeys) -> Entity:
+        """The outermost insert with a role of its own that brings an entity, or the entity."""
+        home, up = entity, self.inserts.get(entity.owner)
+        while up is not None:
+            if keys.layers.role(up.layer) in ("openings", "columns"):
+                home = up
+            up = self.inserts.get(up.owner)
+        return home
+
+    def of(self, role: str, kind: str) -> list[Entity]:
+        """Those of a role and a kind."""
+        return [e for e in self.by_role.get(role, ()) if e.kind == kind]
+
+    def all(self) -> list[Entity]:
+        """Those of any role."""
+        return [e for members in self.by_role.values() for e in members]
+
+
+def recognise(entities: Sequence[Entity], keys: PlanKeys, name: str) -> Recognised:
+    """The plan that a drawing shows.
+
+    Args:
+        entities: of the drawing [m].
+        keys: how to read it.
+        name: of the file, for messages.
+
+    Raises:
+        InputError: no wall comes out.
+    """
+    roles = _Roles(entities, keys)
+    left = [
+        Left(e.handle, e.layer, e.drawn_as, e.text if e.kind == OTHER and e.text else _why_unknown(e, keys)) for e in _told(roles.unknown)
+    ]
+    openings = drawn(roles.by_role.get("openings", []))
+    walls, faces, unread = _walls(roles, keys, openings, name)
+    left += unread
+    texts = [e for e in roles.all() if e.kind == TEXT]
+    return _Reader(walls, keys, left, name).tables(roles, openings, texts, faces)
+
+
+def _told(entities: Iterable[Entity]) -> list[Entity]:
+    """Without what an insert brings that is itself listed."""
+    listed = {e.handle for e in entities if e.kind == INSERT}
+    return [e for e in entities if e.owner not in listed]
+
+
+def _why_unknown(entity: Entity, keys: PlanKeys) -> str:
+    return f"{entity.drawn_as} is nothing of a plan" if keys.layers.role(entity.layer) else "its layer has no meaning in structure.layers"
+
+
+def _walls(roles: _Roles, keys: PlanKeys, openings: Sequence[Drawn], name: str) -> tuple[list[Wall], Faces, list[Left]]:
+    """The walls, what is drawn of them, and which of that is no wall."""
+    paths = roles.of("walls", PATH)
+    broad = [p for p in paths if p.width > 0.0 and not p.closed]
+    faces = faces_of(p for p in paths if not (p.width > 0.0 and not p.closed))
+    if len(faces.edges) + len(faces.loose) > MOST_EDGES:
+        raise InputError(f"{name}: more than {MOST_EDGES} edges on layers of walls; name those of one floor in structure.layers.walls")
+    bands = bands_of(faces, keys.thickest, [_filling(one) for one in openings])
+    texts = [(e, marks.read(e.text)) for e in (*roles.of("axes", TEXT), *roles.of("heights", TEXT), *roles.of("walls", TEXT))]
+    axes, left = _from_axes([*broad, *roles.of("axes", PATH)], keys, texts)
+    walls = _named(walls_of([*bands, *axes], faces.ground))
+    if not walls:
+        on = ", ".join(sorted({e.layer for e in paths})) or "none of structure.layers.walls"
+        layers = ", ".join(sorted({e.layer for e in (*roles.unknown, *roles.all())})[:12]) or "none"
+        raise InputError(f"{name}: no wall comes out of what is drawn; layers of walls in it: {on}; its layers: {layers}")
+    used = {handle for wall in walls for handle in wall.handles}
+    by_handle = {e.handle: e for e in paths}
+    said = dict(faces.left)
+    unread = [
+        Left(h, e.layer, e.drawn_as, said.get(h, "no face beside it makes a wall with it"))
+        for h, e in by_handle.items()
+        if h not in used and (said.get(h) or not e.width)
+    ]
+    inserts = [Left(e.handle, e.layer, e.drawn_as, "an insert without lines") for e in _empty_inserts(roles)]
+    return walls, faces, [*unread, *left, *inserts]
+
+
+def _empty_inserts(roles: _Roles) -> list[Entity]:
+    owners = {e.owner for e in (*roles.all(), *roles.unknown)}
+    return [e for e in roles.all() if e.kind == INSERT and e.handle not in owners]
+
+
+def _filling(one: Drawn) -> Any:
+    return one.shape if one.shape.geom_type == "Polygon" else one.shape.convex_hull
+
+
+def _from_axes(paths: Sequence[Entity], keys: PlanKeys, texts: Sequence[tuple[Entity, marks.Marks]]) -> tuple[list[Band], list[Left]]:
+    """Bands from middle lines, whose thickness is the polyline's width, a mark beside them, or the scene's."""
+    import shapely
+
+    bands, left = [], []
+    for path in paths:
+        for edge in edges_of(path):
+            line = shapely.LineString(np.concatenate([edge.points(), edge.end[None]]))
+            near = [(line.distance(e.line), read.numbers["thickness"]) for e, read in texts if "thickness" in read.numbers]
+            marked = min(near, default=(np.inf, 0.0))
+            thickness = path.width or (marked[1] if marked[0] < READ_AT else keys.wall_thickness)
+            if not thickness:
+                left.append(
+                    Left(
+                        path.handle, path.layer, path.drawn_as, "no thickness: neither a width, a mark t=0.60 nor structure.wall_thickness"
+                    )
+                )
+                break
+            bands.append(Band(edge, float(thickness), (path.handle,)))
+    return bands, left
+
+
+def _named(walls: Sequence[Wall]) -> list[Wall]:
+    return [wall._replace(name=f"w{k + 1}") for k, wall in enumerate(walls)]
+
+
+class _Reader:
+    """Fits openings, heights, vaults and columns to walls."""
+
+    def __init__(self, walls: list[Wall], keys: PlanKeys, left: list[Left], name: str) -> None:
+        self.walls, self.keys, self.left, self.name = walls, keys, left, name
+        self.notes: list[str] = []
+
+    def tables(self, roles: _Roles, openings: Sequence[Drawn], texts: Sequence[Entity], faces: Faces) -> Recognised:
+        """The tables of the plan."""
+        things = {"openings": list(openings)} | {role: drawn(roles.by_role.get(role, [])) for role in ("vaults", "columns")}
+        beside, of_walls = self._sorted_texts(texts, things, roles)
+        walls = self._wall_tables(of_walls)
+        self._openings(openings, beside, walls)
+        tables: dict[str, Any] = {"walls": walls}
+        for role in ("vaults", "columns"):
+            made = self._elements(things[role], beside, role)
+            if made:
+                tables[role] = made
+        self._remarks(faces)
+        return Recognised(tables, self.notes, self.left)
+
+    def _sorted_texts(
+        self, texts: Sequence[Entity], things: dict[str, list[Drawn]], roles: _Roles
+    ) -> tuple[dict[str, list[str]], dict[int, list[Note]]]:
+        """Texts by the handle of the thing that they are beside, and by wall."""
+        beside: dict[str, list[str]] = {}
+        of_walls: dict[int, list[Note]] = {}
+        for text in texts:
+            read, place, role = marks.read(text.text), text.line, roles.role_of[text.handle]
+            home = next((d for each in things.values() for d in each if text.owner in d.handles), None)
+            if home is None and (role in things or read.of_opening or "springing" in read.numbers):
+                role = role if role in things else "vaults" if "springing" in read.numbers else "openings"
+                home = min(things[role], key=lambda d: d.distance(place), default=None)
+                home = home if home is not None and home.distance(place) <= READ_AT else None
+            elif home is None:
+                k = nearest_wall(place, self.walls)
+                if k is not None and (not read.means_nothing or marks.name_in(text.text)):
+                    of_walls.setdefault(k, []).append(Note(self.walls[k].along(place.centroid.coords[0]), read, text.handle))
+                    continue
+            if home is None or read.means_nothing:
+                where = f'"{text.text.strip()[:40]}" ' + ("stands beside nothing" if home is None else "says nothing of a plan")
+                self.left.append(Left(text.handle, text.layer, text.drawn_as, where))
+            else:
+                beside.setdefault(home.handles[0], []).append(text.text)
+        return beside, of_walls
+
+    def _wall_tables(self, of_walls: dict[int, list[Note]]) -> list[dict[str, Any]]:
+        tables, without, names = [], [], set[str]()
+        for k, wall in enumerate(self.walls):
+            notes = of_walls.get(k, [])
+            name = next((note.marks.name for note in notes if note.marks.name and note.marks.name not in names), wall.name)
+            names.add(name)
+            self.walls[k] = wall = wall._replace(name=name)
+            keys = height_keys(wall, k, self.walls, notes, self.keys.wall_height)
+            if keys is None:
+                without.append(wall)
+                continue
+            tables.append({"name": name, "axis": axis_of(wall), "thickness": round(wall.thickness, 4), **keys, "openings": []})
+        if without:
+            (x, y), others = without[0].line.centroid.coords[0], len(without) - 1
+            more = f" nor of {others} other{'s' if others > 1 else ''}" if others else ""
+            raise InputError(
+                f"{self.name}: nothing says the height of wall {without[0].name} about ({x:.2f}, {y:.2f}){more}: "
+                "draw a text h=8.50 beside it, or give structure.wall_height"
+            )
+        return tables
+
+    def _openings(self, openings: Sequence[Drawn], beside: dict[str, list[str]], walls: list[dict[str, Any]]) -> None:
+        for one in openings:
+            fitted = fit(one, self.walls)
+            if fitted is None:
+                self._leave(one, "no wall within 0.3 m")
+                continue
+            wall = walls[fitted.wall]
+            made, assumed = opening_tables(
+                fitted, f"{one.text}\n{one.layer}", beside.get(one.handles[0], []), self.walls[fitted.wall].thickness
+            )
+            wall["openings"] += made
+            if assumed:
+                where = f"{one.layer} {one.handles[0]}, wall {wall['name']} at {fitted.at:.2f} m"
+                self.notes.append(f"{self.name}: no text says {' and '.join(assumed)} of opening {where}: taken so")
+        for wall in walls:
+            wall["openings"].sort(key=lambda table: (table["at"], table["sill"]))
+            if not wall["openings"]:
+                del wall["openings"]
+
+    def _elements(self, things: Sequence[Drawn], beside: dict[str, list[str]], role: str) -> list[dict[str, Any]]:
+        made = []
+        for one in things:
+            texts = [marks.read(text) for text in (*beside.get(one.handles[0], []), one.text)]
+            table = vault_table(one, texts) if role == "vaults" else column_table(one, texts, self.keys.wall_height)
+            if isinstance(table, str):
+                self._leave(one, table)
+            else:
+                made.append(table)
+        return made
+
+    def _leave(self, one: Drawn, why: str) -> None:
+        self.left += [Left(handle, one.layer, one.paths[0].drawn_as if one.paths else "INSERT", why) for handle in one.handles]
+
+    def _remarks(self, faces: Faces) -> None:
+        """On walls whose faces diverge, and on ground of walls that no wall covers."""
+        import shapely
+
+        for wall in self.walls:
+            if wall.taper > 0.05:
+                mean = f"{wall.thickness:.3g} m is its mean"
+                self.notes.append(f"{self.name}: wall {wall.name} is {wall.taper:.2g} m thicker at one end than at the other; {mean}")
+        if faces.ground.is_empty:
+            return
+        covered = shapely.union_all([wall.ground(0.02, "square") for wall in self.walls])
+        rest = faces.ground.difference(covered).buffer(-0.5 * LEFT_OVER).buffer(0.5 * LEFT_OVER)
+        for part in getattr(rest, "geoms", [rest]):
+            if part.area > LEAST_LEFT:
+                x, y = part.centroid.coords[0]
+                self.notes.append(f"{self.name}: {part.area:.2g} m2 of wall about ({x:.2f}, {y:.2f}) are in no wall")
+
+
+def axis_of(wall: Wall) -> list[Any]:
+    """The axis as the scene has it."""
+    axis: list[Any] = [_point(wall.pieces[0].start)]
+    for piece in wall.pieces:
+        if piece.centre is None:
+            axis.append(_point(piece.end))
+        else:
+            points = piece.points()
+            middle = points[len(points) // 2]
+            axis.append({"to": _point(piece.end), "through": _point(middle)})
+    return axis
+
+
+def _point(place: np.ndarray) -> list[float]:
+    return [round(float(x), 6) + 0.0 for x in place]
+
+
+def counted(left: Sequence[Left]) -> list[str]:
+    """What is left in a few words by layer and reason, with the first handles."""
+    groups: dict[tuple[str, str, str], list[str]] = {}
+    for one in left:
+        groups.setdefault((one.layer, one.drawn_as, one.why), []).append(one.handle)
+    lines = []
+    for (layer, kind, why), handles in groups.items():
+        more = f" and {len(handles) - 4} more" if len(handles) > 4 else ""
+        lines.append(f"layer {layer}: {kind} {', '.join(handles[:4])}{more}: {why}")
+    return lines

@@ -1,0 +1,204 @@
+"""Bridges: their volumes against closed forms, their joints, their fill, and what does not fit together."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import structures
+from masonry_cd.foundation.errors import InputErrors
+from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.geometry import mass_properties
+from structures import Made
+
+SPAN = {"span": 6.0, "rise": 1.5, "thickness": 0.5, "voussoirs": 12}
+SHAPES = (
+    {"span": 4.0, "rise": 1.0, "thickness": 0.4, "voussoirs": 11},
+    {"span": 8.0, "shape": "semicircular", "thickness": 0.5, "voussoirs": 20},
+    {"span": 6.0, "shape": "elliptical", "rise": 2.0, "thickness": 0.5, "rings": 2, "voussoirs": 15},
+    {"span": 4.0, "shape": "pointed", "rise": 2.6, "thickness": 0.4, "voussoirs": 14},
+)
+WALLS = {"course_height": 0.5, "unit_length": 1.0}
+
+
+def made(*spans: dict, **keys: object) -> Made:
+    return structures.make({"kind": "bridge", "spans": list(spans or (SPAN,)), **keys}, 2000.0, Path())
+
+
+def volume(blocks: list[Block]) -> float:
+    return sum(mass_properties(block.vertices, block.faces).volume for block in blocks)
+
+
+def of(bridge: Made, group: str) -> list[Block]:
+    return [block for block in bridge.blocks if block.group.startswith(group)]
+
+
+@pytest.mark.parametrize("skew", [0.0, 30.0])
+@pytest.mark.parametrize("rings", [1, 3])
+def test_ring_has_the_volume_of_its_circle_however_it_is_cut_and_slanted(skew: float, rings: int) -> None:
+    bridge = made({**SPAN, "rings": rings}, width=3.0, skew=skew, strips=2)
+    inner = (3.0**2 + 1.5**2) / (2.0 * 1.5)
+    half, outer = 2.0 * math.atan2(1.5, 3.0), inner + 0.5
+    exact = 12 * 0.5 * (outer**2 - inner**2) * math.sin(2.0 * half / 12) * 3.0
+    assert volume(of(bridge, "arch1")) == pytest.approx(exact, rel=1e-12)
+
+
+def test_ellipse_has_its_span_rise_and_area() -> None:
+    bridge = made({"span": 6.0, "shape": "elliptical", "rise": 2.0, "thickness": 0.4, "voussoirs": 200}, width=1.0)
+    corners = np.concatenate([block.vertices for block in of(bridge, "arch1")])
+    assert corners[:, 2].max() == pytest.approx(2.4, abs=1e-12)
+    assert (corners[:, 0].min(), corners[:, 0].max()) == pytest.approx((-0.4, 6.4), abs=1e-12)
+    # between an ellipse and its parallel at distance t: t times half the circumference, and half a circle of radius t
+    h = ((3.0 - 2.0) / (3.0 + 2.0)) ** 2
+    around = math.pi * 5.0 * (1.0 + 3.0 * h / (10.0 + math.sqrt(4.0 - 3.0 * h)))
+    assert volume(of(bridge, "arch1")) == pytest.approx(0.4 * 0.5 * around + 0.5 * math.pi * 0.4**2, rel=2e-4)
+
+
+def test_thickness_grows_evenly_from_the_crown_to_the_springings() -> None:
+    bridge = made({**SPAN, "thickness_springing": 0.8}, width=1.0)
+    joints = [block.vertices for block in of(bridge, "arch1")]
+    crown = max(float(v[:, 2].max()) for v in joints) - 1.5
+    first = joints[0][joints[0][:, 1] < 0.0][:, [0, 2]]
+    widths = sorted(float(np.hypot(*(a - b))) for i, a in enumerate(first) for b in first[:i])
+    assert crown == pytest.approx(0.5, abs=1e-12)
+    assert any(width == pytest.approx(0.8, abs=1e-12) for width in widths)
+
+
+@pytest.mark.parametrize(("first", "second"), list(pairwise([*SHAPES, SHAPES[0]])))
+@pytest.mark.parametrize("skew", [0.0, -40.0])
+def test_any_two_shapes_stand_on_a_pier_with_walls_that_fill_the_space_up_to_the_road(first: dict, second: dict, skew: float) -> None:
+    bridge = made(first, second, width=4.0, skew=skew, walls={**WALLS, "thickness": 0.5}, piers=[{"width": 1.6, "height": 2.0}], cover=0.35)
+    assembly = Assembly.from_blocks(bridge.blocks, 0.6)
+    assert built_gap(assembly) < 1e-9
+    joints = find_joints(assembly)
+    assert set(np.flatnonzero(~assembly.fixed)) <= {*joints.block_a.tolist(), *joints.block_b.tolist()}  # each block stands on something
+    filled = sum(block.carried.mass for block in bridge.blocks if block.carried) / 2000.0
+    (fill,) = bridge.fills
+    fixed = [f for f in fill.faces if f.kind == "top" and f.block.startswith("abutment")]
+    over = sum(abs(f.area[2]) * f.pressed(fill.level)[0] for f in fixed)  # on abutments, which do not move
+    # between the walls, 3 m wide, there is as much fill as each wall, 0.5 m thick, has stones
+    assert volume(of(bridge, "spandrel_front")) == pytest.approx((filled + over) * 0.5 / 3.0, rel=1e-9)
+
+
+def test_fill_rides_on_the_blocks_below_it_as_one_body_with_them() -> None:
+    bridge = made(SPAN, width=2.0, cover=0.3)
+    plain = {block.name: mass_properties(block.vertices, block.faces) for block in bridge.blocks}
+    block = next(block for block in bridge.blocks if block.name == "arch1.v1")
+    own, whole = plain["arch1.v1"], block.mass_properties
+    assert block.carried is not None
+    assert block.density * whole.volume == pytest.approx(2000.0 * own.volume + block.carried.mass)
+    assert whole.centre[2] > own.centre[2]
+    assembly = Assembly.from_blocks(bridge.blocks, 0.6)
+    number = assembly.names.index("arch1.v1")
+    assert assembly.volume[number] == pytest.approx(own.volume)
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    moved = assembly.placed(assembly.centre + 1.0, np.broadcast_to(turn, (assembly.count, 3, 3)))
+    again = moved.blocks[number].mass_properties
+    assert again.centre == pytest.approx(assembly.centre[number] + 1.0)
+    assert again.unit_inertia * 2000.0 == pytest.approx(moved.inertia[number])
+    extrados = sum(abs(f.area[2]) * f.pressed(bridge.fills[0].level)[0] for f in bridge.fills[0].faces if f.kind == "extrados")
+    assert sum(b.carried.mass for b in bridge.blocks if b.carried) == pytest.approx(2000.0 * extrados)
+
+
+def test_a_strip_without_walls_is_its_own_mirror_image_and_stands_on_one_foot_to_a_pier() -> None:
+    from masonry_cd.mechanics.model.middle_plane import middle_plane
+
+    bridge = made(SPAN, SPAN, SPAN, piers=[{"height": 4.0}], abutments=[{"rigid": False, "height": 2.0}])
+    assert middle_plane(Assembly.from_blocks(bridge.blocks, 0.6), 1) == pytest.approx(0.0, abs=1e-12)
+    assert sorted(b.name for b in bridge.blocks if b.fixed) == ["foot_abutment1", "foot_abutment2", "foot_pier1", "foot_pier2"]
+    assert {f.kind for f in bridge.fills[0].faces} == {"extrados", "top", "back"}
+    backs = [f.area for f in bridge.fills[0].faces if f.kind == "back"]
+    assert sum(a[0] < 0 for a in backs) == sum(a[0] > 0 for a in backs) > 0  # into the fill behind either abutment
+
+
+def test_wings_and_parapets_stand_beside_abutments_of_both_kinds() -> None:
+    walls = {**WALLS, "wing_length": 2.0, "parapet_height": 1.0, "parapet_thickness": 0.3}
+    bridge = made(SPAN, walls=walls, abutments=[{"rigid": True}, {"rigid": False, "height": 2.0}], cover=0.4)
+    assembly = Assembly.from_blocks(bridge.blocks, 0.6)
+    find_joints(assembly)
+    deck = bridge.fills[0].level
+    assert volume(of(bridge, "wing1")) == pytest.approx(2 * 2.0 * 0.4 * deck)
+    assert volume(of(bridge, "wing2")) == pytest.approx(2 * 2.0 * 0.4 * (deck + 2.0))
+    assert volume(of(bridge, "parapet")) == pytest.approx(2 * 0.3 * 1.0 * (6.0 + 2 * 1.5 + 2 * 2.0))
+
+
+@pytest.mark.parametrize(
+    ("spans", "keys", "words"),
+    [
+        (
+            [{**SPAN, "rise": 3.5}, {**SPAN, "thickness": 3.2}, {**SPAN, "shape": "pointed"}],
+            {"cover": 0.2, "deck": 4.0},
+            ["spans[0].rise: of a segmental span must be at most half the span, 3 m", "spans[1].thickness", "spans[2].rise: of a pointed",
+             "structure.deck: give"],
+        ),
+        (
+            [SPAN, {**SPAN, "start": 5.0}, {**SPAN, "start": 9.0}],
+            {},
+            ["spans[1].start: span 2 begins at x = 5 m, where a span before it reaches to x = 6 m", "spans[2].start: span 3"],
+        ),
+        (
+            [SPAN, {**SPAN, "rise": 2.5}],
+            {"deck": 1.9, "piers": [{"width": 3.0}]},
+            ["structure.deck: the fill ends at 1.9 m, which must be 0.02 m or more above the extrados of span 1, 2 m at x = 3 m", "span 2"],
+        ),
+        ([SPAN, SPAN], {"piers": [{"width": 0.3}]}, ["structure.piers[0].width: pier1, from x = 6 to 6.3 m, must be wider"]),
+        ([SPAN, SPAN], {"piers": [{}, {}]}, ["structure.piers: one for all, or one between each two of 2 spans, 1; got 2"]),
+        ([SPAN], {"width": 0.7, "walls": WALLS}, ["structure.walls.thickness: two of 0.4 m leave no road"]),
+    ],
+)  # fmt: skip
+def test_all_faults_are_named_by_span_and_place_a_line_each(spans: list[dict], keys: dict, words: list[str]) -> None:
+    with pytest.raises(InputErrors) as failure:
+        made(*spans, **keys)
+    assert len(failure.value.lines) == len(words)
+    for line, said in zip(failure.value.lines, words, strict=True):
+        assert said in line
+
+
+def test_a_scene_names_file_and_line_of_each_fault(tmp_path: Path) -> None:
+    from masonry_cd.app.case import structure_of
+    from masonry_cd.app.scene import parse_scene
+
+    text = """title = "b"
+[structure]
+kind = "bridge"
+[[structure.spans]]
+span = 4.0
+rise = 3.0
+thickness = 0.4
+[[structure.spans]]
+span = 4.0
+thickness = 0.4
+[material]
+density = 2000.0
+friction = 0.6
+[run]
+dt = 1e-3
+duration = 1.0
+"""
+    with pytest.raises(InputErrors) as failure:
+        structure_of(parse_scene(text, tmp_path / "b.toml"))
+    first, second = str(failure.value).split("\n")
+    assert "b.toml:6: structure.spans[0].rise" in first
+    assert "structure.spans[1].rise: missing" in second
+
+
+def test_two_bridges_side_by_side_keep_their_fill_in_place() -> None:
+    from structures import site
+
+    own = {"kind": "bridge", "spans": [SPAN], "width": 2.0, "cover": 0.3}
+    one = structures.make(own, 2000.0, Path())
+    two = site.build([{**own, "name": "a"}, {**own, "name": "b", "at": [0.0, 50.0, 1.0], "rotate": 90.0}], 2000.0, Path())
+    moved = two.fills[1]
+    assert moved.level == pytest.approx(one.fills[0].level + 1.0)
+    local = moved.along(moved.faces[0].corners)
+    assert local - [0.0, 0.0, 1.0] == pytest.approx(one.fills[0].faces[0].corners)
+    masses = [Assembly.from_blocks(blocks, 0.6).mass.sum() for blocks in (two.blocks,)]
+    centre = next(b for b in two.blocks if b.name == "b.arch1.v1").mass_properties.centre
+    x, y, z = next(b for b in one.blocks if b.name == "arch1.v1").mass_properties.centre
+    assert masses[0] > 0.0
+    assert centre == pytest.approx([-y, 50.0 + x, 1.0 + z])

@@ -1,0 +1,80 @@
+"""What a plan should fill, by areas of shapely in level planes, not by its blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from masonry_cd.foundation.errors import parse_table
+from masonry_cd.mechanics.model.blocks import Block
+from structures.building.axes import Leg
+from structures.building.engine import Walls, prepared
+from structures.building.table import BuildingTable
+
+
+def wall(name: str, axis: Sequence[object], thickness: float = 0.6, height: float = 2.4, **keys: object) -> dict[str, Any]:
+    """The table of a wall; a top in its keys takes the place of the height."""
+    return {"name": name, "axis": axis, "thickness": thickness} | ({} if "top" in keys else {"height": height}) | keys
+
+
+def prepare(keys: Mapping[str, Any]) -> Walls:
+    """The walls of a table, without faults."""
+    faults: list[str] = []
+    made = prepared(parse_table(BuildingTable, keys, "structure"), faults)
+    assert not faults
+    assert made is not None
+    return made
+
+
+def volume_of_plan(walls: Walls) -> float:
+    """Of the walls of a plan drawn out to the far faces at junctions, each counted once, less their openings [m3]."""
+    legs = walls.plan.legs
+    levels = sorted(
+        {z for leg in legs for z in (leg.base, *(z for _, z in leg.tops))} | {z for lay in walls.layings for z in lay.beds.tolist()}
+    )
+    total = 0.0
+    for low, high in pairwise(levels):
+        if high - low > 1e-9:  # between them areas are polynomials of the second degree, for which Simpson's rule is exact
+            areas = [_area(walls, low + share * (high - low)) for share in (1e-9, 0.5, 1.0 - 1e-9)]
+            total += (high - low) * (areas[0] + 4.0 * areas[1] + areas[2]) / 6.0
+    for (k, _), frames in walls.frames.items():
+        total -= sum(frame.hole.area * (frame.depth or legs[k].thickness) for frame in frames)
+    return total
+
+
+def _area(walls: Walls, z: float) -> float:
+    """Of all walls at a height [m2]."""
+    shapes = []
+    for k, leg in enumerate(walls.plan.legs):
+        for f in range(len(leg.facets)):
+            shapes += _slice(walls, k, f, leg, z)
+    return float(shapely.union_all(shapes).area)
+
+
+def _slice(walls: Walls, k: int, f: int, leg: Leg, z: float) -> list[Polygon]:
+    """Of a facet at a height."""
+    if z < leg.base:
+        return []
+    facet, shape = leg.facets[f], walls.plan.shape(k, f)
+    left, _, right, _ = shape.bounds
+    found = []
+    for (a, za), (b, zb) in pairwise(leg.tops_between(facet, left, right)):
+        if max(za, zb) <= z:
+            continue
+        ends = [a, b]
+        if min(za, zb) < z:
+            ends[int(zb < za)] = a + (b - a) * (z - za) / (zb - za)
+        part = shape.intersection(shapely.box(ends[0], -1e3, ends[1], 1e3))
+        if part.area > 0.0:
+            found.append(Polygon(facet.place(np.array(part.exterior.coords)[:-1])))
+    return found
+
+
+def free_volume(blocks: Sequence[Block]) -> float:
+    """Of the blocks of a building without its base [m3]."""
+    return float(sum(block.mass_properties.volume for block in blocks if not block.fixed))

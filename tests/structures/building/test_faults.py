@@ -1,0 +1,79 @@
+"""What is wrong with a plan: all of it at once, a line each that names wall, junction and place."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from plans import wall
+from solids import build
+
+from masonry_cd.foundation.errors import InputError
+
+A = wall("a", [[0, 0], [6, 0]])
+CASES: dict[str, tuple[list[dict[str, Any]], dict[str, Any], str]] = {
+    "sharp angle": ([A, wall("b", [[1, 0], [6, 1]])], {}, "walls a and b: their strips overlap at x = .*at an angle of 11 degrees; none"),
+    "stub": ([A, wall("b", [[3, -0.35], [3, 3]])], {}, "walls a and b at x = 3 m, y = 0 m: wall b sticks out 50 mm beyond the other"),
+    "at a bend": (
+        [wall("bent", [[0, 0], [3, 0], [6, 0.8]]), wall("b", [[3, 0], [3, 3]])],
+        {},
+        "walls bent and b at x = 3 m, y = 0 m: wall bent bends there",
+    ),
+    "opening over a corner": (
+        [A | {"openings": [{"at": 0.7, "width": 0.8, "height": 1.5}]}, wall("b", [[0, 0], [0, 3]])],
+        {},
+        "opening o1 of wall a at 0.7 m: with its head it lies over the junction with wall b at x = 0 m, y = 0 m",
+    ),
+    "opening through the top": (
+        [A | {"openings": [{"at": 3, "width": 1.0, "height": 2.2}]}],
+        {},
+        r"opening o1 of wall a at 3 m: with its head it reaches up to z = 2.5 m, the wall there to 2.4 m",
+    ),
+    "opening beyond the wall": ([A | {"openings": [{"name": "door", "at": 7, "width": 1.0}]}], {}, "opening door of wall a: at 7 m"),
+    "openings over each other": (
+        [A | {"openings": [{"at": 3, "width": 1.0, "height": 1.5}, {"at": 3.6, "width": 1.0, "height": 1.5}]}],
+        {},
+        "opening o2 of wall a at 3.6 m: it overlaps opening o1 at 3 m, with their heads, at x = 3.3",
+    ),
+    "rise of another shape": ([A | {"openings": [{"at": 3, "width": 1.0, "rise": 0.2}]}], {}, "a at 3 m: rise belongs to another shape"),
+    "junction of walls that do not meet": (
+        [A, wall("b", [[0, 3], [6, 3]])],
+        {"junctions": [{"walls": ["a", "b"], "bond": "butt"}]},
+        r"structure.junctions\[0\].walls: walls a and b do not meet",
+    ),
+    "no such wall": ([A], {"junctions": [{"walls": ["a", "x"]}]}, r'structure.junctions\[0\].walls: there is no wall "x"'),
+    "courses that do not interlock": (
+        [A, wall("b", [[0, 0], [0, 3]], course_height=0.25)],
+        {},
+        "walls a and b at x = 0 m, y = 0 m: courses of 0.3 and 0.25 m do not interlock",
+    ),
+    "two slopes in one corner": (
+        [wall("a", [[0, 0], [4, 0]], top=[[0, 1], [4, 2]]), wall("b", [[0, 0], [0, 4]], top=[[0, 1], [4, 2.2]])],
+        {},
+        "walls a and b: both tops slope or step within their junction at x = 0 m, y = 0 m",
+    ),
+    "two names": ([A, A], {}, r'structure.walls\[1\].name: wall 0 has the name "a", too'),
+    "no height": ([{"name": "a", "axis": [[0, 0], [3, 0]], "thickness": 0.5}], {}, "wall a: give height, or top"),
+    "turns back": ([wall("a", [[0, 0], [3, 0], [0, 0.1]])], {}, "wall a: its axis turns back by 178 degrees at x = 3 m, y = 0 m"),
+    "arc in line": ([wall("a", [[0, 0], {"to": [3, 0], "through": [1, 0]}])], {}, "wall a: its arc from x = 0 m, y = 0 m passes through"),
+    "masonry unknown": ([A | {"masonry": "cheese"}], {}, 'wall a: masonry "cheese" is none of'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_fault_is_a_line_that_names_wall_junction_and_place(case: str) -> None:
+    walls, keys, said = CASES[case]
+    with pytest.raises(InputError, match=said) as failure:
+        build("building", walls=walls, **keys)
+    assert "\n" not in str(failure.value)
+
+
+def test_all_faults_of_a_plan_are_said_at_once() -> None:
+    walls = [
+        A | {"openings": [{"at": 0.5, "width": 0.8, "height": 1.5}, {"at": 9.0, "width": 0.8}]},
+        wall("b", [[0, 0], [0, 3]]),
+        wall("c", [[2, 0], [6, 1]]),
+    ]
+    with pytest.raises(InputError) as failure:
+        build("building", walls=walls)
+    assert len(str(failure.value).splitlines()) >= 2
