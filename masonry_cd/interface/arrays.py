@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.interface.number_arrays import numbers
 
 if TYPE_CHECKING:
     from masonry_cd.mechanics.model.blocks import Block
@@ -125,10 +126,10 @@ def _block(given: Any, index: int) -> Block:
         "fixed": fixed,
     }
     if is_round:
-        radius = float(_numbers(table["radius"], (), f"{where}: radius"))
-        return Block.sphere(centre=_numbers(table["centre"], (3,), f"{where}: centre"), radius=radius, **common)
+        radius = float(numbers(table["radius"], f"{where}: radius", ()))
+        return Block.sphere(centre=numbers(table["centre"], f"{where}: centre", (3,)), radius=radius, **common)
     return Block(
-        vertices=_numbers(table["vertices"], (-1, 3), f"{where}: vertices"),
+        vertices=numbers(table["vertices"], f"{where}: vertices", (-1, 3)),
         faces=_faces(table["faces"], where),
         parts=given.parts if isinstance(given, Block) else (),
         **common,
@@ -170,24 +171,6 @@ def _whole(index: Any) -> int:
     return number
 
 
-def _numbers(given: Any, shape: tuple[int, ...], where: str) -> np.ndarray:
-    """Finite numbers in an array of a shape, in which -1 stands for any length.
-
-    Raises:
-        InputError: anything else.
-    """
-    try:
-        array = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"{where}: an array of numbers is needed") from None
-    wanted = f"({', '.join('N' if n < 0 else str(n) for n in shape)}{',' if len(shape) == 1 else ''})"
-    if array.ndim != len(shape) or any(n >= 0 and n != m for n, m in zip(shape, array.shape, strict=True)):
-        raise InputError(f"{where}: an array of shape {wanted} is needed, got {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError(f"{where}: not finite at {np.argwhere(~np.isfinite(array))[0].tolist()}")
-    return array
-
-
 def _load(table: Any, where: str, folder: Path) -> list[Any]:
     """A [[loads]] table; one of a motion given by arrays becomes a table for each of its components."""
     if not isinstance(table, Mapping) or not any(key in table for key in MOTION):
@@ -220,13 +203,13 @@ def _load(table: Any, where: str, folder: Path) -> list[Any]:
 def _motion(table: Mapping[str, Any], where: str) -> tuple[np.ndarray, np.ndarray]:
     """Times (N,) [s] and accelerations (N, 1 to 3) [m/s2]; these may be a function of a time."""
     if callable(table["acceleration"]):
-        function, times = table["acceleration"], _numbers(table["time"], (-1,), f"{where}.time")
+        function, times = table["acceleration"], numbers(table["time"], f"{where}.time", (-1,))
         table = {**table, "acceleration": [function(time) for time in times.tolist()]}
     given = np.asarray(table["acceleration"], dtype=object)
-    acceleration = _numbers(table["acceleration"], (-1,) * max(1, min(2, given.ndim)), f"{where}.acceleration").reshape(len(given), -1)
+    acceleration = numbers(table["acceleration"], f"{where}.acceleration", (-1,) * max(1, min(2, given.ndim))).reshape(len(given), -1)
     if not 1 <= acceleration.shape[1] <= len(AXES):
         raise InputError(f"{where}.acceleration: one to three components are needed, (N,) or (N, 3), got {acceleration.shape}")
-    time = _numbers(table["time"], (-1,), f"{where}.time")
+    time = numbers(table["time"], f"{where}.time", (-1,))
     if len(time) != len(acceleration):
         raise InputError(f"{where}.time: {len(time)} times for {len(acceleration)} accelerations")
     return time, acceleration

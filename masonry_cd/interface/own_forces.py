@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.interface.number_arrays import numbers
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.guides import Guide
@@ -130,9 +131,7 @@ class Field:
         Raises:
             InputError: no forces (B, 3), or such as are not finite.
         """
-        found = numbers(self._function(now), f"forces: at {now.time:g} s")
-        if found.shape != (len(self._fixed), 3):
-            raise InputError(f"forces: at {now.time:g} s an array of shape {found.shape}, {(len(self._fixed), 3)} is needed")
+        found = numbers(self._function(now), f"forces: at {now.time:g} s", (len(self._fixed), 3))
         block = np.flatnonzero(~self._fixed & found.any(axis=1))
         return Pushes(block, found[block], np.zeros((len(block), 3)))
 
@@ -290,18 +289,3 @@ def free_block(name: object, assembly: Assembly, where: str) -> int:
     if assembly.fixed[block]:
         raise InputError(f'{where}: "{name}" is a support, which moves as its loads and "motions" say')
     return block
-
-
-def numbers(given: Any, where: str) -> np.ndarray:
-    """Finite numbers.
-
-    Raises:
-        InputError: anything else.
-    """
-    try:
-        found = np.array(given, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"{where}: no numbers") from None
-    if not np.isfinite(found).all():
-        raise InputError(f"{where}: not finite")
-    return found

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.interface.own_forces import block_named, free_block, numbers
+from masonry_cd.interface.number_arrays import numbers
+from masonry_cd.interface.own_forces import block_named, free_block
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.overlaps import deepest_overlap
 from masonry_cd.mechanics.dynamics.system import Motion
@@ -76,10 +77,8 @@ class SimulationState:
         now: np.ndarray = getattr(self, name)
         if value is None:
             return now
-        found = numbers(value, f"state.{name}")
+        found = numbers(value, f"state.{name}", now.shape if block is None else None)
         if block is None:
-            if found.shape != now.shape:
-                raise InputError(f"state.{name}: an array of shape {now.shape} is needed, got {found.shape}")
             return _read_only(found)
         row = self.index(block)
         short = name == "velocity" and found.shape == (3,)

@@ -49,16 +49,18 @@ FORMATS = {
     "lmgc90": Format(
         (), "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR and PLANx", f"{PACKAGE}program_readers:read_lmgc90"
     ),
+    "step": Format((".step", ".stp"), "a solid a block, by its label; states its unit", f"{PACKAGE}cad_solids:read"),
+    "brep": Format((".brep",), "a solid a block", f"{PACKAGE}cad_solids:read"),
     "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{PACKAGE}program_readers:read_3dec"),
 }
-ELSEWHERE = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # of kind = "solid"
+CAD = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # marks by which their content is known
 
 
 def format_of(path: Path) -> str | None:
     """The name of a file's format; None where neither its ending nor its content says it.
 
     Raises:
-        InputError: not readable, or a solid of another kind of structure.
+        InputError: not readable.
     """
     known = next((name for name, format_ in FORMATS.items() if path.suffix.lower() in format_.endings), None)
     if known not in (None, "json"):
@@ -69,9 +71,9 @@ def format_of(path: Path) -> str | None:
         size = path.stat().st_size
     except OSError as failure:
         raise InputError(f"structure.path: {path.name}: cannot be read, {failure.strerror}") from None
-    for name, mark in ELSEWHERE.items():
+    for name, mark in CAD.items():
         if mark in head[:200]:
-            raise InputError(f'structure.path: {path.name} is a {name.upper()} file by its content; kind = "solid" cuts it into stones')
+            return name
     found = _by_content(head, size)
     return found if known is None or found == "compas" else known
 

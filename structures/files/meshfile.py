@@ -26,7 +26,7 @@ from masonry_cd.foundation.files import read_text
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, triangles
 from structures.files import foreign, vtkfile
-from structures.files.formats import FORMATS, format_of
+from structures.files.formats import CAD, FORMATS, format_of
 from structures.files.shells import shells
 from structures.geometry.compound_block import compound_block
 
@@ -58,23 +58,28 @@ class Loaded:
     firm: bool = True  # whether what it says is to be relied upon
 
 
-def load(path: Path, format_: str) -> Loaded:
+def load(path: Path, format_: str, **asked: Any) -> Loaded:
     """Read a mesh file.
 
     Args:
         path: of the file.
         format_: of :data:`structures.files.formats.FORMATS`, all but json.
+        asked: keywords of its reader, ``chord`` of a CAD model.
 
     Raises:
         InputError: one line that names the file, and the line or block.
     """
-    entries, figures = (_read_obj(path), ()) if format_ == "obj" else _read_apart(path, FORMATS[format_].reader)
+    entries, figures = (_read_obj(path), ()) if format_ == "obj" else _read_apart(path, FORMATS[format_].reader, asked)
     marks = _marks(path, format_)
     if marks and len(marks["blocks"]) == len(entries):
         for entry, mark in zip(entries, marks["blocks"], strict=True):
             entry.name, entry.group, entry.fixed = str(mark["name"]), str(mark["group"]), bool(mark["fixed"])
             entry.density = float(mark.get("density", 0.0))
         return Loaded(entries, 1.0, "z", firm=False)
+    if format_ in CAD:
+        for entry in entries:
+            entry.shells = [mended(vertices, faces, figures[0]) for vertices, faces in entry.shells]
+        return Loaded(entries, 1.0 if format_ == "step" else None)
     if format_ == "gltf":
         return Loaded(entries, 1.0, "y", firm=False)
     if format_ in ("3mf", "dxf") and figures and figures[0] > 0.0:
@@ -184,10 +189,10 @@ def _text(path: Path) -> list[str]:
         raise InputError(f"{path.name}: no text in UTF-8") from None
 
 
-def _read_apart(path: Path, reader: str) -> tuple[list[Entry], Sequence[float]]:
+def _read_apart(path: Path, reader: str, asked: dict[str, Any]) -> tuple[list[Entry], Sequence[float]]:
     """The blocks of a file that is read in a child process; shells of one number are one block."""
     found: dict[int, Entry] = {}
-    pieces, figures = foreign.read(reader, path)
+    pieces, figures = foreign.read(reader, path, asked)
     for piece in pieces:
         new = Entry(piece.name, [], piece.group, piece.fixed, piece.density)
         found.setdefault(piece.number, new).shells.append((piece.vertices, piece.faces))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?"
 DRIVEN = 6  # velocities of a rigid body
 BOX = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))  # faces of corners x, y, z by bits 4, 2, 1
 DEEPEST = 60
+FLATTENED = 1e-12  # determinant of a transformation that leaves no volume
 
 
 def _text(path: Path) -> str:
@@ -129,14 +130,16 @@ def read_compas(path: Path) -> Answer:
     """Every mesh and polyhedron of a COMPAS file.
 
     Raises:
-        Refused: no JSON, no mesh in it, or one whose element has a transformation of its own.
+        Refused: no JSON, no mesh in it, or a transformation that is none or whose meshes stand elsewhere in the file.
     """
     try:
         content = json.loads(_text(path))
         pieces: list[Piece] = []
-        for name, support, mesh in _meshes(path, content, "", False, 0):
+        for name, support, matrix, mesh in _meshes(path, content, "", False, np.eye(4), 0):
             points, loops = _of_mesh(mesh)
-            for points_of, faces in shells(points, loops):
+            mirrored = np.linalg.det(matrix) < 0.0
+            moved = points if np.array_equal(matrix, np.eye(4)) else points @ matrix[:3, :3].T + matrix[:3, 3]
+            for points_of, faces in shells(moved, [loop[::-1] for loop in loops] if mirrored else loops):
                 pieces.append(Piece(len(pieces), name or f"b{len(pieces)}", points_of, faces, fixed=support))
     except (ValueError, KeyError, TypeError, IndexError, RecursionError):
         raise Refused(f"{path.name}: not the vertices and faces of COMPAS meshes") from None
@@ -145,32 +148,56 @@ def read_compas(path: Path) -> Answer:
     return _named_apart(pieces), ()
 
 
-def _meshes(path: Path, item: Any, name: str, support: bool, depth: int) -> Iterator[tuple[str, bool, Any]]:
-    """Name, support and data of the meshes within an object, from the outside inwards."""
+def _meshes(path: Path, item: Any, name: str, support: bool, place: np.ndarray, depth: int) -> Iterator[tuple[str, bool, np.ndarray, Any]]:
+    """Name, support, placing matrix (4, 4) and data of the meshes within an object, from the outside inwards."""
     if depth > DEEPEST:
         raise ValueError("nested too deep")
     if isinstance(item, list):
         for part in item:
-            yield from _meshes(path, part, name, support, depth + 1)
+            yield from _meshes(path, part, name, support, place, depth + 1)
     if not isinstance(item, dict):
         return
     given = item.get("attributes")
     attributes: dict[str, Any] = given if isinstance(given, dict) else {}
     own = item.get("name") or attributes.get("name") or name
     support = bool(item.get("is_support", attributes.get("is_support", support)))
-    moved = item.get("transformation")
-    matrix = moved.get("data", moved).get("matrix") if isinstance(moved, dict) else None
-    if matrix is not None and not np.allclose(np.array(matrix, dtype=float), np.eye(4)):
-        raise Refused(f'{path.name}: the element "{str(own)[:40]}" has a transformation of its own; write its model geometry')
+    own_place = _transformation(item, f'{path.name}: the element "{str(own)[:40]}"')
+    place, found = place @ own_place, False
     if (isinstance(item.get("vertex"), dict) and isinstance(item.get("face"), dict)) or (
         isinstance(item.get("vertices"), list) and isinstance(item.get("faces"), list)
     ):
-        yield str(own), support, item
-    else:
-        for key, part in item.items():
-            if key not in ("attributes", "transformation", "frame"):
-                inner = str(own) if key in ("data", "value", "block", "geometry", "mesh") else ""
-                yield from _meshes(path, part, inner or (str(key) if own == "node" else ""), support, depth + 1)
+        yield str(own), support, place, item
+        return
+    for key, part in item.items():
+        if key not in ("attributes", "transformation", "frame"):
+            inner = str(own) if key in ("data", "value", "block", "geometry", "mesh") else ""
+            for mesh in _meshes(path, part, inner or (str(key) if own == "node" else ""), support, place, depth + 1):
+                found = True
+                yield mesh
+    if not found and not np.allclose(own_place, np.eye(4)):
+        what = "moves others, which do not stand within it; write their model geometry"
+        raise Refused(f'{path.name}: the element "{str(own)[:40]}" {what}')
+
+
+def _transformation(item: Mapping[str, Any], where: str) -> np.ndarray:
+    """The matrix (4, 4) by which an element is placed in what it stands in.
+
+    Raises:
+        Refused: it is no affine one, or flattens.
+    """
+    given = item.get("transformation")
+    matrix = given.get("data", given).get("matrix") if isinstance(given, dict) else None
+    if matrix is None:
+        return np.eye(4)
+    out = np.array(matrix, dtype=float)
+    if (
+        out.shape != (4, 4)
+        or not np.isfinite(out).all()
+        or not np.allclose(out[3], (0.0, 0.0, 0.0, 1.0))
+        or not abs(np.linalg.det(out)) > FLATTENED
+    ):
+        raise Refused(f"{where}: its transformation is no affine matrix of 4 x 4")
+    return out
 
 
 def _of_mesh(mesh: Any) -> tuple[np.ndarray, list[list[int]]]:

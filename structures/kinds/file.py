@@ -14,7 +14,7 @@ from masonry_cd.foundation.quantities import length
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
 from structures.files import blockfile, meshfile
 from structures.files.blockfile import METRES, sound
-from structures.files.formats import endings, format_of
+from structures.files.formats import CAD, endings, format_of
 from structures.files.supports import Rules, with_supports
 from structures.geometry.checks import Unsound, check, check_shells, deepest_overlap
 from structures.geometry.flatten import flattened
@@ -39,6 +39,7 @@ class FileTable(BaseModel):
     )
     repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
     flatness: Height | None = Field(None, description="faces this near to a plane are made flat; a thousandth of the block when not given")
+    chord: Length | None = Field(None, description="how far flat facets may be off the curved faces of a STEP or BREP file")
     overlap: Length | None = Field(None, description="blocks of any file may be this deep in each other; the depth is reported")
     gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file")
 
@@ -90,12 +91,17 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
 
 def _from_mesh(keys: FileTable, path: Path, density: float, format_: str) -> tuple[list[Block], list[str]]:
     """Read a mesh file whose unit and axes it states itself, or the table; not checked yet."""
-    loaded = meshfile.load(path, format_)
+    if keys.chord is not None and format_ not in CAD:
+        raise InputError(f"structure.chord: belongs to .step and .brep files, whose faces may be curved; {path.name} is none")
+    scale = METRES[keys.units or "m"]
+    asked = {"chord": None if keys.chord is None else keys.chord / scale} if format_ in CAD else {}
+    loaded = meshfile.load(path, format_, **asked)
     stated = {"units": next((name for name, size in METRES.items() if size == loaded.metres), None), "up": loaded.up}
     notes = []
     for key, known in (("units", METRES), ("up", ("y", "z"))):
         asked, own = getattr(keys, key), stated[key]
-        if asked is None and own is None and not (key == "units" and loaded.metres):
+        known_by_kind = loaded.metres if key == "units" else format_ in CAD  # of CAD models z is up, as where a solid is cut
+        if asked is None and own is None and not known_by_kind:
             raise InputError(f"structure.{key}: missing; {path.name} does not say it, so take one of {', '.join(known)}")
         if None not in (asked, own) and asked != own:
             if loaded.firm:

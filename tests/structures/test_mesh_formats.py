@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from masonry_cd.mechanics.model.geometry import mass_properties, triangles
 from structures.files import meshfile
 from structures.files.formats import FORMATS, format_of
 from structures.files.shells import shells
+from structures.geometry.prism import box as box_part
 
 METRES = {"units": "m", "up": "z"}
 
@@ -72,6 +74,44 @@ def test_lmgc90(tmp_path: Path) -> None:
     files.lmgc90(tmp_path)
     made = boxes(tmp_path, "BODIES.DAT", **METRES)
     assert [(b.group, b.fixed, b.density) for b in made] == [("BASEx", True, 2500.0), ("BLUEx", False, 1900.0)]
+
+
+def placed_elements(*matrices: list[list[float]], inside: bool = True) -> str:
+    """A COMPAS model of unit cubes, each in an element of its own with a transformation."""
+    corners, faces = box_part((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    mesh = {"dtype": "compas.datastructures/Mesh", "data": {"vertices": corners.tolist(), "faces": [list(f) for f in faces]}}
+    elements = [
+        {"dtype": "compas_model.elements/BlockElement", "data": {"name": f"e{k}", "transformation": {"data": {"matrix": matrix}}}}
+        for k, matrix in enumerate(matrices)
+    ]
+    for element in elements if inside else ():
+        element["data"]["geometry"] = mesh
+    return json.dumps({"dtype": "compas_model.models/Model", "data": {"elements": [*elements, *([] if inside else [mesh])]}})
+
+
+def test_transformations_of_compas_elements_place_their_meshes(tmp_path: Path) -> None:
+    """A cube at home, one turned by 90 degrees about x and lifted, and one mirrored and stretched: all solid, where they should be."""
+    turned = [[1, 0, 0, 0], [0, 0, -1, 1], [0, 1, 0, 1], [0, 0, 0, 1]]
+    mirrored = [[-2, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    (tmp_path / "a.json").write_text(placed_elements(np.eye(4).tolist(), turned, mirrored))
+    made = {block.name: block for block in build(tmp_path, "a.json", **METRES)}
+    assert made["e1"].vertices.min(axis=0) == pytest.approx([0, 0, 1]) and made["e1"].vertices.max(axis=0) == pytest.approx([1, 1, 2])
+    assert made["e2"].vertices.min(axis=0) == pytest.approx([3, 0, 0]) and made["e2"].vertices.max(axis=0) == pytest.approx([5, 1, 1])
+    assert [block.mass_properties.volume for block in made.values()] == pytest.approx([1.0, 1.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("matrix", "inside", "words"),
+    [
+        ([[1, 0, 0, 0]] * 3, True, '"e0": its transformation is no affine matrix of 4 x 4'),
+        ([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1]], True, '"e0": its transformation is no affine matrix'),
+        ([[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], False, '"e0" moves others, which do not stand within it'),
+    ],
+)
+def test_transformations_that_cannot_be_followed_are_refused(tmp_path: Path, matrix: list[list[float]], inside: bool, words: str) -> None:
+    (tmp_path / "a.json").write_text(placed_elements(matrix, inside=inside))
+    with pytest.raises(InputError, match=words):
+        build(tmp_path, "a.json", **METRES)
 
 
 def test_gltf_and_3mf_state_unit_and_axis(tmp_path: Path) -> None:
@@ -128,7 +168,7 @@ def test_obj_groups_and_materials(tmp_path: Path) -> None:
     ("name", "content", "message"),
     [
         ("a.xyz", "1 2 3\n", r"structure\.path: a\.xyz is no file of blocks; .* \.dxf, "),
-        ("a.dat", "ISO-10303-21;\n", r'structure\.path: a\.dat is a STEP file by its content; kind = "solid" cuts it into stones'),
+        ("a.dat", "ISO-10303-21;\n", r"a\.dat: cannot be read"),
         ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n0\nEOF\n", r"a\.dxf: no 3DFACE and no polyface mesh in it; lines,"),
         ("a.off", "OFF\n3 1 0\n0 0 0\n", r"a\.off: not the counts, corners and faces of an OFF file"),
         ("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n", r"a\.ply: not the corners and faces"),
