@@ -2,7 +2,8 @@
 
 A module of ``reports/outputs`` lists its own in ``OUTPUTS``, by a name. A run and the command ``report`` write those that are asked for, a
 new run clears them, the page carries the tables that say so, and docs/outputs.md has them all. So a new output is one new file there. What
-a scene is to ask for by a name of its own choice is an extra report (:mod:`reports.extra`).
+a scene is to ask for by a name of its own choice is an extra report (:mod:`reports.extra`). A run whose ``[report]`` asks for nothing loads
+none of this.
 """
 
 from __future__ import annotations
