@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.foundation.extensions import Entries
+from reports.extra import EXTRA
 from reports.settings import Report
 
 if TYPE_CHECKING:  # scenes are checked before HDF5 is loaded
@@ -71,8 +72,9 @@ OUTPUTS: Entries[Output] = Entries("reports.outputs", "OUTPUTS")
 
 
 def known_files() -> dict[str, str]:
-    """All files with what they hold."""
-    return {name: meaning for output in OUTPUTS.values() for name, meaning in output.files.items()}
+    """All files with what they hold, those of extra reports last."""
+    own = {name: meaning for output in OUTPUTS.values() for name, meaning in output.files.items()}
+    return own | {name: report.meaning for report in EXTRA.values() for name in report.files}
 
 
 def carried_files() -> list[str]:
