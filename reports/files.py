@@ -2,7 +2,8 @@
 
 A module of ``reports/outputs`` lists its own in ``OUTPUTS``, by a name. A run and the command ``report`` write those that are asked for, a
 new run clears them, the page carries the tables that say so, and docs/outputs.md has them all. So a new output is one new file there. What
-a scene is to ask for by a name of its own choice is an extra report (:mod:`reports.extra`).
+a scene is to ask for by a name of its own choice is an extra report (:mod:`reports.extra`). A run whose ``[report]`` asks for nothing loads
+none of this.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.foundation.extensions import Entries
+from reports.extra import EXTRA
 from reports.settings import Report
 
 if TYPE_CHECKING:  # scenes are checked before HDF5 is loaded
@@ -70,8 +72,9 @@ OUTPUTS: Entries[Output] = Entries("reports.outputs", "OUTPUTS")
 
 
 def known_files() -> dict[str, str]:
-    """All files with what they hold."""
-    return {name: meaning for output in OUTPUTS.values() for name, meaning in output.files.items()}
+    """All files with what they hold, those of extra reports last."""
+    own = {name: meaning for output in OUTPUTS.values() for name, meaning in output.files.items()}
+    return own | {name: report.meaning for report in EXTRA.values() for name in report.files}
 
 
 def carried_files() -> list[str]:

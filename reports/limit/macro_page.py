@@ -22,23 +22,9 @@ COLUMNS = (
     "state", "doubt", "undecided", "check", "last", "displacement", "displacement_demand", "displacement_ratio", "no_displacement",
 )  # fmt: skip
 HEADS = COLUMNS[:5] + (
-    "height_m",
-    "moving_blocks",
-    "alpha0",
-    "e_star",
-    "a0_m_s2",
-    "demand_m_s2",
-    "ratio",
-    "verdict",
-    "e_star_is_one",
-    "why",
-    "check",
-    "d0_m",
-    "displacement_m",
-    "displacement_demand_m",
-    "displacement_ratio",
-    "no_check_by_displacements",
-)
+    "height_m", "moving_blocks", "alpha0", "e_star", "a0_m_s2", "demand_m_s2", "ratio", "verdict", "e_star_is_one", "why", "check", "d0_m",
+    "displacement_m", "displacement_demand_m", "displacement_ratio", "no_check_by_displacements",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

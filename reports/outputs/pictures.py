@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from reports.extra import EXTRA, extra_report
+from reports.extra import extra_report
 from reports.files import Job, Output
 from reports.maps.sequence import animation, crack_maps, times_within
 from reports.outputs import frame_at, sheet_at, style_of
@@ -109,7 +109,5 @@ OUTPUTS = {
     "animation": Output(
         {"crack_map.gif": "that map through the run"}, _animation, lambda job: job.settings.animation and job.results.frames > 1, 33
     ),
-    "extra": Output(
-        {name: report.meaning for report in EXTRA.values() for name in report.files}, _extra, lambda job: bool(job.settings.extra), 40
-    ),
+    "extra": Output({}, _extra, lambda job: bool(job.settings.extra), 40),
 }

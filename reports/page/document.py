@@ -13,9 +13,10 @@ from typing import Any
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
+from reports.drawing.figure import WIDTH as SHEET
 from reports.page.templates import filled
 
-WIDE = 2.0  # width over height from which on a picture has a row to itself
+WIDE = 2.0  # width over height from which on a picture has a row to itself, and a sheet, whose letters are small, always
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Picture:
         image = path.read_bytes()
         width, height = struct.unpack(">II", image[16:24])  # the head of a PNG
         alt = f"{path.stem.replace('_', ' ')}: {caption.partition('. ')[0].rstrip('.')}"
-        return cls(caption, alt, base64.b64encode(image).decode("ascii"), width > WIDE * height)
+        return cls(caption, alt, base64.b64encode(image).decode("ascii"), width > WIDE * height or width >= SHEET)
 
 
 def pictures(captions: Mapping[Path, str]) -> list[Picture]:

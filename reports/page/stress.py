@@ -95,14 +95,8 @@ def _joints(results: Results, peaks: StressPeaks) -> Rows:
         cells = [edge, state, number(peaks.edge_time[j], digits=3), pressure(float(peaks.force[j] / peaks.area[j]))]
         cells += [share_in_words(float(peaks.crushed_share[j]))] if peaks.compared else []
         rows.append([names, *cells])
-    columns = [
-        "joint",
-        "largest edge compression",
-        "above while",
-        "at [s]",
-        "largest mean pressure",
-        *(["taken at strength"] if peaks.compared else []),
-    ]
+    columns = ["joint", "largest edge compression", "above while", "at [s]", "largest mean pressure"]
+    columns += ["taken at strength"] if peaks.compared else []
     return columns, rows
 
 

@@ -146,7 +146,8 @@ def _pin_line(found: Assessment, one: Known, place: int) -> str:
     bars = [(answer, found.bar(one, answer)) for answer in found.answers]
     said = []
     for answer, bar in sorted((pair for pair in bars if pair[1].shows), key=lambda pair: -found.share(one, pair[0]))[:NAMED]:
-        by_chance = f" (chance alone {between(answer, *found.chance(answer))})" if len(found.ensemble) > 1 else ""
+        chance = between(answer, *found.chance(answer))  # none of a load factor that no run of the ensemble has
+        by_chance = f" (chance alone {chance})" if len(found.ensemble) > 1 and chance.strip() else ""
         said.append(f"{answer.name} {between(answer, bar.low, bar.high)}{by_chance}")
     return f"pin down {place}: {one.name}: {'; '.join(said)}"
 

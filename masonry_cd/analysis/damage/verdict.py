@@ -28,6 +28,7 @@ WORDS = {
 }
 
 FEW = 0.01  # share of the steps that may miss the tolerance before a run is doubtful
+NOTHING = 1e-6  # share of the largest work below which nobody reads by how much the balance is open
 BALANCE = (1e-3, 2e-2)  # share of the largest work by which the balance may be open: good up to the first, doubtful beyond the second
 LIFT = (1e-3, 2e-2)  # likewise of what taking overlaps away put in
 FALSE_SHARE = (0.01, 0.1)  # likewise of what violations of the contact laws add up to, as a share of the largest displacement
@@ -162,8 +163,9 @@ def _energy(energy: Mapping[str, Any]) -> Finding:
     share = float("inf") if energy["balance_error"] is None else float(energy["balance_error"])
     lift = energy.get("lift_share") or 0.0
     verdict = max(graded(share, BALANCE), graded(lift, LIFT), key=RANKS.index)
-    lifted = f", and taking overlaps away put in {100 * lift:.2g} %" if lift > LIFT[0] else ""
-    return Finding(ENERGY, verdict, f"the energy balance is open by {100 * share:.2g} % of the largest work{lifted}")
+    closes = f"the energy balance is open by {100 * share:.2g} % of the largest work" if share > NOTHING else "the energy balance closes"
+    lifted = f", and taking overlaps away put in {100 * lift:.2g} %{'' if share > NOTHING else ' of the largest work'}"
+    return Finding(ENERGY, verdict, closes + (lifted if lift > LIFT[0] else ""))
 
 
 def _overlap(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:

@@ -57,6 +57,11 @@ def solver(**changes: Any) -> dict[str, Any]:
         ({"closing": {"steps": 2, "jam": "a wedge"}}, "doubtful", "2 steps left contacts closing: a wedge"),
         ({"energy": {"balance_error": 5e-3}}, "look", "open by 0.5 % of the largest work"),
         ({"energy": {"balance_error": None}}, "doubtful", "open by inf %"),
+        (
+            {"energy": {"balance_error": 1e-10, "lift_share": 0.05}},
+            "doubtful",
+            "the energy balance closes, and taking overlaps away put in 5 % of the largest work",
+        ),
         ({"penetration_max": 5e-3, "penetration_where": "a and b at 1 s"}, "doubtful", "overlap by up to 5 mm, of a and b at 1 s"),
         ({"penetration_max": 5e-3, "collapsed_blocks": 3}, "look", "overlap by up to 5 mm"),  # of what landed
         ({"penetration_max": 5e-2, "collapsed_blocks": 3}, "doubtful", "overlap by up to 50 mm"),
