@@ -68,8 +68,8 @@ class LimitTable(Table):
     sides: Annotated[Count, Field(ge=0, le=64)] = 0
     """Of friction pyramids that replace the circular cones of a structure in space, from inside; 0 for circular ones."""
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
-    """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves ten or
-    twenty cone programmes, 4 with a check of up to 10,000 contact points and none else."""
+    """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves some ten
+    cone programmes, 2 to 4, until two agree, with a check of up to 15,000 contact points and none else."""
     begin: Annotated[str, Field(min_length=1)] | None = Field(None, alias="from")
     """Folder of a run of these blocks, from that of the scene on: the analysis is of where it left them."""
     time: Annotated[float, Unit("s"), Field(ge=0.0)] | None = None
