@@ -72,8 +72,8 @@ class LimitTable(Table):
     sides: Annotated[Count, Field(ge=0, le=64)] = 0
     """Of friction pyramids that replace the circular cones of a structure in space, from inside; 0 for circular ones."""
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
-    """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves ten or
-    twenty cone programmes, 4 with a check of up to 10,000 contact points and none else."""
+    """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves some ten
+    cone programmes, 2 to 4, until two agree, with a check of up to 15,000 contact points and none else."""
     positions: Annotated[Count, Field(ge=3, le=2000)] | None = None
     """At which the worst place of a live vehicle without a position is looked for, before those around it; 60 in a plane, 16 in space when
     not given."""

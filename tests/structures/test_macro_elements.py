@@ -49,6 +49,8 @@ def test_a_church_has_the_parts_that_practice_names() -> None:
     assert low[found["facade, gable"].blocks].min() >= 7.8 - 1e-6  # the eaves lie on a whole course
     assert low[found["belfry"].blocks].min() > 10.0
     assert found["facade"].directions == ((-1.0, 0.0, 0.0),)
+    assert set(found["nave wall south"].directions) == {(0.0, -1.0, 0.0), (0.0, 1.0, 0.0)}  # inwards too
+    assert set(found["triumphal arch"].directions) == {(-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)}
     assert set(found["facade, gable"].blocks) < set(found["facade, upper part"].blocks) < set(found["facade"].blocks)
 
 

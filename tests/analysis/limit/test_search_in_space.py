@@ -1,0 +1,71 @@
+"""The search in space: starts one by one are the starts together, it goes on until some agree, and it begins at the structure's parts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from limit_loads import joined, push_loads
+from models import box, ground
+
+from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, searched, with_more_starts
+from masonry_cd.analysis.limit.nonassociated_space import MOST, SearchInSpace
+from masonry_cd.app.limit_case import limit_case
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
+from structures.files import blockfile
+
+ALONE = 0.5 / 3.0  # factor of the slab that leans alone
+
+
+def wedged(starts: int) -> tuple[Assembly, Joints, Analysis]:
+    """A slab between two cheeks that it need not press; pushed out, it falls with them at 0.258 or alone at 1/6."""
+    cheeks = [box("left", (0.0, -1.6, 0.0), (1.0, -1.0, 3.0)), box("right", (0.0, 1.0, 0.0), (1.0, 1.6, 3.0))]
+    assembly, joints = joined([ground(8.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0)), *cheeks], 0.6)
+    return assembly, joints, analyse(assembly, joints, push_loads(assembly, (-1.0, 0.0, 0.0)), Options(starts=starts))
+
+
+def test_starts_that_are_left_out_leave_the_others_as_they_are() -> None:
+    _, _, analysis = wedged(0)
+    every = searched(analysis.problem, analysis.associated.optimum, 4, 7)
+    last = searched(analysis.problem, analysis.associated.optimum, 4, 7, 2)
+    assert every is not None and last is not None
+    assert (every.starts, last.starts) == (4, 2) and every.found[2:] == pytest.approx(last.found, rel=1e-9)
+
+
+def test_a_search_goes_on_until_two_starts_agree_and_no_farther() -> None:
+    assembly, joints, analysis = wedged(2)
+    assert analysis.least is not None and not analysis.least.agreed  # each end has its own mechanism
+    more = with_more_starts(analysis, assembly, joints, 2, 8, 0)
+    assert more.least is not None and more.least.agreed and more.starts < 8
+    assert more.least.optimum.factor == pytest.approx(ALONE, rel=1e-4)
+    assert with_more_starts(more, assembly, joints, 2, 8, 0) is more
+
+
+def test_programmes_that_are_set_up_once_give_what_each_gives_by_itself() -> None:
+    _, _, analysis = wedged(0)
+    problem, normal = analysis.problem, np.maximum(analysis.associated.optimum.force[:, 0], 0.0)
+    cap = MOST * analysis.associated.factor
+    one = SearchInSpace(problem, cap)
+    first = one.descend(one.sequence(normal, 0.5))
+    second = one.descend(one.sequence(one.least_normal(), 1.0))
+    alone = SearchInSpace(problem, cap)
+    again = alone.descend(alone.sequence(alone.least_normal(), 1.0))
+    assert first is not None and second is not None and again is not None
+    assert second[0].factor == pytest.approx(again[0].factor, rel=1e-9) and second[0].factor < first[0].factor
+
+
+def test_of_two_walls_that_no_start_joins_the_slenderer_one_is_found_as_a_part(tmp_path: Path) -> None:
+    """The search of the whole may come to either; a part is begun at in any case, and the least of all is of the slenderer one."""
+    thick, thin = box("thick", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0)), box("thin", (4.0, -1.0, 0.0), (4.48, 1.0, 3.0))
+    blockfile.write(tmp_path / "blocks.json", [ground(8.0), replace(thick, group="thick"), replace(thin, group="thin", name="thin")])
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        'structure = {kind = "file", path = "blocks.json"}\nmaterial = {density = 2000.0, friction = 0.6}\n'
+        'limit = {push = "x", starts = 2}\n[[loads]]\nkind = "point"\nblock = "thick"\nforce = [0.0, 1.0, 0.0]\n'
+    )
+    found = limit_case(path).analysis.least
+    assert found is not None and found.starts >= 3
+    assert found.optimum.factor == pytest.approx(0.48 / 3.0, rel=1e-3)
