@@ -54,8 +54,8 @@ def beside_figure(
         look = {"marker": "os^vD<>"[k % 7], "ms": 4.0, "markevery": max(1, len(x) // 12)}
         axes.plot(x, y, color=FAINT, lw=1.0, ls="--" if k < len(others) and len(x) > 1 else "none", label=name, **look)
     for k, (name, x, y) in enumerate(computed):
-        dots = {"marker": "x", "ls": "none"} if len(x) <= FEW else {}
-        axes.plot(x, y, color=COLOURS[k % len(COLOURS)], lw=1.4, label=name, **dots)
+        marker, line = ("x", "none") if len(x) <= FEW else ("", "-")
+        axes.plot(x, y, color=COLOURS[k % len(COLOURS)], lw=1.4, label=name, marker=marker, ls=line)
     plain_axes(axes, labels[1], labels[0])
     axes.set_title(title, color=INK, fontsize=11, loc="left")
     if len(computed) + len(others) + len(points) > INSIDE:

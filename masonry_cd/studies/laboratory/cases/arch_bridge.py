@@ -52,8 +52,7 @@ def ring() -> list[Block]:
     for name, k, along in (("left", 0, -1.0), ("right", -1, 1.0)):
         off = along * 0.5 * np.array([ways[k, 1], -ways[k, 0]])
         face = [outer[k], inner[k], inner[k] + off, outer[k] + off]
-        loop = face if along < 0.0 else face[::-1]
-        blocks.append(Block(name, *prism_xz(_turned_left(np.array(loop)), 0.0, WIDTH), density, "base", fixed=True))
+        blocks.append(Block(name, *prism_xz(_turned_left(np.array(face)), 0.0, WIDTH), density, "base", fixed=True))
     for k in range(VOUSSOIRS):
         loop = np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]])
         blocks.append(Block(f"v{k + 1}", *prism_xz(_turned_left(loop), 0.0, WIDTH), density, "ring"))
