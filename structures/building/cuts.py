@@ -9,14 +9,14 @@ import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from masonry_cd.mechanics.model.polygon import loop_planes
+from masonry_cd.mechanics.model.polygon import loop_area, loop_planes
 from structures.geometry.checks import Unsound
 from structures.geometry.compound_block import compound_block
 from structures.geometry.convex import halves, split
 from structures.layout.seats import hanging_together
 
 Planes = tuple[np.ndarray, np.ndarray]  # normals (F, 3) and offsets (F,) [m] of the faces of a solid
-SAME = 1e-8  # planes this close are one, their normals and their offsets [m]
+SAME = 1e-6  # planes this close are one, their normals and their offsets [m]
 ON = 1e-7  # solids that reach less than this into a stone do not meet it [m]
 
 
@@ -35,7 +35,7 @@ def without(block: Block, solids: Sequence[Polyhedron]) -> list[Block]:
     All its cells are cut by all planes of the solids that reach into it, so that they share whole faces.
     """
     whole = [replace(block, vertices=part.vertices, faces=part.faces, parts=()) for part in block.convex_parts]
-    sides = [loop_planes([solid.vertices[list(face)] for face in solid.faces]) for solid in solids]
+    sides = [_planes(solid) for solid in solids]
     sides = [side for side in sides if any(_inside(cell, side) for cell in whole)]
     if not sides:
         return [block]
@@ -46,6 +46,12 @@ def without(block: Block, solids: Sequence[Polyhedron]) -> list[Block]:
     taken = np.any([(middle @ normals.T - offsets < 0.0).all(axis=1) for normals, offsets in sides], axis=0)
     left = [cell for cell, gone in zip(cells, taken.tolist(), strict=True) if not gone]
     return [_stone(block, [left[i] for i in own]) for own in hanging_together(left)] if left else []
+
+
+def _planes(solid: Polyhedron) -> Planes:
+    """The planes of a solid, those of its largest faces first: of small ones rounding turns the normal."""
+    loops = sorted((solid.vertices[list(face)] for face in solid.faces), key=loop_area, reverse=True)
+    return loop_planes(loops)
 
 
 def _distinct(sides: Sequence[Planes]) -> list[tuple[np.ndarray, float]]:
