@@ -16,6 +16,7 @@ from structures.geometry.convex import halves, split
 from structures.layout.seats import hanging_together
 
 Planes = tuple[np.ndarray, np.ndarray]  # normals (F, 3) and offsets (F,) [m] of the faces of a solid
+CRUMB = 0.02  # of a stone: a piece of it that is smaller moves with the largest one
 SAME = 1e-6  # planes this close are one, their normals and their offsets [m]
 ON = 1e-7  # solids that reach less than this into a stone do not meet it [m]
 
@@ -25,8 +26,22 @@ def with_pockets(blocks: Sequence[Block], solids: Sequence[Polyhedron]) -> Itera
     low, high = (np.array([end(solid.vertices, axis=0) for solid in solids]) for end in (np.min, np.max))
     for block in blocks:
         meet = (low < block.vertices.max(axis=0) - ON).all(axis=1) & (high > block.vertices.min(axis=0) + ON).all(axis=1)
-        stones = without(block, [solids[k] for k in np.flatnonzero(meet).tolist()])
+        stones = _with_crumbs(block, without(block, [solids[k] for k in np.flatnonzero(meet).tolist()]))
         yield from stones if len(stones) < 2 else [replace(stone, name=f"{block.name}.s{k + 1}") for k, stone in enumerate(stones)]
+
+
+def _with_crumbs(block: Block, stones: Sequence[Block]) -> list[Block]:
+    """The pieces of a block, those that are crumbs moving with the largest one: alone they would be loose between the others."""
+    volumes = [stone.mass_properties.volume for stone in stones]
+    if len(stones) < 2 or min(volumes) >= CRUMB * sum(volumes):
+        return list(stones)
+    largest = int(np.argmax(volumes))
+    joined = [stone for k, stone in enumerate(stones) if k == largest or volumes[k] < CRUMB * sum(volumes)]
+    starts = np.cumsum([0, *(len(stone.vertices) for stone in joined)]).tolist()
+    faces = tuple(tuple(i + start for i in face) for stone, start in zip(joined, starts, strict=False) for face in stone.faces)
+    parts = tuple(part for stone in joined for part in stone.convex_parts)
+    whole = replace(block, vertices=np.concatenate([stone.vertices for stone in joined]), faces=faces, parts=parts)
+    return [whole, *(stone for k, stone in enumerate(stones) if k != largest and volumes[k] >= CRUMB * sum(volumes))]
 
 
 def without(block: Block, solids: Sequence[Polyhedron]) -> list[Block]:

@@ -35,7 +35,7 @@ def _plain(shape: Polygon) -> Polygon:
 def loop(shape: Polygon) -> np.ndarray:
     """The corners (n, 2) of a polygon, counter-clockwise."""
     ring = without_straight(np.array(shape.exterior.coords)[:-1])
-    return ring if polygon_area(ring) > 0.0 else ring[::-1]
+    return ring if len(ring) < 3 or polygon_area(ring) > 0.0 else ring[::-1]
 
 
 def without_straight(ring: np.ndarray, closed: bool = True) -> np.ndarray:
