@@ -72,7 +72,7 @@ def build(
         from masonry_cd.app.case import make_structures
         from masonry_cd.app.doubts import structure_doubts
         from structures import summary
-        from structures.files import blockfile, meshfile, solidfile
+        from structures.files import blockfile, meshfile
         from structures.geometry.checks import Unsound
 
         try:
@@ -87,8 +87,7 @@ def build(
         output.mkdir(parents=True, exist_ok=True)
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:
-            writer = blockfile if path.suffix == ".json" else solidfile if path.suffix in solidfile.ENDINGS else meshfile
-            writer.write(path, blocks)
+            (blockfile if path.suffix == ".json" else meshfile).write(path, blocks)
         if plan_files.is_of_plan(asked):
             written += plan_files.write_plan_files(asked, output, picture)
         if picture:

@@ -9,14 +9,15 @@ import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from masonry_cd.mechanics.model.polygon import loop_planes
+from masonry_cd.mechanics.model.polygon import loop_area, loop_planes
 from structures.geometry.checks import Unsound
 from structures.geometry.compound_block import compound_block
 from structures.geometry.convex import halves, split
 from structures.layout.seats import hanging_together
 
 Planes = tuple[np.ndarray, np.ndarray]  # normals (F, 3) and offsets (F,) [m] of the faces of a solid
-SAME = 1e-8  # planes this close are one, their normals and their offsets [m]
+CRUMB = 0.02  # of a stone: a piece of it that is smaller moves with the largest one
+SAME = 1e-6  # planes this close are one, their normals and their offsets [m]
 ON = 1e-7  # solids that reach less than this into a stone do not meet it [m]
 
 
@@ -25,8 +26,22 @@ def with_pockets(blocks: Sequence[Block], solids: Sequence[Polyhedron]) -> Itera
     low, high = (np.array([end(solid.vertices, axis=0) for solid in solids]) for end in (np.min, np.max))
     for block in blocks:
         meet = (low < block.vertices.max(axis=0) - ON).all(axis=1) & (high > block.vertices.min(axis=0) + ON).all(axis=1)
-        stones = without(block, [solids[k] for k in np.flatnonzero(meet).tolist()])
+        stones = _with_crumbs(block, without(block, [solids[k] for k in np.flatnonzero(meet).tolist()]))
         yield from stones if len(stones) < 2 else [replace(stone, name=f"{block.name}.s{k + 1}") for k, stone in enumerate(stones)]
+
+
+def _with_crumbs(block: Block, stones: Sequence[Block]) -> list[Block]:
+    """The pieces of a block, those that are crumbs moving with the largest one: alone they would be loose between the others."""
+    volumes = [stone.mass_properties.volume for stone in stones]
+    if len(stones) < 2 or min(volumes) >= CRUMB * sum(volumes):
+        return list(stones)
+    largest = int(np.argmax(volumes))
+    joined = [stone for k, stone in enumerate(stones) if k == largest or volumes[k] < CRUMB * sum(volumes)]
+    starts = np.cumsum([0, *(len(stone.vertices) for stone in joined)]).tolist()
+    faces = tuple(tuple(i + start for i in face) for stone, start in zip(joined, starts, strict=False) for face in stone.faces)
+    parts = tuple(part for stone in joined for part in stone.convex_parts)
+    whole = replace(block, vertices=np.concatenate([stone.vertices for stone in joined]), faces=faces, parts=parts)
+    return [whole, *(stone for k, stone in enumerate(stones) if k != largest and volumes[k] >= CRUMB * sum(volumes))]
 
 
 def without(block: Block, solids: Sequence[Polyhedron]) -> list[Block]:
@@ -35,7 +50,7 @@ def without(block: Block, solids: Sequence[Polyhedron]) -> list[Block]:
     All its cells are cut by all planes of the solids that reach into it, so that they share whole faces.
     """
     whole = [replace(block, vertices=part.vertices, faces=part.faces, parts=()) for part in block.convex_parts]
-    sides = [loop_planes([solid.vertices[list(face)] for face in solid.faces]) for solid in solids]
+    sides = [_planes(solid) for solid in solids]
     sides = [side for side in sides if any(_inside(cell, side) for cell in whole)]
     if not sides:
         return [block]
@@ -46,6 +61,12 @@ def without(block: Block, solids: Sequence[Polyhedron]) -> list[Block]:
     taken = np.any([(middle @ normals.T - offsets < 0.0).all(axis=1) for normals, offsets in sides], axis=0)
     left = [cell for cell, gone in zip(cells, taken.tolist(), strict=True) if not gone]
     return [_stone(block, [left[i] for i in own]) for own in hanging_together(left)] if left else []
+
+
+def _planes(solid: Polyhedron) -> Planes:
+    """The planes of a solid, those of its largest faces first: of small ones rounding turns the normal."""
+    loops = sorted((solid.vertices[list(face)] for face in solid.faces), key=loop_area, reverse=True)
+    return loop_planes(loops)
 
 
 def _distinct(sides: Sequence[Planes]) -> list[tuple[np.ndarray, float]]:

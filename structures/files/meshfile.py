@@ -25,7 +25,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, triangles
-from structures.files import foreign, vtkfile
+from structures.files import foreign, solidfile, vtkfile
 from structures.files.formats import CAD, FORMATS, format_of
 from structures.files.shells import shells
 from structures.geometry.compound_block import compound_block
@@ -313,6 +313,8 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
         vtkfile.write_vtm(path, blocks)
     elif suffix == ".vtkhdf":
         vtkfile.write_vtkhdf(path, blocks)
+    elif suffix in solidfile.ENDINGS:
+        solidfile.write(path, blocks)
     else:
         written = [ending for format_ in FORMATS.values() if format_.written for ending in format_.endings]
         raise InputError(f"{path.name}: blocks are written as {', '.join(written)}")

@@ -68,6 +68,14 @@ def test_a_vault_over_a_bay_fills_its_pockets_and_stands(shape: str) -> None:
     assert volume_of_plan(prepare({"walls": ROOM})) == pytest.approx(2.4 * walls.area, rel=1e-9)
 
 
+@pytest.mark.slow(reason="the stones of a sail dome cut those of its walls by many planes")
+def test_a_sail_dome_over_four_walls_stands() -> None:
+    blocks = build("building", walls=ROOM, vaults=[VAULT | {"shape": "dome", "walls": ALL}])
+    assembly, joints = assembled(blocks)
+    assert in_one_piece(assembly, joints)
+    assert can_stand(blocks, 0.7)
+
+
 def _beyond(parts: Any) -> float:
     """Volume of convex parts outside the clear bay, by slicing them along z [m3]: of the second degree between their corners."""
     total = 0.0
