@@ -29,7 +29,8 @@ def limit(
     """Find the largest load factor of a scene by limit analysis, and the mechanism.
 
     What is multiplied is the scene's load of kind push, tilt, settlement or spreading, or what its table [limit] names: push = "x",
-    tilt = "x", or live = [0] for point loads or a vehicle, whose worst place is looked for where it has none: crossing.csv and .png. In a plane, and for a check in space, the least factor without dilation is searched for.
+    tilt = "x", or live = [0] for point loads or a vehicle, whose worst place is looked for where it has none: crossing.csv and .png.
+    In a plane, and for a check in space, the least factor without dilation is searched for.
     DIR gets limit.json, blocks.csv, joints.csv, mechanism.png, thrust.png and limit.html, a page with all of it; with ties also
     ties.csv, what they pull at collapse; with a table [limit.check] check.json and check.csv, the check by a code;
     with --curve, or a table [limit.curve], the capacity curve: the factor that the moved structure still bears, over the displacement
