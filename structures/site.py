@@ -95,7 +95,7 @@ class Place:
         """A block of the structure in the world, under its full name."""
         parts = tuple(Polyhedron(self.points(part.vertices), part.faces) for part in own.parts)
         name, group = f"{self.name}.{own.name}", f"{self.name}.{own.group}"
-        carried = None if own.carried is None else own.carried.moved(self.turn, self.points)
+        carried = None if own.carried is None else own.carried.moved(self.turn, self.points(own.carried.centre[None])[0])
         return replace(own, name=name, group=group, structure=self.name, vertices=self.points(own.vertices), parts=parts, carried=carried)
 
     def bar(self, own: Bar, number: int) -> Bar:

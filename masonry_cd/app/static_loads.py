@@ -246,8 +246,8 @@ def _pattern(
     if limit.tilt is not None:
         return _body_force("tilt", limit.tilt, down, "limit.tilt", None)
     if limit.live:
-        kinds = [f" ({asked[i].kind})" if asked[i].kind != "point" else "" for i in limit.live]
-        return "live", None, f"live loads: {', '.join(f'loads[{i}]{kind}' for i, kind in zip(limit.live, kinds, strict=True))}", None, None
+        named = [f"loads[{i}]" + ("" if asked[i].kind == "point" else f" ({asked[i].kind})") for i in limit.live]
+        return "live", None, f"live loads: {', '.join(named)}", None, None
     kinds = (PushTable, TiltTable, SettlementTable, SpreadingTable)
     there = [(i, table) for i, table in enumerate(asked) if isinstance(table, kinds) and not _by_displacement(table)]
     if not there:

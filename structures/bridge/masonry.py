@@ -64,7 +64,7 @@ def supports(layout: Layout, density: float) -> tuple[list[Block], list[FillFace
     blocks, faces = list[Block](), list[FillFace]()
     half = 0.5 * layout.keys.width
     for support in layout.supports:
-        top = top_of(support)
+        top = top_of(support, layout.keys.walls is not None)
         if support.keys.rigid:
             beds = [support.foot, support.springing]
         else:
@@ -112,13 +112,13 @@ def steep(line: np.ndarray) -> bool:
     return bool(up > across)
 
 
-def top_of(support: Support) -> list[tuple[float, float]]:
-    """The line from the end of the one extrados to the beginning of the other: level where one of them is steep."""
+def top_of(support: Support, walls: bool) -> list[tuple[float, float]]:
+    """The line from the end of the one extrados to the beginning of the other: level where a wall stands on it beside a steep one."""
     first, last = support.seats
     middle, level = support.split, 0.5 * float(first[1] + last[1])
     if support.before is None or support.after is None:
         return [tuple(first.tolist()), tuple(last.tolist())]
-    one, other = steep(support.before.extrados[::-1]), steep(support.after.extrados)
+    one, other = (walls and steep(line) for line in (support.before.extrados[::-1], support.after.extrados))
     left = float(first[1]) if one else float(last[1]) if other else level
     right = float(last[1]) if other else float(first[1]) if one else level
     line = [tuple(first.tolist()), (middle, left), (middle, right), tuple(last.tolist())]

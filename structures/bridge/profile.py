@@ -79,7 +79,8 @@ def profile_of(span: SpanTable, left: float) -> Profile:
 def _circles(span: SpanTable, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Points of the intrados and their outward normals (N + 1, 2) of a circle or a pointed arch about x = 0."""
     shape = "pointed" if span.shape == "pointed" else "circular"
-    inner, outer = joints_of(RingTable(shape=shape, span=span.span, rise=rise_of(span), thickness=span.thickness, voussoirs=count))
+    keys = {"shape": shape, "span": span.span, "rise": rise_of(span), "thickness": span.thickness, "voussoirs": count}
+    inner, outer = joints_of(RingTable.model_validate(keys))
     return inner, (outer - inner) / span.thickness
 
 

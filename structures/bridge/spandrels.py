@@ -139,7 +139,7 @@ def _over_crown(layout: Layout, chord: np.ndarray) -> np.ndarray:
 def _halves(layout: Layout, support: Support) -> list[tuple[Half, float]]:
     """The halves of arches that stand on a support, and which way they go."""
     assert layout.keys.walls is not None
-    line, found = top_of(support), list[tuple[Half, float]]()
+    line, found = top_of(support, True), list[tuple[Half, float]]()
     middle = support.split
     for profile, sign in ((support.before, -1.0), (support.after, 1.0)):
         if profile is None:

@@ -80,10 +80,14 @@ class BridgeTable(Table):
 
     spans: tuple[SpanTable, ...] = Field(strict=False, min_length=1, max_length=MOST_SPANS, description="from left to right")
     piers: tuple[SupportTable, ...] = Field(
-        (SupportTable(),), strict=False, max_length=MOST_SPANS, description="one for all, or one between each two spans"
+        (SupportTable.model_validate({}),), strict=False, max_length=MOST_SPANS, description="one for all, or one between each two spans"
     )
     abutments: tuple[AbutmentTable, ...] = Field(
-        (AbutmentTable(),), strict=False, min_length=1, max_length=2, description="one for both, or the left and the right one"
+        (AbutmentTable.model_validate({}),),
+        strict=False,
+        min_length=1,
+        max_length=2,
+        description="one for both, or the left and the right",
     )
     width: Length = Field(4.0, description="across the road, along y")
     skew: Angle = Field(0.0, ge=-45.0, le=45.0, description="between the springings and a line across the road")
@@ -93,4 +97,4 @@ class BridgeTable(Table):
     walls: WallTable | None = Field(
         None, description="spandrel walls, wing walls and parapets; without them a strip that may move in its plane"
     )
-    fill: FillTable = Field(FillTable(), description="between the arches and the road")
+    fill: FillTable = Field(FillTable.model_validate({}), description="between the arches and the road")

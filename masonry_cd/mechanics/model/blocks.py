@@ -9,7 +9,7 @@ so every orientation starts as the unit quaternion (1, 0, 0, 0).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -30,9 +30,9 @@ class Carried(NamedTuple):
     centre: np.ndarray  # (3,) of mass, world frame [m]
     inertia: np.ndarray  # (3, 3) about that centre, world frame [kg m2]
 
-    def moved(self, turn: np.ndarray, place: Callable[[np.ndarray], np.ndarray]) -> Carried:
-        """Turned by (3, 3), with its centre where ``place`` puts the point (1, 3) [m]."""
-        return Carried(self.mass, np.asarray(place(self.centre[None]))[0], turn @ self.inertia @ turn.T)
+    def moved(self, turn: np.ndarray, centre: np.ndarray) -> Carried:
+        """Turned by (3, 3), with its centre at a place (3,) [m]."""
+        return Carried(self.mass, centre, turn @ self.inertia @ turn.T)
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,8 +274,8 @@ class Assembly:
             parts = tuple(Polyhedron(own, part.faces) for own, part in zip(corners[1:], block.parts, strict=True))
             new = replace(block, vertices=corners[0], parts=parts)
             if block.carried is not None:
-                shift, turn = position[b], rotation[b]
-                new = replace(new, carried=block.carried.moved(turn, lambda p, b=b, t=turn, s=shift: (p - self.centre[b]) @ t.T + s))
+                centre = (block.carried.centre - self.centre[b]) @ rotation[b].T + position[b]
+                new = replace(new, carried=block.carried.moved(rotation[b], centre))
             moved.append(new)
         inertia = np.einsum("bij,bjk,blk->bil", rotation, self.inertia, rotation)
         shapes = self.shapes._replace(solids=turned)
