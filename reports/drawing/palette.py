@@ -15,3 +15,4 @@ PULLING, SLACK = "#6a1b7a", "#8d8d8d"  # ties: unlike openings, slidings and for
 STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
 SUPPORT, EDGE = "#a9adb0", "#4a4640"
 OPENED, SLID = "#225ea8", "#d7301f"  # the states of a joint, beside PARTED
+CRUSHED = "#c51b7d"  # of a joint that is shorter for good, unlike these, ties and forces

@@ -31,6 +31,7 @@ class Marks:
     separated: np.ndarray  # (J,)
     opened: np.ndarray  # (J,) open, see masonry_cd.analysis.damage.definitions; not separated, neither of its blocks has fallen
     slid: np.ndarray  # (J,) likewise
+    crushed: np.ndarray | None = None  # (J,) bool: shorter for good; None: none can be
 
     @property
     def some(self) -> bool:
@@ -38,9 +39,10 @@ class Marks:
         return len(self.opening) > 0
 
     @classmethod
-    def of(cls, snapshot: DamageSnapshot) -> Marks:
-        """The marks of a frame's damage."""
-        return cls(snapshot.opening, snapshot.sliding, snapshot.separated, snapshot.open, snapshot.slid)
+    def of(cls, snapshot: DamageSnapshot, crushed: np.ndarray | None = None) -> Marks:
+        """The marks of a frame's damage; ``crushed`` (J,) by how much joints are shorter for good [m], None where none can be."""
+        shorter = None if crushed is None else snapshot.live & ~snapshot.separated & (crushed > 0.0)
+        return cls(snapshot.opening, snapshot.sliding, snapshot.separated, snapshot.open, snapshot.slid, shorter)
 
 
 class ColourClasses:
@@ -126,6 +128,8 @@ def draw_signs(sheet: Sheet, key: Key) -> None:
         (partial(band_sign, first=middle[0], second=middle[1]), f"open and slid ({int(both.sum())})"),
         (partial(band_sign, first=rgb(PARTED), second=rgb(PARTED)), f"separated ({int(marks.separated.sum())})"),
     ]
+    if marks.crushed is not None and marks.crushed.any():
+        rows.append((partial(band_sign, first=np.ones(3), second=rgb(palette.CRUSHED)), f"crushed ({int(marks.crushed.sum())})"))
     rows = rows if marks.some else []
     if key.down or not key.alone:
         hidden = f", {key.outside} not in view" if key.outside else ""

@@ -1,9 +1,10 @@
 r"""The crack map: the structure as it stands at a frame, its joints coloured by what is left open and what has slid.
 
 An open joint is a solid band coloured by its opening, a slid one is dashed and coloured by its sliding, in another hue; where
-both happened the dashes lie on the band. So a colour-blind reader can distinguish the two, and so can one of a grey print. The
-classes of both scales run 1-2-5 from the threshold of damage to ``largest``: equal thresholds give equal colours, and the maps of
-two runs can be laid side by side. Faces of standing blocks that have parted are dark. Where nothing would be seen at true scale,
+both happened the dashes lie on the band, and the dashes of a joint that was crushed are magenta. So a colour-blind reader can
+distinguish them, and so can one of a grey print. The classes of both scales run 1-2-5 from the threshold of damage to ``largest``:
+equal thresholds give equal colours, and the maps of two runs can be laid side by side. Faces of standing blocks that have parted
+are dark. Where nothing would be seen at true scale,
 displacements relative to the base are drawn amplified by a factor that the sheet states; the shape at rest lies behind as a pale
 shadow. A cut takes away what lies before a plane (:mod:`reports.maps.cut`); the forces are drawn on request (:mod:`reports.maps.thrust`).
 
@@ -22,6 +23,7 @@ from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import displacement_max, in_words, joint_damage
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import frame_index, solids_of
+from masonry_cd.io.layout import CRUSHED
 from masonry_cd.io.results import Results
 from reports.drawing.figure import Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas, Surface
@@ -111,7 +113,7 @@ def subject_of(results: Results, frame: int, framed: Framing) -> Subject:
         solids=solids,
         snapshot=snapshot,
         last=last,
-        marks=Marks.of(snapshot),
+        marks=Marks.of(snapshot, results.joints_at(CRUSHED, frame) if results.has_joint_history(CRUSHED) else None),
         drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
         provisional=end_state(results, thresholds).provisional if last else "",
         suffered=_suffered(results, thresholds) if last and framed.alone else "",

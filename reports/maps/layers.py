@@ -9,6 +9,7 @@ import numpy as np
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.mechanics.model.joints import Joints
+from reports.drawing.palette import CRUSHED
 from reports.drawing.render import Layer, Lines, Surface
 from reports.drawing.structure_picture import EDGE, SUPPORT, face_layers, rgb, stone_colours
 from reports.maps.bands import Bands, band_corners, dashed, face_plates, joint_bands
@@ -150,7 +151,8 @@ def marked_joints(subject: Subject, scales: tuple[Scale, Scale]) -> tuple[np.nda
     """Which joints are drawn (J,) bool, and the two colours (J, 3) that the dashes of each alternate between."""
     marks = subject.marks
     if subject.strong is None:
-        return (marks.opened | marks.slid, *band_colours(marks, scales))
+        crushed = np.zeros_like(marks.opened) if marks.crushed is None else marks.crushed
+        return (marks.opened | marks.slid | crushed, *band_colours(marks, scales))
     dark = np.tile((255 * rgb(STRONG)).astype(np.uint8), (subject.joints.count, 1))
     return subject.strong, dark, dark
 
@@ -160,7 +162,11 @@ def band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray,
     opening, sliding = scales[0](marks.opening), scales[1](marks.sliding)
     first = np.where(marks.opened[:, None], opening, sliding)
     white = np.full_like(first, 255)
-    return first, np.where(~marks.slid[:, None], opening, np.where(marks.opened[:, None], sliding, white))
+    second = np.where(~marks.slid[:, None], opening, np.where(marks.opened[:, None], sliding, white))
+    if marks.crushed is not None:
+        first = np.where((marks.crushed & ~marks.opened & ~marks.slid)[:, None], white, first)
+        second = np.where(marks.crushed[:, None], (255 * rgb(CRUSHED)).astype(np.uint8), second)
+    return first, second
 
 
 def trace_bands(subject: Subject, marked: np.ndarray, width: float) -> Bands:
