@@ -14,6 +14,7 @@ from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.layout import (
     BONDED,
     CLOSING,
+    CRUSHED,
     EDGE_STRESS,
     ELEMENT_STRESS,
     FORCE,
@@ -132,6 +133,8 @@ class Recorder:
         if self._stepper.assembly.laws.apex.any():
             bonded = self._stepper.joint_bonds(self._joint_of_pairs(), self._joints)
             writer.append({f"joints/{BONDED}": bonded})
+        if self._stepper.can_crush:
+            writer.append({f"joints/{CRUSHED}": self._stepper.crushed_joints(self._joint_of_pairs(), self._joints.count)})
         if self.stress is not None:
             self._stress_frame(self.stress, bonded > 0.0)
         self.frames += 1

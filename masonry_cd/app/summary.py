@@ -123,6 +123,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if reported else ""
     deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
+    joints = "1 joint" if s.get("joints_crushed") == 1 else f"{s.get('joints_crushed')} joints"
+    crushed = [f"crushing: {joints}, by {length(s['crushed_max'])} at the most"] if s.get("joints_crushed") else []
     on = f" on {solver['threads']} threads" if solver["threads"] > 1 else ""
     return [
         f"{s['title']}: {steps_in_words(s)} in {in_words(s['stepping_seconds'])}, "
@@ -135,6 +137,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         *_end_lines(s),
         *_part_lines(s),
         *bonds,
+        *crushed,
         *_stress_lines(s),
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}{deep}",

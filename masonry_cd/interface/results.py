@@ -49,6 +49,7 @@ MEASURES = {  # of joints over time, and their units
     "normal_force": "N",
     "shear_force": "N",
     "bonded": "",
+    "crushed": "m",
     "mean_normal_force": "N",
     "edge_stress": "Pa",
 }
@@ -142,7 +143,9 @@ class Run(RunExports):
         with self.results() as found:
             table = vars(joint_damage(found, thresholds_of(self._report)))
             places = found.joints.centres()
-        columns = {name: values for name, values in table.items() if name not in ("joint", "bonded") or np.isfinite(values).all()}
+        columns = {
+            name: values for name, values in table.items() if name not in ("joint", "bonded", "crushed") or np.isfinite(values).all()
+        }
         index = columns.pop("joint")
         return frame_of(columns | dict(zip("xyz", places.T, strict=True)), index, "joint", provisional=self.provisional)
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 UNITS = {
     "m": "x y z ux uy uz base_x base_y base_z from_z to_z mean_z residual_x residual_y largest_displacement max_opening residual_opening "
-    "max_sliding residual_sliding opening sliding displacement penetration false_slip false_opening",
+    "max_sliding residual_sliding opening sliding displacement penetration false_slip false_opening crushed",
     "m2": "area joint_area opened_area slid_area separated_area open_area slipped_area apart_area contact_area",
     "m3": "volume",
     "kg": "mass",
@@ -26,7 +26,7 @@ UNITS = {
     "N": "force inertia normal_force shear_force max_normal_force fx fy fz",
     "N m": "mx my mz",
     "Pa": "max_compression max_tension strength max_edge_stress max_finite_edge_stress end_edge_stress xx yy zz xy yz xz s1 s2 s3",
-    "J": "kinetic base_work gravity_work force_work correction friction impact elastic damping balance",
+    "J": "kinetic base_work gravity_work force_work correction friction impact elastic damping crushing balance",
     "Hz": "frequency_hz",
 }
 PER_STEP = {  # datasets of every step, and their types

@@ -10,6 +10,7 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /joints/force (F, J, 3)   mean force of the joint on its block b over the step before, its opposite acts on block a [N]
     /reaction (F, S, 6)   force and moment about its centre of mass of each of S supports on what it carries, likewise [N, N m]
     /joints/bonded (F, J)   share of the area that is bonded; only where joints are
+    /joints/crushed (F, J)   by how much the joint is shorter for good where it is most so [m]; only where joints can crush
     /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
     /stress (F, B, 6)   mean stress of the blocks since the frame before, xx yy zz xy yz xz, tension positive [Pa]; NaN of supports and in
         the first frame; only where the scene asks for it, as the next two:
@@ -54,6 +55,7 @@ JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_for
 FORCE, REACTION = "force", "reaction"  # of joints and supports; older files have none
 GRADIENT = "gradient"  # a history that only runs with blocks that deform have
 BONDED = "bonded"  # a history that only runs with cohesive joints have
+CRUSHED = "crushed"  # and this those with joints that can crush
 STRESS = "stress"  # a history that only runs have whose scene asks for it, as those of the joints:
 MEAN_NORMAL_FORCE, EDGE_STRESS = "mean_normal_force", "edge_stress"
 NODE_DISPLACEMENT, ELEMENT_STRESS = "meshes/displacement", "meshes/stress"  # and these two where blocks are meshed as well

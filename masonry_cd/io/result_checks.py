@@ -17,6 +17,7 @@ from masonry_cd.io.layout import (
     BLOCK_ARRAYS,
     BONDED,
     CLOSING,
+    CRUSHED,
     EDGE_STRESS,
     ELEMENT_STRESS,
     FORCE,
@@ -180,7 +181,7 @@ def _growing(blocks: int, joints: int, parts: int, meshes: tuple[int, int]) -> I
     yield STRESS, REAL, (blocks, 6)
     yield NODE_DISPLACEMENT, REAL, (meshes[0], 3)
     yield ELEMENT_STRESS, REAL, (meshes[1], 6)
-    for name in (*JOINT_HISTORIES, FORCE, BONDED, MEAN_NORMAL_FORCE, EDGE_STRESS):
+    for name in (*JOINT_HISTORIES, FORCE, BONDED, CRUSHED, MEAN_NORMAL_FORCE, EDGE_STRESS):
         yield f"joints/{name}", REAL, (joints, 3) if name in ("force_point", FORCE) else (joints,)
     yield from (("shocks/name", BYTES, ()), ("shocks/frame", WHOLE, ()), ("shocks/start", REAL, ()), ("shocks/end", REAL, ()))
     for name in JOINT_PEAKS:

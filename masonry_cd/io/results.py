@@ -228,8 +228,8 @@ class Results:
         return f"joints/{name}" in self.file
 
     def joint_history(self, name: str) -> np.ndarray:
-        """(F, J) history of opening, sliding, rotation, contact_area, normal_force, shear_force, and bonded where joints are; (F, J, 3) of
-        force_point."""
+        """(F, J) history of opening, sliding, rotation, contact_area, normal_force, shear_force, and of bonded and crushed where
+        joints are; (F, J, 3) of force_point."""
         return self.file[f"joints/{name}"][: self.frames]
 
     def joints_at(self, name: str, frame: int) -> np.ndarray:

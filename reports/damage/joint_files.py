@@ -16,7 +16,7 @@ from masonry_cd.analysis.damage.part_damage import Settings
 from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.outputs.summary import damage_numbers
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.io.layout import BONDED
+from masonry_cd.io.layout import BONDED, CRUSHED
 from masonry_cd.io.results import Results
 from reports.settings import Report
 from reports.ties import write_ties
@@ -43,10 +43,10 @@ def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict
 def write_joints_csv(table: JointDamage, path: Path, provisional: str = "") -> None:
     """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty.
 
-    The share that is bonded is a column of runs with bonds only, and ``provisional``, why residual values are not the last, of runs that
-    did not end at rest.
+    The share that is bonded is a column of runs with bonds only, by how much joints were crushed of those whose joints can be, and
+    ``provisional``, why residual values are not the last, of runs that did not end at rest.
     """
-    left_out = {"both", *([BONDED] if np.isnan(table.bonded).all() else [])}
+    left_out = {"both", *(name for name in (BONDED, CRUSHED) if np.isnan(getattr(table, name)).all())}
     columns = [item.name for item in fields(table) if item.name not in left_out]
     cells = [getattr(table, name).tolist() for name in columns]
     if provisional:

@@ -1,8 +1,8 @@
 r"""The crack map: the structure as it stands at a frame, its joints coloured by what is left open and what has slid.
 
 An open joint is a solid band coloured by its opening, a slid one is dashed and coloured by its sliding, in another hue; where
-both happened the dashes lie on the band. So a colour-blind reader can distinguish the two, and so can one of a grey print. The
-classes of both scales run 1-2-5 from the threshold of damage to ``largest``: equal thresholds give equal colours, and the maps of
+both happened the dashes lie on the band; the dashes of a joint that was crushed are magenta. So a colour-blind reader can distinguish
+them, and so can one of a grey print. The classes of both scales run 1-2-5 from the threshold of damage to ``largest``: equal thresholds give equal colours, and the maps of
 two runs can be laid side by side; what opened less, a hairline of under 0.1 mm by default, is no crack. Faces of standing blocks that have
 parted are dark. Where nothing would be seen at true scale, displacements relative to the base are drawn amplified by a factor that the
 sheet states; the shape at rest lies behind as a pale shadow. A cut takes away what lies before a plane (:mod:`reports.drawing.cut`); the
@@ -24,6 +24,7 @@ from masonry_cd.analysis.damage.joint_damage import displacement_max, in_words, 
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, Solids, frame_index, solids_of
 from masonry_cd.foundation.quantities import force
+from masonry_cd.io.layout import CRUSHED
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing import palette
@@ -51,6 +52,7 @@ class Subject:
     joints: Joints
     solids: Solids
     snapshot: DamageSnapshot
+    crushed: np.ndarray  # (J,) bool: shorter for good, of those on blocks that stand
     last: bool  # the last frame
     drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
     ties: Ties
@@ -67,6 +69,7 @@ class Subject:
             joints=results.joints,
             solids=solids,
             snapshot=snapshot,
+            crushed=_crushed(results, frame, snapshot),
             last=last,
             drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
             ties=ties_at(results, solids, snapshot.pose, framed.factor),
@@ -110,10 +113,12 @@ class Subject:
         opened, slid = snapshot.open[:, None], snapshot.slid[:, None]
         first = np.where(opened, opening, sliding)
         second = np.where(~slid, opening, np.where(opened, sliding, 255))
+        first = np.where((self.crushed & ~snapshot.open & ~snapshot.slid)[:, None], 255, first)
+        second = np.where(self.crushed[:, None], painted(palette.CRUSHED, 1), second)
         return replace(
             joints,
-            shown=snapshot.open | snapshot.slid,
-            colours=(first, second.astype(np.uint8)),
+            shown=snapshot.open | snapshot.slid | self.crushed,
+            colours=(first.astype(np.uint8), second.astype(np.uint8)),
             parted=snapshot.separated & ~snapshot.down[joints.blocks],
             plate=painted(palette.PARTED, 1)[0],
         )
@@ -188,6 +193,13 @@ def band_width(solids: Solids, pixel: float) -> float:
     return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
 
 
+def _crushed(results: Results, frame: int, snapshot: DamageSnapshot) -> np.ndarray:
+    """The joints (J,) that are shorter for good at a frame, on blocks that stand."""
+    if not results.has_joint_history(CRUSHED):
+        return np.zeros(len(snapshot.separated), bool)
+    return snapshot.live & ~snapshot.separated & (results.joints_at(CRUSHED, frame) > 0.0)
+
+
 def _shadow(solids: Solids) -> Layer:
     """The free blocks at rest, pale, behind everything: seen only where the structure has moved away."""
     colours = painted(palette.SHADOW, len(solids.face_block))
@@ -220,6 +232,8 @@ def _signs(subject: Subject) -> list[Sign]:
         Sign("band", f"open and slid ({int(both.sum())})", (opening.middle, sliding.middle)),
         Sign("band", f"separated ({int(snapshot.separated.sum())})", (palette.PARTED,)),
     ]
+    if crushed := int(subject.crushed.sum()):
+        joints.append(Sign("band", f"crushed ({crushed})", ("#ffffff", palette.CRUSHED)))
     rows, down, outside = joints if subject.joints.count else [], int(snapshot.down.sum()), _outside(subject)
     if down or not alone:
         rows.append(Sign("box", f"fallen block ({down})" + (f", {outside} not in view" if outside else ""), (palette.FALLEN,)))

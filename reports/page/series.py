@@ -24,6 +24,7 @@ ENERGIES = {
     "impact": "lost in impacts",
     "elastic": "in elastic joints",
     "damping": "lost in elastic joints",
+    "crushing": "lost in crushing",
     "balance": "balance, ideally zero",
 }
 COSTS = {"seconds": "solver/seconds", "iterations": "solver/iterations", "contacts": "solver/contacts"}

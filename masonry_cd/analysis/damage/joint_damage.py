@@ -16,7 +16,7 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
 from masonry_cd.analysis.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
-from masonry_cd.io.layout import BONDED
+from masonry_cd.io.layout import BONDED, CRUSHED
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import OPENED as OPENING_IN_RUN
 
@@ -41,6 +41,7 @@ class JointDamage:
     first_opening_time: np.ndarray  # (J,) [s], NaN where the joint never opened
     state: np.ndarray  # (J,) one of STATES
     bonded: np.ndarray  # (J,) share of the area that is bonded at the end; NaN in a run without bonds
+    crushed: np.ndarray  # (J,) by how much it is shorter for good where it is most so [m]; NaN in a run whose joints cannot crush
     both: np.ndarray  # (J,) opened and slid, and not separated
 
 
@@ -73,6 +74,7 @@ def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: 
         first_opening_time=peaks["first_opening_time"],
         state=np.array(STATES, dtype=object)[codes],
         bonded=joint_frame(results, BONDED, frame) if has_bonds(results) else np.full(joints.count, np.nan),
+        crushed=joint_frame(results, CRUSHED, frame) if results.has_joint_history(CRUSHED) else np.full(joints.count, np.nan),
         both=is_open(largest_opening, thresholds) & is_slid(largest_sliding, thresholds) & ~separated,
     )
 
@@ -88,6 +90,14 @@ def bonds(results: Results) -> dict[str, int]:
         return {}
     share = results.joint_history(BONDED)
     return {"joints_bonded": int((share[0] > 0.0).sum()), "joints_broken": int((share[-1] < BROKEN * share[0]).sum())}
+
+
+def crushing(results: Results) -> dict[str, Any]:
+    """Joints that were crushed, and by how much the most of them at the end [m]; nothing in a run whose joints cannot."""
+    if not results.has_joint_history(CRUSHED):
+        return {}
+    by = results.joint_history(CRUSHED)[-1]
+    return {"joints_crushed": int((by > 0.0).sum()), "crushed_max": float(by.max(initial=0.0))}
 
 
 def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds | None = None) -> np.ndarray:

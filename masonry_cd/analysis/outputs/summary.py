@@ -32,6 +32,7 @@ def damage_numbers(run: Measured, end: EndState) -> dict[str, Any]:
         | checks.as_summary(_whole(run) if checks.reliable else None)
         | ({"shocks": joint_damage.shock_rows(results, thresholds)} if results.shocks else {})
         | joint_damage.bonds(results)
+        | joint_damage.crushing(results)
     )
 
 

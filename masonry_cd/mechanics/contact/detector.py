@@ -26,7 +26,7 @@ from masonry_cd.mechanics.contact.broad_phase import SKIN, Listing, list_holds, 
 from masonry_cd.mechanics.contact.contact_set import ContactSet, write_contacts
 from masonry_cd.mechanics.contact.facets import Facets, Overlay
 from masonry_cd.mechanics.contact.flat_contact import look_again
-from masonry_cd.mechanics.contact.joint_points import GRAVITY, LIGHT
+from masonry_cd.mechanics.contact.joint_points import CRUSHES, GRAVITY, LIGHT
 from masonry_cd.mechanics.contact.motion import Motion, pair_margin
 from masonry_cd.mechanics.contact.pair_memory import APART, KEPT, SEARCHED, PairMemory, check_pairs, is_stuck, update_gaps
 from masonry_cd.mechanics.contact.round_contact import POINTS, find_round_contact
@@ -76,6 +76,7 @@ class Detector:
         rings = assembly.laws.points.astype(np.int64) // 2
         self._rings_of_law = np.where(assembly.laws.elastic & (not corners_only), rings, 1)  # (G, G)
         self._normal_stiffness, self._stiffness_of = assembly.laws.normal_stiffness, stiffness
+        self._crushes = assembly.laws.elastic & (assembly.laws.crushing > 0.0) & (not corners_only)
         self._weight = np.where(assembly.fixed, np.inf, GRAVITY * assembly.mass)
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._affine = assembly.affine
@@ -137,6 +138,18 @@ class Detector:
         self.contacts, found = count, ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, motion, found)
         return found
+
+    def crush(self, by: np.ndarray) -> None:
+        """Shorten joints for good at the contacts of the last set, by so much each, (C,) [m]."""
+        rows = self._memory.rows()
+        place = self._memory.place[rows]
+        self._memory.crushed[rows[place >= 0]] += by[place[place >= 0]]
+
+    def most_crushed(self) -> np.ndarray:
+        """By how much the joint of each pair is shorter for good where it is most so, (P,) [m]."""
+        out, memory = np.zeros(len(self.pairs)), self._memory
+        np.maximum.at(out, np.repeat(np.arange(len(out)), memory.point_count), memory.crushed[memory.rows()])
+        return out
 
     def copied(self) -> Detector:
         """A detector that remembers the same and goes its own way."""
@@ -244,7 +257,8 @@ class Detector:
         blocks, stiffness = self._shapes.part_block[pairs], self._normal_stiffness[first, second]
         if self._stiffness_of is not None:
             stiffness = np.where(stiffness > 0.0, stiffness, self._stiffness_of(pairs, blocks)[:, 0])
-        return np.divide(LIGHT * self._weight[blocks].min(axis=1), stiffness, out=np.zeros(len(pairs)), where=stiffness > 0.0)
+        light = np.divide(LIGHT * self._weight[blocks].min(axis=1), stiffness, out=np.zeros(len(pairs)), where=stiffness > 0.0)
+        return np.where(self._crushes[first, second], CRUSHES, light)
 
 
 def more_points(facets: Any) -> Any:

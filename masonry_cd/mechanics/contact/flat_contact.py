@@ -20,7 +20,7 @@ from masonry_cd.mechanics.contact.facets import has_facets, split
 from masonry_cd.mechanics.contact.joint_points import EVEN, is_spread, spread_out
 from masonry_cd.mechanics.contact.manifold import across_edges, contact_points, incident_face
 from masonry_cd.mechanics.contact.motion import distance_moved, pose_ahead
-from masonry_cd.mechanics.contact.pair_memory import APART, CLIPPED, REUSE, SEARCHED, store_points, update_gaps
+from masonry_cd.mechanics.contact.pair_memory import APART, CLIPPED, REUSE, SEARCHED, let_go, store_points, update_gaps
 from masonry_cd.mechanics.contact.separation import EDGES, FACE_OF_A, FAR_APART, WHOLE, Placed, place_part, separate
 
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
@@ -39,6 +39,7 @@ def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay,
     moved = distance_moved(now, memory.pose[k], shapes.radius[b])
     if feature[0] == FAR_APART and memory.budget[k] - moved > margin:
         tally[APART] += 1
+        let_go(memory, k)
         return
     own, other = (
         Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
@@ -49,7 +50,8 @@ def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay,
         apart = separate(a, b, solids, own, other, EDGE_BIAS * width, by_area, feature)
         _copy(now, memory.pose[k])
         if apart > margin:
-            feature[0], memory.budget[k], memory.point_count[k], memory.spread[k] = FAR_APART, apart, 0, False
+            feature[0], memory.budget[k] = FAR_APART, apart
+            let_go(memory, k)
             return
     tally[CLIPPED] += 1
     with_area = by_area and feature[0] != EDGES
@@ -65,7 +67,7 @@ def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay,
         found = _exchange_points(memory, k, found, with_area, EVEN * width, work.manifold)
     if found == 0 and margin > FAR * width and not with_area:
         found = _look_ahead(memory, k, shapes, motion, margin, width, work, overlay)
-    store_points(memory, k, found, work.manifold, with_area, width, work.place)
+    store_points(memory, k, found, work.manifold, with_area, width, work)
     update_gaps(memory, k, now, motion.affine)
 
 
@@ -99,6 +101,8 @@ def _forgive(memory, k, found, facing, allowed, height):
         deepest = max(deepest, -height[i])
     if n[0] * facing[0] + n[1] * facing[1] + n[2] * facing[2] < SAME:
         memory.unfelt[k] = deepest if deepest > allowed else 0.0
+        for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):
+            memory.crushed[s] = 0.0  # another face
     else:
         memory.unfelt[k] = min(memory.unfelt[k], deepest)
     for i in range(found):

@@ -35,6 +35,7 @@ OPENING, CLOSED = 0.3, 0.5  # overlap of the corner that is most open over that 
 LEAST = 0.05  # share of the area that the centroid keeps
 LIGHT = 0.75  # share of the weight of the lighter block that a joint carries for its points to matter; the bed of a block on its own has 1
 GRAVITY = 9.81  # by which that weight is found [m/s2]
+CRUSHES = -1.0  # stands for it where a joint may crush, whose points are fixed, as each remembers by how much
 EVEN = 1e-9  # gaps that differ by less than this share of the smaller part's width are rounding
 
 
@@ -65,8 +66,10 @@ def is_spread(spread, rings, light, found, even, manifold):
     """Whether a joint should have rings, that has them or not (``spread``).
 
     By the ``found`` points of a manifold, its corners and its centroid, the last. Gaps that differ by up to ``even`` [m] are one; ``light``
-    is the overlap times area of a joint that carries so little that they do not matter [m3].
+    is the overlap times area of a joint that carries so little that they do not matter [m3], CRUSHES of one that has rings all the time.
     """
+    if light < 0.0:
+        return True
     height, corners = manifold.height, found - 1
     least, most, middle = np.inf, -np.inf, height[corners]
     for i in range(corners):

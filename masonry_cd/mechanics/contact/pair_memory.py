@@ -49,6 +49,7 @@ class PairMemory(NamedTuple):
     local: np.ndarray  # (S, 3) point in the frame of a [m]
     height: np.ndarray  # (S,) gap when it was found [m]
     area: np.ndarray  # (S,) share of the joint's area [m2]
+    crushed: np.ndarray  # (S,) by how much the joint is shorter there for good [m]
     place: np.ndarray  # (S,) its contact in the last set, -1 if it was none
     gap: np.ndarray  # (S,) gap now, inf where it is beyond the margin [m]; not kept over a checkpoint
 
@@ -75,6 +76,7 @@ class PairMemory(NamedTuple):
             local=np.zeros((points, 3)),
             height=np.zeros(points),
             area=np.zeros(points),
+            crushed=np.zeros(points),
             place=np.zeros(points, dtype=np.int64),
             gap=np.empty(points),
         )
@@ -144,7 +146,7 @@ def check_pairs(stored: Stored, parts: np.ndarray, capacity: np.ndarray, shapes:
     count = stored.whole("point_count", pairs, high=capacity + 1)
     points = int(count.sum())
     stored.real("local", points, 3)
-    for name in ("height", "area"):
+    for name in ("height", "area", "crushed"):
         stored.real(name, points)
     place = stored.whole("place", points, low=-1)
     if not np.array_equal(np.sort(place[place >= 0]), np.arange(contacts)):
@@ -166,7 +168,7 @@ def _features_exist(feature: np.ndarray, parts: np.ndarray, solids: Polyhedra) -
 
 
 OF_PAIRS = ("feature", "budget", "pose", "built", "normal", "unfelt", "spread", "point_count")
-OF_POINTS = ("local", "height", "area", "place")
+OF_POINTS = ("local", "height", "area", "crushed", "place")
 
 
 @borrower()
@@ -197,24 +199,35 @@ def update_gaps(memory, k, now, affine):
             y = rx * dx + ry * dy + rz * dz  # in the frame of b
             for i in range(3):
                 moved += n[i] * (now[3 + 3 * i + j] - then[3 + 3 * i + j]) * y
-        memory.gap[s] = memory.height[s] + moved
+        memory.gap[s] = memory.height[s] + moved + memory.crushed[s]
 
 
 @borrower()
-def store_points(memory, k, found, manifold, with_area, width, place):
+def let_go(memory, k):
+    """What pair k keeps of its points as it comes apart: nothing, or those that may be crushed, far from one another."""
+    if memory.light[k] >= 0.0:
+        memory.point_count[k], memory.spread[k] = 0, False
+    for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):
+        memory.gap[s] = np.inf
+
+
+@borrower()
+def store_points(memory, k, found, manifold, with_area, width, work):
     """Put the ``found`` points of a manifold in the memory of pair k, each with the contact of the last set that it continues.
 
-    ``place`` (N,) is scratch, ``width`` [m] that of the smaller part. With areas several points may continue one contact; points that have
+    ``width`` [m] is that of the smaller part. With areas several points may continue one contact; points that have
     been exchanged for others continue the nearest, however far off.
     """
+    place = work.place
     _match(memory, k, manifold.point, found, np.inf if memory.exchanged[k] else MATCH * width, with_area, place)
+    _crushed_before(memory, k, manifold.point, found, MATCH * width, work.crushed)
     memory.point_count[k] = found
     for i in range(found):
         s = memory.slot[k] + i
         for d in range(3):
             memory.local[s, d] = manifold.point[i, d]
         memory.height[s] = manifold.height[i]
-        memory.area[s] = manifold.area[i] if with_area else 0.0
+        memory.area[s], memory.crushed[s] = manifold.area[i] if with_area else 0.0, work.crushed[i]
         memory.place[s] = place[i]
 
 
@@ -236,3 +249,17 @@ def _match(memory, k, point, found, reach, shared, new_place):
             distance = dx * dx + dy * dy + dz * dz
             if not taken and distance < nearest:
                 nearest, new_place[i] = distance, place[s]
+
+
+@borrower()
+def _crushed_before(memory, k, point, found, reach, crushed):
+    """Fill ``crushed`` (N,) with by how much the joint of pair k is shorter for good at the ``found`` ones of points (N, 3): as at the
+    nearest one so far, none farther off than ``reach`` [m]."""
+    local, first, last = memory.local, memory.slot[k], memory.slot[k] + memory.point_count[k]
+    for i in range(found):
+        nearest, crushed[i] = reach * reach, 0.0
+        for s in range(first, last if memory.light[k] < 0.0 else first):
+            dx, dy, dz = point[i, 0] - local[s, 0], point[i, 1] - local[s, 1], point[i, 2] - local[s, 2]
+            distance = dx * dx + dy * dy + dz * dz
+            if distance < nearest:
+                nearest, crushed[i] = distance, memory.crushed[s]

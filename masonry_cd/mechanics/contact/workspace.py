@@ -18,6 +18,7 @@ class Workspace(NamedTuple):
     normals: np.ndarray  # (F, 3)
     manifold: Manifold
     place: np.ndarray  # (N,) contacts of the last set that its points continue
+    crushed: np.ndarray  # (N,) by how much the joint is shorter at them for good [m]
     ahead_position: np.ndarray  # (2, 3) of both bodies a step later [m]
     ahead_rotation: np.ndarray  # (2, 3, 3)
 
@@ -26,5 +27,6 @@ class Workspace(NamedTuple):
         """Room for parts, by the largest number of corners of a face, and for more points between facets."""
         manifold = Manifold.allocate(corners, more)
         vertices, faces = (int(np.diff(start).max()) for start in (shapes.solids.vertex_start, shapes.solids.face_start))
-        place = np.empty(len(manifold.point), dtype=np.int64)
-        return cls(np.empty(12), np.empty((vertices, 3)), np.empty((faces, 3)), manifold, place, np.empty((2, 3)), np.empty((2, 3, 3)))
+        place, crushed = np.empty(len(manifold.point), dtype=np.int64), np.empty(len(manifold.point))
+        ahead = np.empty((2, 3)), np.empty((2, 3, 3))
+        return cls(np.empty(12), np.empty((vertices, 3)), np.empty((faces, 3)), manifold, place, crushed, *ahead)

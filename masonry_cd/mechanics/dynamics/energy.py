@@ -2,13 +2,13 @@
 
 With mean velocities over the step, v = (v_old + v_new) / 2, it is exact for theta = 1/2 up to the turning of the inertia:
 
-    kinetic + elastic + friction + impact + damping  =
+    kinetic + elastic + friction + impact + damping + crushing  =
         work of the supports and of guides (driving.py) + work of gravity + work of point loads and ties  (+ balance, what is left over)
 
 The kinetic energy changes by p . H v, which is the relative motion of the contacts (lost in friction and impacts) less the part of the
 supports' own motion (work of the base). What a tie stores in its stretch counts as work until it gives it back. elastic is the energy of
 the springs of elastic joints and of blocks that deform, damping what these lost to their dashpots, to their theta, in breaking and where a
-joint passes to another face, whose springs begin without force.
+joint passes to another face, whose springs begin without force; crushing is what joints take that are shortened for good.
 correction is the work of lifting blocks out of overlaps, beside the balance.
 """
 
@@ -28,11 +28,11 @@ from masonry_cd.mechanics.dynamics.system import EnergyBalance, Motion, System
 from masonry_cd.mechanics.model.state import State
 
 ENERGIES = (
-    "kinetic", "elastic", "friction", "impact", "damping", "base_work", "gravity_work", "force_work", "correction", "balance",
+    "kinetic", "elastic", "friction", "impact", "damping", "crushing", "base_work", "gravity_work", "force_work", "correction", "balance",
 )  # fmt: skip
 WORKS = ("base_work", "gravity_work", "force_work")  # what is put in
 NONE_ELASTIC = np.zeros(0, dtype=np.bool_)
-LOSSES = ("kinetic", "elastic", "friction", "impact", "damping")  # where it went
+LOSSES = ("kinetic", "elastic", "friction", "impact", "damping", "crushing")  # where it went
 
 
 def at_start(system: System, state: State, angular_momentum: np.ndarray) -> EnergyBalance:
@@ -74,7 +74,8 @@ def _book_springs(totals: dict[str, float], new: Update, elastic: float) -> None
     """Book what the springs did; ``elastic`` is their energy before the step [J]."""
     work = new.springs
     totals["friction"] += work.friction
-    totals["damping"] += work.taken - work.friction - (work.after - elastic)
+    totals["crushing"] += work.crushing
+    totals["damping"] += work.taken - work.friction - work.crushing - (work.after - elastic)
 
 
 class Weights(NamedTuple):

@@ -6,28 +6,19 @@ The law is that of ``joint_law.py``. What a joint hands on from step to step is 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
+from masonry_cd.mechanics.dynamics.crushing import book_crushing
 from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, Springs, bonded_area, load_springs, unload_springs
-from masonry_cd.mechanics.dynamics.step_problem import StepProblem
+from masonry_cd.mechanics.dynamics.step_problem import SpringWork, StepProblem
 from masonry_cd.mechanics.dynamics.system import Motion, System
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 from masonry_cd.mechanics.model.joints import Joints
 
 CREEP = 1e-6  # slip and opening below this share of g h count as none when bonds are judged
 AT_START = 1e-6  # gaps up to this share of the smallest width are bonded in the first step, or those of the joints as built
-
-
-class SpringWork(NamedTuple):
-    """What the springs of a step did [J]."""
-
-    taken: float = 0.0  # by elastic contacts from the blocks
-    friction: float = 0.0  # of that used up by friction
-    after: float = 0.0  # energy of all springs after the step
-    before: float = 0.0  # and before it
 
 
 def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: StepProblem, pairs: np.ndarray) -> StepProblem:
@@ -70,7 +61,7 @@ def carried_over(system: System, last: Motion, made: StepProblem, v: np.ndarray,
         system.laws, made.found, made.rows, system.constants, made.springs, made.predicted.rotation,
         Velocities(v, loads.support_after), impulse, still, memory,
     )  # fmt: skip
-    return memory, SpringWork(*work.tolist())
+    return memory, book_crushing(system, made, v, impulse, SpringWork(*work.tolist()))
 
 
 def pretensioned(problem: FrictionProblem, bond: np.ndarray) -> FrictionProblem:

@@ -31,6 +31,7 @@ from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
 from masonry_cd.mechanics.dynamics import joint_forces
 from masonry_cd.mechanics.dynamics.contact_rows import assemble
+from masonry_cd.mechanics.dynamics.crushing import solve_crushing
 from masonry_cd.mechanics.dynamics.driving import Driven, guided, measured
 from masonry_cd.mechanics.dynamics.energy import ENERGIES, account, at_start
 from masonry_cd.mechanics.dynamics.error_scale import find_overload, on_scale
@@ -45,7 +46,7 @@ from masonry_cd.mechanics.dynamics.planar import Plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.snapshot import check_motion, motion_arrays, part, prefixed, restored_motion
 from masonry_cd.mechanics.dynamics.start import motion_at_start
-from masonry_cd.mechanics.dynamics.step_problem import StepProblem
+from masonry_cd.mechanics.dynamics.step_problem import Solved, StepProblem
 from masonry_cd.mechanics.dynamics.system import Loads, Motion, System, plane_of
 from masonry_cd.mechanics.dynamics.violations import Violation, find_violations
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
@@ -89,15 +90,6 @@ class StepStart(NamedTuple):
     detector: Detector
     last: StepProblem | None
     solution: Solution
-
-
-class Solved(NamedTuple):
-    """The solution of the friction problem of a step."""
-
-    solution: Solution
-    error: float  # natural map error
-    carried_impulse: np.ndarray | None = None  # (F, n) for the next step; None: no impacts were solved apart
-    blow: np.ndarray | None = None  # (C, m) of the impulses, those of the impacts, likewise [N s]
 
 
 # --- the phases that are not in files of their own ---------------------------------------------------------------------------
@@ -224,9 +216,11 @@ class Stepper:
         predicted = guided(system, predict(system, last, system.loads.of_step(self.load_step, ticks)))
         found = detect(system, self.detector, predicted, last.steps + 1)
         made = assemble(system, last, predicted, found, self.detector.pairs)
-        solved = solve(system, made, self.islands, last.steps + 1, self.watch)
+        made, solved = solve_crushing(system, made, lambda made: solve(system, made, self.islands, last.steps + 1, self.watch))
         impulse = solved.solution.impulse
         new = update(system, last, made, impulse)
+        if new.springs.crushed is not None:
+            self.detector.crush(new.springs.crushed)
         energy = account(system, last, made, impulse, new)
         violation, false_slip = find_violations(system, made, impulse if solved.blow is None else solved.blow, new.v, last.false_slip)
         self.motion = Motion(
@@ -367,6 +361,17 @@ class Stepper:
             group = self.assembly.group_of
             return (self.assembly.laws.apex[group[joints.block_a], group[joints.block_b]] > 0.0).astype(float)
         return bonded_shares(self.last, self.motion.joints, pair_joint, joints)
+
+    @property
+    def can_crush(self) -> bool:
+        """Whether there are elastic joints with a compressive strength."""
+        return bool((self.assembly.laws.elastic & (self.assembly.laws.crushing > 0.0)).any())
+
+    def crushed_joints(self, pair_joint: np.ndarray, joints: int) -> np.ndarray:
+        """By how much each joint is shorter for good where it is most so, (J,) [m]; ``pair_joint`` names the joint of each pair or -1."""
+        out, known = np.zeros(joints), pair_joint >= 0
+        np.maximum.at(out, pair_joint[known], self.detector.most_crushed()[known])
+        return out
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""

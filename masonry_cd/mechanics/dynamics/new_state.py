@@ -13,10 +13,10 @@ import numpy as np
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays
 from masonry_cd.mechanics.dynamics.free_motion import drift, turned_tensor
-from masonry_cd.mechanics.dynamics.joint_history import SpringWork, carried_over
+from masonry_cd.mechanics.dynamics.joint_history import carried_over
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, correct_overlaps, deepest_overlap
-from masonry_cd.mechanics.dynamics.step_problem import StepProblem
+from masonry_cd.mechanics.dynamics.step_problem import SpringWork, StepProblem
 from masonry_cd.mechanics.dynamics.strain import StrainWork
 from masonry_cd.mechanics.dynamics.system import Motion, System
 from masonry_cd.mechanics.model.state import State

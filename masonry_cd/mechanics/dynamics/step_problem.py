@@ -1,4 +1,4 @@
-"""The friction problem of a step, with all that it was assembled from."""
+"""The friction problem of a step, with all that it was assembled from, its solution, and what the springs of its joints did."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ class StepProblem(NamedTuple):
     springs: Springs | None  # what the laws of elastic and bonded joints make of them; None: all joints are rigid and dry
     problem: FrictionProblem
     start: Solution  # impulses and velocities of the last step, to start from
+    crushes: np.ndarray | None = None  # (C,) bool: contacts whose joint crushes in this step; None: no joint can
 
     @property
     def rigid(self) -> np.ndarray:
@@ -32,3 +33,23 @@ class StepProblem(NamedTuple):
     def rigid_gap(self) -> np.ndarray:
         """Their gaps at q_m [m]."""
         return self.rows.gap if self.springs is None else self.rows.gap[~self.springs.elastic]
+
+
+class Solved(NamedTuple):
+    """The solution of the friction problem of a step."""
+
+    solution: Solution
+    error: float  # natural map error
+    carried_impulse: np.ndarray | None = None  # (F, n) for the next step; None: no impacts were solved apart
+    blow: np.ndarray | None = None  # (C, m) of the impulses, those of the impacts, likewise [N s]
+
+
+class SpringWork(NamedTuple):
+    """What the springs of a step did [J]."""
+
+    taken: float = 0.0  # by elastic contacts from the blocks
+    friction: float = 0.0  # of that used up by friction
+    after: float = 0.0  # energy of all springs after the step
+    before: float = 0.0  # and before it
+    crushing: float = 0.0  # of what was taken used up in crushing
+    crushed: np.ndarray | None = None  # (N,) by how much joints are shorter for good, at all contacts found [m]; None: none can be
