@@ -11,7 +11,7 @@ from masonry_cd.foundation import libm
 from masonry_cd.mechanics.model.blocks import Block
 from structures.building.stones import upright
 from structures.building.table import BuildingColumnTable, BuildingTable
-from structures.kinds.column import ColumnTable, column
+from structures.layout.columns import ColumnTable, column
 
 SIDES = 12  # of a round column
 LEAST_HEIGHT = 1.5  # of a round column, in diameters: what is lower has no plinth and capital

@@ -27,9 +27,9 @@ from structures.building.axes import Facet, Leg, place
 from structures.building.footprints import Plan
 from structures.building.table import BuildingTable, BuildingVaultTable
 from structures.geometry.convex import halves
-from structures.kinds.vault import barrel, crossing
 from structures.layout import rings
 from structures.layout.arch_profiles import RingTable, joints_of
+from structures.layout.vault_courses import barrel, crossing
 
 PARALLEL = 1e-3  # of walls that carry a barrel, the sine of the angle between them
 SQUARE = 1e-4  # what a bay may lack of a rectangle

@@ -25,7 +25,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check
 from structures.geometry.prism import prism_xz, rectangle
-from structures.layout.arch_profiles import AGREE, RingTable, joints_of
+from structures.layout.arch_profiles import AGREE, RingTable, joints_of, voussoirs
 from structures.layout.wall_plan import AROUND
 from structures.schema import Length
 
@@ -83,11 +83,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
 def _block(name: str, polygon: np.ndarray, width: float, density: float, group: str, fixed: bool = False) -> Block:
     vertices, faces = prism_xz(polygon, -0.5 * width, 0.5 * width)
     return Block(name, vertices, faces, density, group, fixed)
-
-
-def voussoirs(intrados: np.ndarray, extrados: np.ndarray) -> list[np.ndarray]:
-    """The quadrilaterals (4, 2) between successive joints, given by their ends (N + 1, 2) on intrados and extrados."""
-    return [np.array([intrados[k], intrados[k + 1], extrados[k + 1], extrados[k]]) for k in range(len(intrados) - 1)]
 
 
 def seat(intrados: np.ndarray, extrados: np.ndarray, towards: np.ndarray, depth: float) -> np.ndarray:

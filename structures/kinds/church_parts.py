@@ -16,11 +16,11 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.prism import box
 from structures.kinds.church_table import ChurchTable
-from structures.kinds.column import ColumnTable, column
-from structures.kinds.vault import barrel
 from structures.layout import rings
 from structures.layout.arch_profiles import ring as circle
+from structures.layout.columns import ColumnTable, column
 from structures.layout.openings import Opening
+from structures.layout.vault_courses import barrel
 from structures.layout.wall_plan import Wall
 
 PLATE = 0.3  # height of the wall plate that carries a timber roof [m]

@@ -249,3 +249,8 @@ def _flat(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
     share = (2.0 * np.arange(arch.voussoirs + 1) - arch.voussoirs) / arch.voussoirs
     level = np.zeros_like(share)
     return np.stack([half * share, level], axis=1), np.stack([wide * share, level + arch.thickness], axis=1)
+
+
+def voussoirs(intrados: np.ndarray, extrados: np.ndarray) -> list[np.ndarray]:
+    """The quadrilaterals (4, 2) between successive joints, given by their ends (N + 1, 2) on intrados and extrados."""
+    return [np.array([intrados[k], intrados[k + 1], extrados[k + 1], extrados[k]]) for k in range(len(intrados) - 1)]

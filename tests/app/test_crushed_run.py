@@ -11,8 +11,10 @@ from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
 from masonry_cd.io.results import Results
-from reports.maps.crack_key import Marks, Scale
-from reports.maps.layers import band_colours
+from reports.drawing.palette import CRUSHED
+from reports.drawing.parts import painted
+from reports.maps.crack_map import crack_scene
+from reports.maps.framing import MapStyle, framing
 from structures.files import blockfile
 
 SCENE = """
@@ -42,13 +44,8 @@ def test_crushed_joints_are_counted_tabled_and_marked(tmp_path):
         assert float(next(csv.DictReader(file))["crushed"]) == float(f"{summary['crushed_max']:.9g}")
     with Results.open(tmp_path / "out/result.h5") as results:
         assert np.diff(results.joint_history("crushed")[:, 0]).min() >= 0.0
+        scene = crack_scene(results, results.frames - 1, framing(results, [results.frames - 1], MapStyle()))
+        assert "crushed (1)" in [sign.text for panel in scene.key for sign in panel.signs]
+        assert scene.joints is not None
+        assert tuple(scene.joints.colours[1][0]) == tuple(painted(CRUSHED, 1)[0])
     assert json.loads((tmp_path / "out/summary.json").read_text())["crushed_max"] > 1e-6
-
-
-def test_a_crushed_joint_has_dashes_of_its_own():
-    none, no = np.zeros(2), np.zeros(2, dtype=bool)
-    marks = Marks(none, none, no, no, no, np.array([True, False]))
-    scales = (Scale(1e-4, 1e-2, ("YlGnBu", 0.4, 1.0)), Scale(1e-4, 1e-2, ("OrRd", 0.4, 1.0)))
-    first, second = band_colours(marks, scales)
-    assert (first[0] == 255).all()
-    assert (second[0] != second[1]).any()
