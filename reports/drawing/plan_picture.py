@@ -8,13 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.errors import InputError
+from reports.drawing.figure import blank, save
 from reports.drawing.palette import EDGE, FAINT, INK, OPENED, STONE
 
 WIDE = 14.0  # of the drawing [inches]
 GAP = 1.5  # between elevations [m]
-FIXED: dict[str, Any] = {"svg.hashsalt": "masonry_cd", "svg.fonttype": "path"}
 
 
 class WallDrawing(NamedTuple):
@@ -40,37 +38,27 @@ def plan_picture(walls: Sequence[WallDrawing], others: Sequence[tuple[str, np.nd
     Raises:
         InputError: the file cannot be written.
     """
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with rc_context(FIXED):
-        figure: Any = Figure(facecolor="white")
-        FigureCanvasAgg(figure)
-        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-        axes.set_axis_off()
-        axes.set_aspect("equal")
-        corners = np.concatenate([wall.line for wall in walls])
-        low, high = corners.min(axis=0), corners.max(axis=0)
-        width = 1.6 * max(float(high[0] - low[0]), *(float(wall.top[-1, 0]) for wall in walls))
-        _ground(axes, walls, low)
-        for wall in walls:
-            _in_plan(axes, wall, low)
-        for name, ring in others:
-            axes.fill(*(ring - low).T, facecolor="none", edgecolor=OPENED, linewidth=0.7, linestyle="--")
-            _words(axes, ring.mean(axis=0) - low, name, 7)
-        _extents(axes, high - low)
-        foot = _elevations(axes, walls, width, -3.0 * GAP)
-        top = float(high[1] - low[1]) + 2.0 * GAP
-        axes.set_xlim(-2.0 * GAP, width + 2.0 * GAP)
-        axes.set_ylim(foot, top)
-        axes.text(-1.5 * GAP, top - 0.2, title, fontsize=15, weight="bold", color=INK, va="top", parse_math=False)
-        figure.set_size_inches(WIDE, WIDE * (top - foot) / (width + 4.0 * GAP))
-        try:
-            with replacing(path) as part:
-                figure.savefig(part, dpi=100, metadata={"Date": None} if path.suffix == ".svg" else None)
-        except OSError as error:
-            raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+    figure = blank((WIDE, WIDE))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    corners = np.concatenate([wall.line for wall in walls])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    width = 1.6 * max(float(high[0] - low[0]), *(float(wall.top[-1, 0]) for wall in walls))
+    _ground(axes, walls, low)
+    for wall in walls:
+        _in_plan(axes, wall, low)
+    for name, ring in others:
+        axes.fill(*(ring - low).T, facecolor="none", edgecolor=OPENED, linewidth=0.7, linestyle="--")
+        _words(axes, ring.mean(axis=0) - low, name, 7)
+    _extents(axes, high - low)
+    foot = _elevations(axes, walls, width, -3.0 * GAP)
+    top = float(high[1] - low[1]) + 2.0 * GAP
+    axes.set_xlim(-2.0 * GAP, width + 2.0 * GAP)
+    axes.set_ylim(foot, top)
+    axes.text(-1.5 * GAP, top - 0.2, title, fontsize=15, weight="bold", color=INK, va="top", parse_math=False)
+    figure.set_size_inches(WIDE, WIDE * (top - foot) / (width + 4.0 * GAP))
+    save(figure, path, title)
 
 
 def _ground(axes: Any, walls: Sequence[WallDrawing], low: np.ndarray) -> None:

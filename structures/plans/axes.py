@@ -191,7 +191,7 @@ def _meetings_arc(point: np.ndarray, out: np.ndarray, other: Band) -> list[tuple
     b, c = float(to @ out), float(to @ to) - axis.radius**2
     if b * b - c <= 0.0:
         return []
-    found = []
+    found: list[tuple[float, int | None]] = []
     for distance in (-b - math.sqrt(b * b - c), -b + math.sqrt(b * b - c)):
         place = point + distance * out
         spoke = (place - axis.centre) / axis.radius

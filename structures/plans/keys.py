@@ -46,7 +46,7 @@ class PlanKeys(Table):
     """The keys by which a drawing is read."""
 
     units: Literal["m", "cm", "mm", "in", "ft"] | None = Field(None, description="of a drawing that does not say it, or says it wrongly")
-    layers: LayersTable = Field(LayersTable(), description="what lies on which layer of a drawing")
+    layers: LayersTable = Field(default_factory=lambda: LayersTable.model_validate({}), description="what lies on which layer of a drawing")
     wall_height: Length | None = Field(None, description="of walls for which the drawing has none")
     wall_thickness: Length | None = Field(None, description="of walls of which only the middle line is drawn, where no mark says it")
     thickest: Length = Field(2.5, description="two faces further apart than this are no wall")
