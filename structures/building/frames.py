@@ -26,6 +26,7 @@ from structures.layout.openings import SKEW
 LEAST_MEASURE = 1e-2  # of a width or a ring [m]
 SLENDER = 0.6  # width of a voussoir on the intrados, in thicknesses of the ring
 MOST_VOUSSOIRS = 199
+LEAST_ROUND = 7  # voussoirs of a half circle
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +181,7 @@ def _profiles(keys: WallOpeningTable, course: float) -> tuple[np.ndarray, np.nda
     radius = (half**2 + rise**2) / (2.0 * rise)
     start = math.asin(min(1.0, (radius - rise) / radius))
     start = start if start > 1e-6 else 0.0
-    count = _odd((math.pi - 2.0 * start) * radius / _target(ring, course))
+    count = max(_odd((math.pi - 2.0 * start) * radius / _target(ring, course)), LEAST_ROUND if start == 0.0 else 3)
     angles = start + (math.pi - 2.0 * start) * np.arange(count + 1) / count
     unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
     unit[-1] = unit[0] * [-1.0, 1.0]
