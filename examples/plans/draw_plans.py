@@ -55,16 +55,16 @@ def church(path: Path) -> None:
     ):
         outline(space, "APERTURE", points)
     marks = (
-        ("FACCIATA h=8.1/10.6/8.1", (-0.4, 7.0)), ("LATO SUD h=7.60", (7.0, -0.2)), ("LATO NORD h=7.60", (7.5, 9.8)),
-        ("ABSIDE h=7.60", (21.6, 5.0)), ("TORRE S h=15.8", (18.2, -3.5)),
-        ("TORRE E h=15.8", (21.75, -1.2)), ("TORRE O h=15.8", (16.0, -1.6)),
-        ("h=15.8", (18.6, 1.1)),
+        ("FACCIATA h=8.25/10.5/8.25", (-0.4, 7.0)), ("LATO SUD h=7.50", (7.0, -0.2)), ("LATO NORD h=7.50", (7.5, 9.8)),
+        ("ABSIDE h=7.50", (21.6, 5.0)), ("TORRE S h=15.0", (18.2, -3.5)),
+        ("TORRE E h=15.0", (21.75, -1.2)), ("TORRE O h=15.0", (16.0, -1.6)),
+        ("h=15.0", (18.6, 1.1)),
     )  # fmt: skip
     for words, place in marks:
         text(space, "QUOTE", words, place, 0.2)
     text(space, "APERTURE", "portale tutto sesto h=3.60; rosone l=1.60 s=5.60", (1.3, 4.5), 0.15)
     for place in ((4.7, 1.35), (10.7, 1.55), (5.2, 7.95), (11.8, 8.05)):
-        text(space, "APERTURE", "tutto sesto h=2.20 s=3.40", place, 0.15)
+        text(space, "APERTURE", "tutto sesto h=2.20 s=3.75", place, 0.15)
     space.add_line((0.0, -5.0), (21.0, -5.0), dxfattribs={"layer": "QUOTATURA"})
     drawing.saveas(path)
 
