@@ -33,8 +33,9 @@ def mechanisms_along(built: LimitStructure, loads: StaticLoads) -> list[PartMech
     down, way = np.asarray(built.scene.run.gravity), np.asarray(loads.direction)
     if down[2] >= 0.0 or down[:2].any() or abs(way[2]) > 0.0:
         return []
-    whole, found = whole_of(built, loads), []
+    whole = whole_of(built, loads)
+    found: list[PartMechanism] = []
     for element in macro_elements(str(built.scene.structure.get("kind", "")), built.made.blocks):
-        if max(abs(float(np.sum(own * way))) for own in element.directions) >= TOWARDS:
-            found += analyse_element(whole, element, way, RIGID).mechanisms[:1]
+        if max(abs(float(np.sum(np.asarray(own) * way))) for own in element.directions) >= TOWARDS:
+            found += analyse_element(whole, element, way.tolist(), RIGID).mechanisms[:1]
     return found
