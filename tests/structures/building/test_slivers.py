@@ -108,3 +108,15 @@ def test_tails_come_off_and_cuts_from_inner_corners_leave_wide_pieces() -> None:
     assert without_tails(body, 0.1) == [body]
     bumped = Polygon([(0, 0), (2, 0), (2, 1), (1.2, 1), (1.2, 1.01), (0, 1.01)])
     assert min(least_width(piece) for piece in fat_pieces(bumped)) > 0.5
+
+
+def test_stones_beside_the_head_of_an_opening_are_cut_into_wide_parts() -> None:
+    """A course that lies beside a door's arch and under a rose: cut from its inner corners, not into the triangles that fill it."""
+    openings = [
+        {"at": 2.5, "width": 1.1, "sill": 1.2, "height": 1.5, "shape": "round"},
+        {"at": 5.0, "width": 1.1, "sill": 1.3, "height": 1.5, "shape": "round"},
+    ]
+    blocks = build("building", walls=[wall("a", [[0, 0], [7.5, 0]], 0.9, 4.5, openings=openings)], block_length=1.5, course_height=0.75)
+    parts = [np.unique(part.vertices[:, [0, 2]].round(7), axis=0) for block in blocks if not block.fixed for part in block.convex_parts]
+    hulls = [shapely.MultiPoint(part).convex_hull for part in parts]
+    assert min(least_width(np.array(hull.exterior.coords)[:-1]) for hull in hulls) > 0.1
