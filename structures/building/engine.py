@@ -24,8 +24,10 @@ from structures.building.cuts import with_pockets
 from structures.building.footprints import Plan, order
 from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay
+from structures.building.slivers import Stone, joined
 from structures.building.stones import Part, across, parts_of, stone, welded
 from structures.building.table import BuildingTable, BuildingWallTable
+from structures.building.widths import NARROW
 
 LEAST_SEAT = 0.02  # share of the footprint of a wall that something has to be under
 
@@ -55,7 +57,8 @@ def blocks_of(table: BuildingTable, density: float) -> list[Block]:
         _check_feet(walls.plan, rows, faults)
     refuse(faults)
     assert walls is not None
-    blocks = [block for number in range(len(table.walls)) for block in _wall_blocks(walls, number, density)]
+    laid = joined([stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)])
+    blocks = [block for number in range(len(table.walls)) for block in _wall_blocks(walls, number, laid, density)]
     vaulted = [block for vault in over for block in vaults.blocks_of(vault, table.block_length, density)]
     if vaulted:
         blocks = list(with_pockets(blocks, [part for block in vaulted for part in block.convex_parts]))
@@ -158,19 +161,20 @@ def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -> N
             )
 
 
-def _wall_blocks(walls: Walls, number: int, density: float) -> list[Block]:
+def _wall_blocks(walls: Walls, number: int, laid: Sequence[Stone], density: float) -> list[Block]:
     """The blocks of one wall: stones by course, then those of its openings."""
     keys = walls.table.walls[number]
     own = density_of(keys, density)
     group = keys.group or keys.name
-    stones: dict[int, list[list[Part]]] = {}
+    stones: dict[int, list[Sequence[Part]]] = {}
+    for one in laid:
+        if walls.plan.legs[one.leg].wall == number:
+            stones.setdefault(one.course, []).append(one.parts)
     around: list[Block] = []
     opened = 0
     for k, leg in enumerate(walls.plan.legs):
         if leg.wall != number:
             continue
-        for course, parts in _leg_stones(walls, k, leg):
-            stones.setdefault(course, []).append(parts)
         for f, facet in enumerate(leg.facets):
             for frame in walls.frames.get((k, f), []):
                 opened += 1
@@ -191,8 +195,8 @@ def density_of(keys: BuildingWallTable, density: float) -> float:
     return density
 
 
-def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[tuple[int, list[Part]]]:
-    """Course and convex parts of each stone of a leg; in odd courses stones turn round the bends."""
+def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[Stone]:
+    """The stones of a leg; in odd courses they turn round the bends."""
     found: list[tuple[int, list[Part]]] = []
     before: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the next facet
     first: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the first facet
@@ -215,7 +219,7 @@ def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[tuple[int, list[Par
         if course in first and _turns(piece, first[course][1]) and first[course][0] != at:
             found[first[course][0]][1].extend(found[at][1])
             found[at] = course, []
-    return [(course, parts) for course, parts in found if parts]
+    return [Stone(number, course, tuple(parts), NARROW * leg.thickness) for course, parts in found if parts]
 
 
 def _turns(one: Piece, other: Piece) -> bool:

@@ -13,13 +13,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from masonry_cd.mechanics.model.polygon import clip
 from structures.building.axes import SAME, Leg, place
 from structures.building.junctions import Arm, Junction, Pair
 from structures.building.polygons import without_straight
+from structures.building.widths import NARROW, without_tails
 
 LEAST_AREA = 1e-10  # what is smaller in plan is rounding [m2]
 
@@ -148,7 +149,7 @@ def _drawn_out(plan: Plan, number: int, f: int) -> Polygon:
 
 
 def _left_of(plan: Plan, number: int, f: int, before: frozenset[int]) -> list[Polygon]:
-    """What of a facet the legs before it leave."""
+    """What of a facet the legs before it leave; what of that is narrow is for itself."""
     facet, shape = plan.legs[number].facets[f], plan.shape(number, f)
     left: BaseGeometry = shape
     for other in sorted(before):
@@ -156,9 +157,11 @@ def _left_of(plan: Plan, number: int, f: int, before: frozenset[int]) -> list[Po
             across = plan.legs[other].facets[g]
             ring = np.array(plan.shape(other, g).exterior.coords)[:-1]
             left = left.difference(Polygon(_on_faces(facet.local(across.place(ring)), 0.5 * plan.legs[number].thickness)))
-    parts = left.geoms if isinstance(left, MultiPolygon) else [left]
-    half = 0.5 * plan.legs[number].thickness
-    return [_snapped(part, half) for part in parts if isinstance(part, Polygon) and part.area > LEAST_AREA]
+    parts = getattr(left, "geoms", [left])  # polygons, and lines where two only touch
+    thickness = plan.legs[number].thickness
+    whole = [part for part in parts if isinstance(part, Polygon) and part.area > LEAST_AREA]
+    cut = [piece for part in whole for piece in (without_tails(part, NARROW * thickness) if before else [part])]
+    return [_snapped(piece, 0.5 * thickness) for piece in cut]
 
 
 def _snapped(shape: Polygon, half: float) -> Polygon:

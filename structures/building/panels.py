@@ -61,6 +61,7 @@ def lay(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame]
     for course in course_range(laying.beds, leg.base, max(z for _, z in leg.tops)):
         low, high = float(laying.beds[course]), float(laying.beds[course + 1])
         hulls = [frame.hull for frame in frames if frame.hull.bounds[1] < high - SAME and frame.hull.bounds[3] > low + SAME]
+        hulls = [_on_beds(hull, low, high) for hull in hulls]
         heads: list[float] = []
         for area in plan.owned(number, f, course, low, high):
             region = _region(leg, facet, area, low, high, hulls)
@@ -75,6 +76,17 @@ def lay(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame]
             pieces += _stones(facet, area, region, clean, own, course)
         below = heads
     return _without_slivers(pieces, laying)
+
+
+def _on_beds(hull: Polygon, low: float, high: float) -> Polygon:
+    """A frame whose corners lie in the beds of a course to the bit, where rounding alone parts them: no hair of stone runs over it."""
+
+    def moved(points: np.ndarray) -> np.ndarray:
+        for bed in (low, high):
+            points[np.abs(points[:, 1] - bed) < SAME, 1] = bed
+        return points
+
+    return shapely.transform(hull, moved)
 
 
 def _region(leg: Leg, facet: Facet, area: Polygon, low: float, high: float, hulls: Sequence[Polygon]) -> Polygon | None:

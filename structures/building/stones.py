@@ -20,6 +20,7 @@ from masonry_cd.mechanics.model.polygon import loop_planes
 from structures.building import polygons
 from structures.building.axes import SAME, Facet
 from structures.building.panels import Piece
+from structures.building.widths import fat_pieces
 from structures.geometry.compound_block import compound_block
 from structures.geometry.convex import halves
 from structures.geometry.prism import between, prism_xz
@@ -34,7 +35,7 @@ def parts_of(piece: Piece, facet: Facet, thickness: float) -> list[Part]:
     left, _, right, _ = piece.shape.bounds
     a, b = piece.clean
     if left >= a - SAME and right <= b + SAME:
-        return [across(polygon, facet, (-half, half)) for polygon in polygons.convex_pieces(piece.shape)]
+        return [across(polygon, facet, (-half, half)) for polygon in fat_pieces(piece.shape)]
     found: list[Part] = []
     level = polygons.is_rectangle(piece.shape)
     stretches = [(left, right)] if level else [(left, min(a, right)), (max(left, a), min(right, b)), (max(left, b), right)]
@@ -43,7 +44,7 @@ def parts_of(piece: Piece, facet: Facet, thickness: float) -> list[Part]:
             continue
         for shape in [piece.shape] if level else polygons.polygons(piece.shape.intersection(polygons.box(low, high))):
             if low >= a - SAME and high <= b + SAME:
-                found += [across(polygon, facet, (-half, half)) for polygon in polygons.convex_pieces(shape)]
+                found += [across(polygon, facet, (-half, half)) for polygon in fat_pieces(shape)]
             else:
                 found += _at_end(shape, piece.area, facet, half)
     return found
@@ -63,12 +64,12 @@ def upright(plan: np.ndarray, low: float, high: float) -> Part:
 def _at_end(shape: Polygon, area: Polygon, facet: Facet, half: float) -> Iterator[Part]:
     """A stone that does not have the whole thickness all along."""
     left, low, right, high = shape.bounds
-    plans = [ring for part in polygons.polygons(area.intersection(polygons.box(left, right))) for ring in polygons.convex_pieces(part)]
+    plans = [ring for part in polygons.polygons(area.intersection(polygons.box(left, right))) for ring in fat_pieces(part)]
     if polygons.is_rectangle(shape):
         for plan in plans:
             yield upright(facet.place(plan), low, high)
         return
-    for polygon in polygons.convex_pieces(shape):
+    for polygon in fat_pieces(shape):
         for plan in plans:
             block: Block | None = Block("", *prism_xz(polygon, -half, half), 1.0)
             for p, q in zip(plan, np.roll(plan, -1, axis=0), strict=True):
