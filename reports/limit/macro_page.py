@@ -53,13 +53,12 @@ def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> 
     """
     summary, least = page.summary, page.least
     block = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene)
-    lines = [summary["lines"][0], *([summary["verdict"]["words"]] if summary["verdict"] else [])]
     columns, numbers = _columns(page)
     write_document(
         path,
         "macro_elements.html",
         title=summary["title"],
-        page=Head(summary["title"], lines, summary["notes"], _tiles(summary, page), block, on_the_check(summary["verdict"])),
+        page=Head(summary["title"], summary["lines"][:1], summary["notes"], _tiles(summary, page), block, on_the_check(summary["verdict"])),
         csv=CSV,
         columns=columns,
         rows=[_row(page, row) for row in least],
@@ -111,15 +110,20 @@ def _followed(page: MacroPage) -> bool:
 def _row(page: MacroPage, row: Mapping[str, Any]) -> list[str | Badge]:
     """The least mechanism of a part and push."""
     cells: list[str | Badge] = [
-        row["element"], row["push"], row["mechanism"], number(row["height"], digits=3), number(row["alpha0"]),
-        number(row["fraction"], digits=3) + ("¹" if row["doubt"] else ""), number(row["acceleration"]),
+        row["element"], row["push"], row["mechanism"], _aligned(row["height"]), _aligned(row["alpha0"], 4),
+        _aligned(row["fraction"]) + ("¹" if row["doubt"] else ""), _aligned(row["acceleration"], 4),
     ]  # fmt: skip
     if _checked(page):
-        cells.append(number(row["demand"]))
+        cells.append(_aligned(row["demand"], 4))
         cells += [_millimetres(row[name]) for name in ("last", "displacement", "displacement_demand")] if _followed(page) else []
-        cells.append(number(row["ratio"], digits=3) + ("²" if row["check"] == "non-linear" else ""))
+        cells.append(_aligned(row["ratio"]) + ("²" if row["check"] == "non-linear" else ""))
         cells.append(Badge(f"verdict {VERDICTS[row['state']]}", row["state"]))
     return cells + ([page.damage.get(row["element"], "")] if page.damage else [])
+
+
+def _aligned(value: float, digits: int = 3) -> str:
+    """A number of a column, with the zeros at its end that keep digits below digits."""
+    return f"{value:#.{digits}g}".rstrip(".") if 1e-3 <= abs(value) < 1e3 else number(value, digits=digits)
 
 
 def _millimetres(value: float | None) -> str:

@@ -31,6 +31,7 @@ BAND = 4.0  # width of a joint that is at work [pixels]
 SIDES = 16  # of a dot
 GLASS = 0.25  # opacity of the blocks around the line of thrust
 PIXEL = 1e-3  # of a picture, as a share of its height
+AWAY = 0.1  # share of the speed of the blocks that leads away from the viewer at which a picture is drawn from the other side
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +80,8 @@ def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto"
     corner_joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     corners = _between(moved, joints, joints.polygon, corner_joint)
     rows = [Sign("box", f"moves: {counted(int(moves.moving.sum()), 'block')}", (MOVES,))]
-    rows += [Sign("line", f"{name}: {counted(moves.count(name), 'joint')}", (AT_WORK[name],)) for name in STATES[1:]]
+    at_work = [name for name in STATES[1:] if moves.count(name)]
+    rows += [Sign("line", f"{name}: {counted(moves.count(name), 'joint')}", (AT_WORK[name],)) for name in at_work]
     return Scene(
         view=looking,
         window=window,
@@ -142,13 +144,24 @@ def _ruler(note: str) -> Panel:
 
 
 def view_of_motion(solids: Solids, moves: Mechanism, view: str) -> View:
-    """The view asked for; by itself as of the structure, but not along the axis in which it moves."""
+    """The view asked for; by itself as of the structure, but not along the axis in which it moves, and from where the blocks move to."""
     if view != "auto":
         return view_named(view)
     usual = view_named(auto_view(solids))
     speed = np.abs(moves.velocity[:, :3]).max(axis=0, initial=0.0)
     along = not usual.is_oblique and abs(usual.towards[int(np.argmax(speed))]) > 0.5
-    return view_named("isometric") if along else usual
+    found = view_named("isometric") if along else usual
+    return _from_ahead(found, moves) if found.is_oblique else found
+
+
+def _from_ahead(view: View, moves: Mechanism) -> View:
+    """The view, turned half round where blocks would move away from it, behind those that stand."""
+    velocity = moves.velocity[moves.moving, :3]
+    towards = float((velocity[:, :2] @ view.towards[:2]).sum())
+    if towards >= -AWAY * float(np.linalg.norm(velocity[:, :2], axis=1).sum()):
+        return view
+    half = np.array([-1.0, -1.0, 1.0])
+    return View(view.name, half * view.right, half * view.up, half * view.towards)
 
 
 def moved_points(moves: Mechanism, centre: np.ndarray, points: np.ndarray, block: np.ndarray, reach: float) -> np.ndarray:

@@ -54,7 +54,7 @@ class Bay:
         return np.asarray(self.middle + points[..., :1] * [x, y] + points[..., 1:2] * [-y, x])
 
     def turned(self) -> Bay:
-        """The same rectangle with its other side along x."""
+        """The rectangle with its other side along x."""
         x, y = self.across
         return Bay(self.middle, np.array([-y, x]), self.half[::-1])
 

@@ -359,7 +359,7 @@ def test_the_command_on_the_page_asks_for_what_is_on_it(table: str, asked: bool,
 
 def test_a_wall_that_leans_out_is_not_looked_at_along_its_motion(tmp_path):
     """From the front nothing of it would be seen: the thin lines of the structure as built lie behind what has moved."""
-    case = limit_case(scene(tmp_path, pillar(), "[limit]\npush = 'y'\n"))
+    case = limit_case(scene(tmp_path, pillar(), "[limit]\npush = '-y'\n"))
     folders = {view: tmp_path / view for view in ("auto", "front", "isometric")}
     for view, folder in folders.items():
         folder.mkdir()

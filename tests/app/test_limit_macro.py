@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import html
 import json
 from pathlib import Path
 
@@ -74,6 +75,7 @@ def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path
     assert [path.name for path in (folder / "macro_elements").iterdir()] == ["01_slab.png"]
     page = (folder / "macro_elements.html").read_text()
     assert page.count("data:image/png") == 1 and "[C8.7.1.2]" in page and f">{parts['verdict']['state']}</span>" in page
+    assert html.unescape(page).count(parts["verdict"]["reason"]) == 1 and ">1.50<" in page
 
 
 REFUSED = {

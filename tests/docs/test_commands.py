@@ -21,6 +21,7 @@ from masonry_cd.foundation.plugins import GROUPS, OWN_FILE
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.studies.study.clusters import SlurmTable
 from masonry_cd.studies.study.study_file import StudyTables
+from structures.building.table import JunctionTable
 
 COMMANDS = typer.main.get_command(app).commands
 FIRST_HOUR = DOCS / "tutorials" / "first_hour.md"
@@ -120,6 +121,9 @@ def test_a_mistake_on_the_command_line_ends_in_the_line_of_the_page(words, said,
 
 def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
     checks = {
+        "docs/howto/buildings.md": [
+            lambda tables: [parse_table(JunctionTable, each, "structure.junctions") for each in tables["structure"]["junctions"]]
+        ],
         "docs/howto/code_check.md": [lambda tables: limit_table(tables["limit"])],
         "docs/limit_analysis.md": [lambda tables: limit_table(tables["limit"])],
         "docs/plugins.md": [

@@ -207,4 +207,9 @@ def _counts(moves: Mechanism) -> str:
     """How many joints hinge and slide."""
     both = moves.count("hinge and slide")
     counts = {"hinge": moves.count("hinge") + both, "slide": moves.count("slide") + both, "open": moves.count("open")}
-    return ", ".join(f"{number} joints {word}" for word, number in counts.items() if number) or "no joint at work"
+    at_work = [(number, word) for word, number in counts.items() if number]
+    if not at_work:
+        return "no joint at work"
+    (first, word), *others = at_work
+    subject = f"1 joint {word}s" if first == 1 else f"{first} joints {word}"
+    return ", ".join([subject, *(f"{number} {word}{'s' * (number == 1)}" for number, word in others)])

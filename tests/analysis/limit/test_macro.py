@@ -149,3 +149,9 @@ def test_what_is_held_on_all_sides_has_no_mechanism() -> None:
     whole = whole_of(blocks)
     found = analyse_element(whole, element(whole, "w", mechanisms=(OVERTURNING, IN_PLANE)), (1.0, 0.0, 0.0), EFFORT)
     assert not found.mechanisms
+
+
+def test_one_joint_hinges() -> None:
+    whole = whole_of([ground(8.0), *stack("one", 1, width=0.2)])
+    found = analyse_element(whole, element(whole, "one"), (1.0, 0.0, 0.0), EFFORT)
+    assert {one.name for one in found.mechanisms if one.name.startswith(FREE)} == {f"{FREE}: 1 joint hinges"}
