@@ -34,7 +34,7 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.friction import problem
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.model.joints import JointPeaks
-from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs, pivoting
+from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
 
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
     "broad phase": ((detector.Detector, "_rebuild"),),
@@ -45,7 +45,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "analysis": ((Pattern, "of"), (Pattern, "locate")),
     "iterations": (
         (nlgs, "run_by_team"), (admm, "admm_bodies"), (newton, "over_bodies"),
-        (interior, "over_bodies"), (pivoting, "over_bodies"),
+        (interior, "over_bodies"),
     ),
     "error measure": ((problem, "error_bodies"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),

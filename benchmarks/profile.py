@@ -43,7 +43,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics import moreau_jean
 from masonry_cd.mechanics.friction.operators import OrderedProblem, ProblemArrays
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
-from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs, pivoting
+from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, path_by_team, pivoting_by_team
 from masonry_cd.mechanics.solvers.nlgs_table import ScaledProblem
 
@@ -159,7 +159,7 @@ def _watched(out: Profile) -> Iterator[None]:
     places: list[tuple[Any, str, Callable[..., Any]]] = [
         *((moreau_jean, name, phase(name, getattr(moreau_jean, name))) for name in PHASES),
         (admm, "run_by_team", method(admm.run_by_team, lambda *_: "admm")),
-        *((owner, "over_bodies", method(owner.over_bodies, lambda by_team, *_: NAMES[by_team])) for owner in (newton, interior, pivoting)),
+        *((owner, "over_bodies", method(owner.over_bodies, lambda by_team, *_: NAMES[by_team])) for owner in (newton, interior)),
         (nlgs, "run_by_team", method(nlgs.run_by_team, lambda *_: "sweeps")),
     ]
     with ExitStack() as stack:

@@ -207,7 +207,8 @@ WHOLE = [
 
 @pytest.mark.parametrize("text", [text for _, text in WHOLE], ids=[name for name, _ in WHOLE])
 def test_scenes_of_the_repository_draw_no_line(text: str) -> None:
-    assert _drawn(parse_scene(text, EXAMPLES / "scene.toml")) == []
+    folder = EXAMPLES / "plans" if re.search(r"^plan = ", text, re.MULTILINE) else EXAMPLES
+    assert _drawn(parse_scene(text, folder / "scene.toml")) == []
 
 
 @pytest.mark.parametrize("kind", sorted({*KINDS} - {"file"}))

@@ -127,6 +127,7 @@ PURE = {
     *("friction", "rolling_friction", "poisson", "damping", "drift", "lost", "core_shares", "shares"),
     *("axis", "direction", "push", "tilt"),  # vectors of any length
     *("cycles", "scale", "calibration", "initial", "peak"),  # initial is an angle in a tilt and a share in a push
+    *("junction", "bond", "stages", "passive", "passive_shaken"),  # shares of courses, of a force, of the passive pressure
     *("behaviour_factor", "building_damping", "confidence_factor", "f0", "participation"),
 }
 """Keys whose numbers have no unit."""

@@ -465,7 +465,7 @@ def test_build_writes_the_formats_asked_for(tmp_path):
     assert masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--format", "obj").exit_code == 2  # there is one already
     refused = masonry_cd("build", arch, "-o", tmp_path / "other", "--format", "dxf")
     assert refused.exit_code == 2
-    assert refused.stderr == 'masonry-cd: error: --format: "dxf" is none; formats: json, obj, stl, vtu, vtm, vtkhdf\n'
+    assert refused.stderr == 'masonry-cd: error: --format: "dxf" is none; formats: json, obj, stl, vtu, vtm, vtkhdf, step, brep, msh\n'
 
 
 def test_build_repairs_a_file_and_says_what_it_moved(block_on_plate, tmp_path):

@@ -140,7 +140,7 @@ def test_what_is_wrong_in_a_file_is_named(tmp_path: Path, content: Any, message:
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({}, "structure.kind: missing; one of aqueduct, arch, church, "),
+        ({}, "structure.kind: missing; one of aqueduct, arch, bridge, building, church, "),
         ({"kind": "aquaduct"}, 'structure.kind: unknown kind "aquaduct" (did you mean "aqueduct"?)'),
         ({"kind": ["arch"]}, "structure.kind: unknown kind"),
         ({"kind": "file"}, "structure.path: missing"),

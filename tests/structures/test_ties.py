@@ -131,7 +131,7 @@ def test_two_ties_of_one_name_are_refused():
 
 
 def test_a_time_step_too_long_for_a_tie_names_it():
-    blocks, _, bars = made(WALL, {"along": "x", "height": 1.25, "area": 0.5})
+    blocks, _, bars, _ = made(WALL, {"along": "x", "height": 1.25, "area": 0.5})
     with pytest.raises(InputError, match=r"^structure.ties\[0\]: run.dt 0.001 s is too long for its 1.63e\+03 Hz"):
         run(blocks, bars, [], 1e-3, 0.01)
 
@@ -192,7 +192,7 @@ def test_a_tie_across_the_springings_bears_the_thrust_of_an_arch(tmp_path):
     feet = [box(f"foot{k}", (x - 1.0, 0, -0.5), (x + 1.0, 0.5, 0), fixed=True) for k, x in ((1, -2.0), (2, 2.0))]
     blockfile.write(tmp_path / "blocks.json", [*feet, left, right])
     tie = {"along": "x", "height": 0.05, "area": 4e-4, "damping": 0.1, "parts": ["left", "right"]}
-    blocks, _, bars = made({"kind": "file", "path": "blocks.json"}, tie, folder=tmp_path)
+    blocks, _, bars, _ = made({"kind": "file", "path": "blocks.json"}, tie, folder=tmp_path)
     assert [bar.blocks for bar in bars] == [("left", "right")]
     held = run(blocks, bars, [], 2e-4, 0.4)
     assert np.abs(held.state.position - held.assembly.centre).max() < 2e-3
