@@ -49,8 +49,8 @@ FORMATS = {
     "lmgc90": Format(
         (), "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR and PLANx", f"{PACKAGE}program_readers:read_lmgc90"
     ),
-    "step": Format((".step", ".stp"), "a solid a block, by its label; states its unit", f"{PACKAGE}cad_solids:read", written=True),
-    "brep": Format((".brep",), "a solid a block", f"{PACKAGE}cad_solids:read", written=True),
+    "step": Format((".step", ".stp"), "a solid a block, by its label; states its unit", f"{PACKAGE}cad_solids:read"),
+    "brep": Format((".brep",), "a solid a block", f"{PACKAGE}cad_solids:read"),
     "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{PACKAGE}program_readers:read_3dec"),
 }
 CAD = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # marks by which their content is known
@@ -122,6 +122,7 @@ def listed() -> list[str]:
         endings = ", ".join(format_.endings) or "by content"
         rows.append(f"{name:7} {endings:14} {'read, written' if format_.written else 'read':13} {format_.about}")
     rows.append(f'{"solid":7} {".step .brep .geo":14} {"read":13} kind = "solid": a CAD model, cut into stones')
+    rows.append(f"{'step':7} {'.step .brep':14} {'written':13} a solid a block, for CAD programs")
     rows.append(f"{'msh':7} {'.msh':14} {'written':13} tetrahedra of gmsh, block by block; its groups are those of the blocks")
     return rows
 

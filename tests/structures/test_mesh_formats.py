@@ -188,7 +188,7 @@ def test_what_is_no_such_file_is_named(tmp_path: Path, name: str, content: str, 
 def test_formats_are_listed(tmp_path: Path) -> None:
     shown = CliRunner().invoke(app, ["build", "--formats"])
     assert shown.exit_code == 0
-    assert [line.split()[0] for line in shown.output.splitlines()] == [*FORMATS, "solid", "msh"]
+    assert [line.split()[0] for line in shown.output.splitlines()] == [*FORMATS, "solid", "step", "msh"]
     (tmp_path / "x.bin").write_bytes(b"\x00\x01")
     assert format_of(tmp_path / "x.bin") is None
 
