@@ -100,12 +100,14 @@ class Reader:
         return done
 
     def save(self, fence: Fence) -> None:
-        """Save a scene under its title, and prepare it as a run does."""
+        """Save a scene under its title, and prepare it as a run does, unless it is for limit analysis alone."""
         tomllib.loads(fence.text)
         if fence.title:
             path = self.folder / fence.title
             path.write_text(fence.text)
-            prepare(read_scene(path, begun(path)))
+            scene = read_scene(path, begun(path))
+            if not any(load["kind"] == "vehicle" and not {"position", "speed"} & {*load} for load in scene.loads):  # which limit places
+                prepare(scene)
 
     def type(self, line: str) -> bool:
         """Run a line; whether it was a command of the program."""
