@@ -117,7 +117,7 @@ def test_every_number_of_the_examples_may_state_its_unit(path: Path) -> None:
     tables = parse_toml(path.read_text(encoding="utf-8"), path)
     made = stated(tables, tables)
     assert scene_in_si(made) == tables
-    assert "design" in tables or '"' in json.dumps(made["run"]["duration"])
+    assert "design" in tables or '"' in json.dumps(made["run"]["dt"])
     if "design" not in tables:
         assert parse_scene(dump_toml(made), path).run == parse_scene(path.read_text(encoding="utf-8"), path).run
 

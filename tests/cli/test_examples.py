@@ -169,6 +169,12 @@ def test_the_spheres_of_the_box_stay_in_it_and_fall_as_bodies_do(tmp_path):
 
 
 @pytest.mark.slow(reason="1.4 s of shaking, until the piers have met")
+def test_the_bridge_and_its_fill_stand_until_they_are_shaken(tmp_path):
+    summary = run("bridge.toml", tmp_path, "loads[0].amplitude=0", "run.duration=0.2", "report.crack_map=false")
+    assert summary["joints_opened"] == 0
+    assert summary["displacement_max"] < 1e-5
+
+
 def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
     summary = run("two_piers.toml", tmp_path, "run.duration=1.4", "run.until_still=false", "report.html=false")
     assert summary["energy"]["balance_error"] < 1e-9
