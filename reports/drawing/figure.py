@@ -27,7 +27,7 @@ from reports.drawing.scene import Scene
 WIDTH = 1800  # of the sheet
 MARGIN = 40
 TITLE = 118  # height of title and facts
-FACTS = ((14.0, 2), (12.0, 3), (10.5, 4))  # sizes of the letters of facts [points], and the lines that have room below the title
+FACTS = ((14.0, 2), (12.0, 3), (10.5, 4))  # sizes of the letters of facts [points], and the lines that fit below the title
 STRIP = 220  # height of the keys below, with their margins
 COLUMN = 430  # width of the keys beside
 TRIAD = 80.0  # width of the axes beside a scale bar
@@ -261,9 +261,9 @@ class Sheet:
             self.triad(axes, view, (width - 0.5 * TRIAD, top - 58))
             top -= 80
         per_column = max(1, int((top - 4) // PITCH))
-        rows, room = list(panel.signs), per_column * (1 if self.plan.beside else panel.wide)
-        if len(rows) > room:
-            rows = [*rows[: room - 1], Sign("", f"and {len(rows) - room + 1} more")]
+        rows, most = list(panel.signs), per_column * (1 if self.plan.beside else panel.wide)
+        if len(rows) > most:
+            rows = [*rows[: most - 1], Sign("", f"and {len(rows) - most + 1} more")]
         for k, sign in enumerate(rows):
             left = k // per_column * (width + MARGIN) / panel.wide
             bottom = top - 4 - (k % per_column + 1) * PITCH

@@ -138,4 +138,5 @@ def _elevation(axes: Any, wall: WallDrawing, corner: np.ndarray) -> None:
 
 
 def _words(axes: Any, place: np.ndarray, words: str, size: float, turn: float = 0.0) -> None:
-    axes.text(place[0], place[1], words, fontsize=size, color=INK, ha="center", va="center", rotation=turn, parse_math=False)
+    under = {"facecolor": "white", "alpha": 0.8, "linewidth": 0.0, "pad": 0.8}
+    axes.text(place[0], place[1], words, fontsize=size, color=INK, ha="center", va="center", rotation=turn, parse_math=False, bbox=under)

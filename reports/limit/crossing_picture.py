@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from reports.drawing.figure import INK, blank, plain_axes, save
+
 LINE, WORST, SPAN = "#20506f", "#b3261e", "#e9e4d8"
 SHOWN = 4.0  # times the least factor: the plot ends there
 DPI = 150
@@ -21,12 +23,11 @@ def crossing_picture(position: np.ndarray, factor: np.ndarray, spans: Sequence[t
         spans: where arches begin and end along the road [m].
         path: of the PNG.
         title: above the plot.
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 4.0), layout="constrained")
-    FigureCanvasAgg(figure)
+    Raises:
+        InputError: the file cannot be written.
+    """
+    figure = blank((8.0, 4.0), DPI, layout="constrained")
     axes = figure.add_subplot()
     for k, (low, high) in enumerate(spans):
         axes.axvspan(low, high, color=SPAN, lw=0)
@@ -38,5 +39,6 @@ def crossing_picture(position: np.ndarray, factor: np.ndarray, spans: Sequence[t
         place = position[worst], factor[worst]
         axes.annotate(f"{place[1]:.4g} at {place[0]:.4g} m", place, (6, -14), textcoords="offset points", color=WORST)
         axes.set_ylim(0.0, SHOWN * factor[worst])
-    axes.set(xlabel="first axle along the road [m]", ylabel="load factor", title=title)
-    figure.savefig(path, dpi=DPI)
+    plain_axes(axes, "load factor", "first axle along the road [m]", grid="y")
+    axes.set_title(title, color=INK, fontsize=11, loc="left", parse_math=False)
+    save(figure, path, title)

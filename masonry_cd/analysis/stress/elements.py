@@ -98,7 +98,7 @@ def volumes(results: Results, meshes: Meshes) -> np.ndarray:
     size = np.linalg.norm(across, axis=1) if spans.shape[1] == 2 else np.abs((across * spans[:, -1]).sum(axis=1))
     block = meshes.block_of_element
     whole = np.bincount(block, size, len(results.blocks))
-    return np.asarray(size / whole[block] * np.array([b.mass_properties.volume for b in results.blocks])[block])
+    return np.asarray(size / whole[block] * np.array([b.mass_properties.volume - b.carried_volume for b in results.blocks])[block])
 
 
 def element_columns(results: Results, peaks: ElementPeaks) -> dict[str, Any]:
