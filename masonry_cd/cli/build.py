@@ -88,12 +88,10 @@ def build(
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:
             (blockfile if path.suffix == ".json" else meshfile).write(path, blocks)
-        if riding := sum(block.carried.mass for block in blocks if block.carried is not None):
-            warn(
-                [
-                    f"files of blocks hold no fill: {riding:.4g} kg that ride on the blocks are missing in {', '.join(p.name for p in written)}"
-                ]
-            )
+        riding = sum(block.carried.mass for block in blocks if block.carried is not None)
+        if riding:
+            names = ", ".join(path.name for path in written)
+            warn([f"files of blocks hold no fill: {riding:.4g} kg that ride on the blocks are missing in {names}"])
         if plan_files.is_of_plan(asked):
             written += plan_files.write_plan_files(asked, output, picture)
         if picture:
