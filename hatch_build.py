@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Puts compiled kernels into a wheel, which is then one for this minor version of Python on Linux: ``make wheel``.
 
 MASONRY_CD_KERNELS names the folder with the files of ``masonry_cd/foundation/kernel_store.py``. Without it the wheel is pure, and kernels

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every source file names its licence in its first line, as SPDX has it.
 
 ``python .ci/license_headers.py`` writes what is missing, ``--check`` lists it. A file that begins with #! keeps that line first.

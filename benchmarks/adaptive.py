@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Time steps that adapt against fixed ones: error against cost, on whole records.
 
     python -m benchmarks.adaptive [rocking] [arch] [column] [wall] [--members 8] [--record FILE] [--out TABLE.md]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Does each tuned constant of ``auto``, and of its methods, earn its place? Scenes are solved with it and without it, and costs compared.
 
     python -m benchmarks.constants

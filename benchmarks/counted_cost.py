@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What steps cost, counted and not timed: equal on every machine, so that a table shows how uneven the steps of a run are.
 
 A step counts with what the methods did in it, and with a constant per contact for all else. An iteration counts by contacts, entries of H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Instructions and cycles of this process, by the counters of the processor: they do not swing with what else the machine does.
 
 Linux only, by ``perf_event_open``; where the system does not give them (another system, a container, a virtual machine without counters)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Load factors of joints that crush: a flat arch, and the dry walls of Lourenco et al. (2005), by ``python -m benchmarks.crushing``.
 
 Each is analysed for some compressive strengths of its joints, and without; the tables are those of docs/limit_analysis.md.

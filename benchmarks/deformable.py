@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""When rigid blocks are enough: motion and cost of rigid blocks, of elastic joints and of blocks that deform, over Young's modulus.
 
     python -m benchmarks.deformable [arch] [pier] [aqueduct] [wall] [--young 1e8 1e9 1e10]

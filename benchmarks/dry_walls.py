@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The six dry walls of Ferris & Tin-Loi (Int. J. Mech. Sci. 43, 2001): units of 0.4 x 0.175 m, friction 0.65.
 
 A row lists lengths in units from the left, an opening as a negative one; rows from the bottom. ``ASSOCIATED`` are factors of a horizontal

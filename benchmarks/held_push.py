@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The factor at which rigid blocks begin to move under a held push, by the dynamics: trials, several at a time, narrow it down.
 
 A trial holds the push from rest, on rigid joints, for SECONDS. The blocks move if one goes farther than MOVED of the smallest width. They

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""How exact the points of elastic joints that open are, by their number over the depth: a table for docs/validation.md.
 
     python -m benchmarks.joint_points

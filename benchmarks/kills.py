@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Kills and interrupts runs at random moments and at chosen points, resumes them until their end, and compares all that they wrote.
 
     python -m benchmarks.kills --times 500 --seed 1

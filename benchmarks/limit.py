@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Limit analysis against the dynamics: the factor of a push that each kind of structure bears, by both, and what the cone programme costs.
 
     python -m benchmarks.limit                       all kinds, push along x and across; "large church" when it is named

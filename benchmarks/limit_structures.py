@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Structures whose load factors :mod:`benchmarks.limit` compares: one of each kind, and two that are put together from pieces of kinds.
 
 The corner of two walls is half the plan of a tower, bonded or with a straight joint; pushed along x, its wall along y leans outwards and

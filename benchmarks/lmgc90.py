@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Step a scene with LMGC90, as the wheel ``compas_lmgc90`` ships it, and write down what it did.
 
     python lmgc90.py scene.json result.npz [--seconds 60]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The steps of LMGC90 judged by our measure: its contacts and reactions put into a friction problem of ours.
 
 The friction problem of a step (see ``masonry_cd.mechanics.friction.problem``) needs the velocities at its start. LMGC90's wheel does not

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Whether memory stays flat in a long run.
 
     python -m benchmarks.memory wall10x10 --steps 20000

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Memory against size: bytes per contact of a shaken structure, and whether they stay flat over its steps.
 
     python -m benchmarks.memory_per_contact

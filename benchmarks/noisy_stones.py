@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stones as scans and exports of low precision give them: how many are taken as their corners are moved at random.
 
     python -m benchmarks.noisy_stones 1000

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Step a scene with masonry_cd and say what it cost and how well it was solved.
 
     python -m benchmarks.ours wall10x10 --solver auto --tolerance 1e-8 --steps 200

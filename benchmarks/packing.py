@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Spheres that are poured: what it costs until they lie, how well each step is solved, and the slope of the heap that they leave.
 
     python -m benchmarks.packing 10000 --width 2 --dt 4e-3 --solver accelerated

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""What each part of a step costs: a whole run, its results written, with a clock around every part.
 
     python -m benchmarks.parts wall71x36 --steps 20

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Where the time of shaken scenes goes: step by step, phase by phase, and solver by solver.
 
     python -m benchmarks.profile examples/aqueduct_sinusoidal.toml

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Order of accuracy in time: a rocking block against Housner, ours and LMGC90's.
 
     python -m benchmarks.rocking --lmgc90-python PATH/bin/python

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Cost against size: the same structure, larger and larger.
 
     python -m benchmarks.scaling wall arcade --blocks 500 2000 20000

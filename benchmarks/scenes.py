@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Scenes of the benchmarks: towers, walls in running bond, arcades and arches on a base that shakes along x.
 
 The base moves with v(t) = C sin(2 pi f t), so that nothing jumps at the start. Every scene is a few numbers: both programs

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Solve a friction problem file with Siconos and write down its answer.
 
     python siconos_solve.py problem.npz solution.npz --solver NSGS --tolerance 1e-8

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs in one sitting: every program in a process of its own, on one thread; and the tables that say what they did on which machine."""
 
 from __future__ import annotations

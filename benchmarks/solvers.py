@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Times and errors of the friction solvers, as Markdown tables: python -m benchmarks.solvers [--collected FOLDER] [--large] [--threads N]
 
 Every error is the scaled natural map error, measured outside the solver; every time the median of several solves of the same problem,

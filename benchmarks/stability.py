@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Stiff and extreme cases: does anything drift, sink in, gain energy or break down?
 
     python -m benchmarks.stability [-o docs/stability.md] [--picture docs/stability.png] [--only dt]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a case of the stability benchmark did, and the limits that it is judged by; :mod:`benchmarks.stability` says what they mean."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of the stability sheet: each measure of each case as a share of its limit; what passes lies left of the line.
 
 The measures of a row lie a little above one another, so that none hides another; at the left edge stand those that are zero or nearly so.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Structures in space that are shaken hard, ten of them, each giving way in a way of its own, and one at rest that was built with gaps."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A study from end to end: an arch of 27 voussoirs under 40 motions at ten levels, on one worker and on more.
 
     python -m benchmarks.study_arch --records ../suite --workers 1 2

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The overhead of a study's engine: many runs that do nothing but wait, with their rows written, and the memory they take.
 
     python -m benchmarks.study_engine [--runs 10000] [--workers 2] [--milliseconds 10]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The tree in numbers: files, lines, the longest file, kernels with many arguments, import cycles, private names that tests use.
 
     python -m benchmarks.tree [FOLDER]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Steps scenes in two trees of the program by turns, for ``benchmarks.profile --beside``: what the machine does meanwhile meets both alike.
 
 Each tree has a process of its own, in which the packages of the program are those of the tree, and the scenes those of this one.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draw docs/architecture.png: the packages of the code from the top floor to the lowest, and which imports which.
 
     python docs/draw_architecture.py

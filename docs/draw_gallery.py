@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Write docs/gallery.md: every scene of examples/ with its picture and what it costs. Each is run as it stands.
 
 python docs/draw_gallery.py --records FOLDER     (with the folder of the records that scenes name, which the program does not have)

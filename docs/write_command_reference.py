@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Write docs/command_reference.md: every command with its arguments, options and examples, from the command line itself.
 
 python docs/write_command_reference.py

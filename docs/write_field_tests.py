@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Write docs/field_tests.md: a bridge that was loaded to collapse, by limit analysis under several assumptions on its fill.
 
 python docs/write_field_tests.py

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Write docs/laboratory.md and its figures from what `masonry-cd validate` left in a folder.
 
 for name in $(masonry-cd validate | cut -d: -f1); do masonry-cd validate $name -o out/laboratory/$name --force; done

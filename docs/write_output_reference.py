@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes docs/outputs.md: every number that a run comes to and every file that it may leave, as declared."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Write docs/scene_reference.md: every key of a scene with its text, default and bounds, from the JSON schema of the scene file.
 
 python docs/write_scene_reference.py

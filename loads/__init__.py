@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The shaking and the forces: every [[loads]] table of a scene, summed into arrays over the time steps.
 
 A kind of load is a :class:`loads.motion.LoadKind`, listed by name in the ``KINDS`` of a module in :mod:`loads.kinds`. Gravity acts in

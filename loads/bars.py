@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Point loads and bars between blocks, as the step asks for their forces.
 
 A **tie** is a bar between a point of one block and a point of another, that pulls and never pushes. With the length L of the line between

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The motions of the supports, from all tables together.
 
 Support s follows the sum over the tables  v_s(t) = sum_i share_is v_i(t - delay_is). Supports whose delays and shares agree in every table

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""What the fill of a bridge does to blocks beside its weight, which rides on them (:mod:`masonry_cd.mechanics.model.fill`).
 
 **Pressure.** On a wall, and on the back of an abutment of blocks, K gamma (depth) at right angles to the face, K_0 = 1 - sin(phi) (Jaky

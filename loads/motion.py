@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What every kind of load is given and what it returns, with the small pieces that they share.
 
 Supports are driven by a prescribed velocity (not by inertia forces on the blocks), so a load that shakes gives the velocity of

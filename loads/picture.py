@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A picture of an accelerogram before and after its processing: acceleration, velocity, displacement, response spectrum, intensity.
 
 matplotlib is imported here, inside the function, and drawn without a display.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The rest after the loads of a run: the base stands still and forces keep their last values, until the structure is still.
 
 The loads of a run of N steps are laid out over N + R, R the longest rest; the run loop leaves the rest early as it does those between

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Which supports move, and when: names of blocks and groups, and the delay of a motion that travels along the structure.
 
 A long structure is not shaken everywhere at once. A wave of apparent speed c along the unit direction d reaches a support at x after

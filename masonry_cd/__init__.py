@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Seismic analysis of block masonry by non-smooth contact dynamics (Moreau-Jean).
 
     import masonry_cd as mc

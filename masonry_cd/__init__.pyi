@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 from masonry_cd.foundation.errors import InputError as InputError
 from masonry_cd.foundation.plugins import plugins as plugins
 from masonry_cd.foundation.trust import trust as trust

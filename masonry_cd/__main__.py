@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``python -m masonry_cd``: the command line, as the installed command ``masonry-cd``.
 
 Python puts the working folder before all others on its path. Unless masonry_cd itself is there, it is taken off again: the user's own

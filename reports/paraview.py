@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A run for ParaView: the blocks and the joints as polygons over time, and the elements of meshed blocks.
 
 Each mesh has its own file, so that any can be switched off: ``blocks``, the faces of all blocks in the world frame; ``joints``, the

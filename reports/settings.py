@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The table ``[report]`` of a scene: what is drawn and written after the run."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the ties of a run had to bear, in a file and in pictures: ties.csv, and lines for the page."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Structures: from the [structure] table of a scene to checked blocks. Several of them, [[structures]], are put side by side by
 :mod:`structures.site`.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Floors of a structure: rigid slabs that bear on seats in the walls of a room, and may be anchored to them.
 
     [[structure.floors]]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Noise on the vertices: the gaps and overlaps of micrometres that structures from files have, on the blocks of any kind.
 
 Each block by itself is given a small random affine map

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Types and keys that the tables of several kinds of structure share."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Several structures in one scene: each is built by itself, put in its place and named, and they stand on one ground.
 
 A table [[structures]] has the keys of [structure] and three of its own,

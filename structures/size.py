@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How many blocks a structure may have. Kinds estimate their number from their keys, before they make the first one.
 
 A misplaced decimal point, as a course of 1e-9 m, would otherwise fill the memory. The scene may raise the limit: ``structure.most_blocks``.

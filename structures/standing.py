@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What of a structure may not stand as it is built, judged from its contacts at rest: ``build`` and ``run`` warn alike.
 
 A block that touches nothing falls until it meets something. A block *hangs* when no contact pushes it upwards: then only friction on its

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a structure is, in numbers: blocks, joints, masses, what touches what, and how hyperstatic it is.
 
 Every corner of a joint carries one normal and two tangential forces, and every free block has six equations of equilibrium. The

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The keys of the table [structure]: those of every kind, and the model of each kind's own. Nothing is built with it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Ties of a structure: rods of steel and beams of timber on straight level lines, anchored where the line leaves the masonry.
 
     [[structure.ties]]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A structure of other blocks: its table with blocks of another size, or laid in another bond, its outline as before.
 
 Lengths of blocks are multiplied, counts of blocks divided; what is counted is whole, so the size that comes out may differ a little. Keys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Closed forms of vibrating beams and bars, for the tests of the modal check."""
 
 from __future__ import annotations

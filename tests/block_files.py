@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks as block files have them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A block on one elastic joint, whose swings have closed forms."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Small bridges for tests of fill and vehicles."""
 
 from __future__ import annotations

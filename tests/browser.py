@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A real browser without a display, driven through WebDriver (W3C): Chromium and its driver, spoken to with the standard library."""
 
 from __future__ import annotations

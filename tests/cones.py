@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Coulomb's cone by its definition."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The pages of the documentation: their blocks of code, and a reader who types what a page says, in a folder of his own."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A reader of files from elsewhere whose answer is not what it should be; a child process loads it, so it brings numpy alone."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A body of a test in a process of its own, which may crash or hang without harm to the others."""
 
 from __future__ import annotations

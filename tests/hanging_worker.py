@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Loaded by workers of a test as they start: the set-up of some scenes never ends there."""
 
 from __future__ import annotations

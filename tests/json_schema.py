@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The part of JSON schema (draft 7) that the schema of scenes uses: what is wrong with a value."""
 
 from __future__ import annotations

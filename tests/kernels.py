@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The kernels that the tests reach, compiled before them into their store by two processes: ``python -m kernels``.
 
 Without it each process of the tests would compile the same ones at the same time. What is in the cache already is loaded, in seconds.

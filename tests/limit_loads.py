@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Loads of limit analyses for the tests: gravity and a push, on blocks placed by hand."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Assessments made by hand: what each assumption does is known, so that what is said of it is known, too."""
 
 from __future__ import annotations

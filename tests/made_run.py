@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Result files made by hand: blocks put where a test wants them, measured and written as a run does."""
 
 from __future__ import annotations

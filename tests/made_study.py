@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Folders of studies made by hand: a capacity and a demand that are known, so that what is fitted is known, too.
 
 The structure is a column of three blocks. Its record m has the capacity theta exp(e_m + f) [m/s2], where e_m is its own, of a scatter

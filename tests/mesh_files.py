@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Files of two boxes, one upon the other and sharing its corners, in the formats of other programs, as their layouts are published."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Small assemblies and steppers for the tests: boxes placed by hand, towers, walls."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures read back, and counted in their pixels."""
 
 from __future__ import annotations

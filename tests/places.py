@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where the checkout is, and what lies in it and beside it."""
 
 from __future__ import annotations

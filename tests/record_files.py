@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Synthetic files of the networks' formats, each of one wave: as the layouts are published, without any of their data."""
 
 from __future__ import annotations

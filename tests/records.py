@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Record files of each format, as text: 40 samples of one wave."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Inputs that are refused: by one readable line, and a small scene of a block file to try them on."""
 
 from __future__ import annotations

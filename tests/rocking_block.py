@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""A rigid block that rocks on a shaken base, by Housner's equation (Bull. Seism. Soc. Am. 53(2), 1963), for many amplitudes at once.
 
     theta'' = -p^2 ( sin(s alpha - theta) + (a / g) cos(s alpha - theta) ),    p^2 = 3 g / (4 R),    s = sign(theta)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Friction problems of simple scenes, from analytic contacts, for the tests of the solvers."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Static equilibrium of planar block structures by a linear programme, independent of the program's own contacts.
 
 Joints are found as the common stretch of two straight sides; each end of a stretch carries a force within Coulomb's

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Static equilibrium of block structures in space, by the limit analysis of the program on the corners of its joints.
 
 Every corner of a joint carries a force within Coulomb's cone. If such forces balance the weight of every free block, the structure can

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A small scene and its studies, and tasks that stand in for runs: workers import them from here."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The wheel that brings compiled kernels: what goes into it, and what it is named for."""
 
 from __future__ import annotations

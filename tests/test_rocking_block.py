@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The integration of Housner's equation that studies are compared with: closed forms of its small motions and of its thresholds."""
 
 from __future__ import annotations

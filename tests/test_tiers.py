@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tiers: a marker says why, and what takes long must carry it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tiers of the tests, as hooks of pytest: what is slow carries a marker with a reason, and a budget keeps the others quick.
 
 ``@pytest.mark.slow(reason="...")`` leaves a test to ``make test-all``. A test without the marker is meant to take ``ALLOWED`` seconds of

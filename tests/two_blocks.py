@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A small scene for tests of the interface: two blocks on a base, shaken for a tenth of a second."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Save the results of short scenes, change the code, and check that not a bit of them has changed.
 
     python -m benchmarks.bits save

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Variables of the environment that make libraries choose as they would on another processor."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a case by the command line, in processes of their own, and reads all that it wrote into arrays.
 
 Nothing of the program is imported, so its modules may be rearranged at will: only its commands and its files are relied on.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Malformed and damaged inputs: does the program refuse them as it promises?
 
     .venv/bin/python -m benchmarks.fuzz --minutes 10 --seed 1

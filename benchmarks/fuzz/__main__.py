@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command ``python -m benchmarks.fuzz``: changes inputs for some minutes, or some cases, and tells what broke a promise."""
 
 from __future__ import annotations

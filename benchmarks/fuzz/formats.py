@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Good inputs in the formats of networks and of other programs, as the tests make them: records by ``record``, blocks by ``build``."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Good inputs of every kind, small and quick: what is changed, what lies beside it, and the command that reads it."""
 
 from __future__ import annotations

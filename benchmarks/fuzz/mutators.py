@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Changes to a good input: bytes, lines, words and numbers of a text, values of a tree, arrays of a file of arrays."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the program promises of every input, however damaged, and whether a case kept it."""
 
 from __future__ import annotations

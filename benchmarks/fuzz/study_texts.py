@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The texts of good study files, one for each design, and the motions that they name."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The texts of good inputs: scenes that use most keys, records of each format, measured modes."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A case in a process of its own: forked from one that has imported and compiled everything, within limits of time and memory."""
 
 from __future__ import annotations

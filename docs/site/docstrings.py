@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Docstrings as the site reads them: roles such as :func:`run` are code, and sessions of the prompt >>> are blocks of code."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the plans of three buildings as a surveyor does, in DXF: a parish church, a house in a row, an oratory.
 
     python examples/plans/draw_plans.py FOLDER

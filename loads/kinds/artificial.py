@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Artificial accelerograms whose response spectrum is that of a code.
 
 White noise under an envelope e(t) is brought to the target spectrum by turns in frequency and in time: with S_k the response spectrum of

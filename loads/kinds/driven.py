@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Pushes by displacement, and props: blocks whose motion along a direction is given, and whose reaction is recorded.
 
 A point of each block, its centre of mass when not given, moves along d by

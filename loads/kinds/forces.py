@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Forces on single blocks: point loads, and ties as unilateral bars.
 
 A **point load** keeps its direction and acts at a point that moves with its block. It is there at once, grows over ``ramp``, or goes

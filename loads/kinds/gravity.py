@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gravity, at once or ramped: a(t) = s(t / ramp) g with the smooth step s(x) = 3 x^2 - 2 x^3.
 
 Rigid blocks on rigid joints stand at rest under full gravity from the first step, so nothing is ramped by default. A ramp helps

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""A pulse: a body force on every block that begins, ends, and leaves nothing behind.
 
     half-sine    a sin(pi x),       rectangle    a,       sine    a sin(2 pi x),        x = (t - start) / duration in [0, 1],

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A recorded accelerogram as base motion.
 
 The accelerogram is read and processed (``loads.signal.accelerogram``) and scaled. Its velocity, which is piecewise quadratic, is then

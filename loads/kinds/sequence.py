@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Shocks in a row on the same, ever more damaged structure (Ferrante et al. 2019 shake a cracked church by three records in a row).
 
 Each shock has the components of one record, scaled by one factor. Between two shocks, and after the last, the base stands still for a rest:

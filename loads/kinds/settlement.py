@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Supports that give way: settlement of some, and spreading of all.
 
 A support moves by D in a smooth pulse of duration T, x = (t - start) / T:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Sinusoidal base motion, v(t) = C e(t) sin(2 pi f (t - start)).
 
 The load of parametric studies on masonry churches (Clementi et al. 2018). The velocity, not the acceleration, is a sine, so it starts from

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Slow loads that find the capacity of a structure: a tilt test and a push.
 
 **Tilt.** The base is turned slowly about a horizontal axis; the run stays in the frame of the base, where gravity turns the other way,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Vehicles on a bridge: axles that stand on the road or cross it slowly, spread by the fill onto the arches and supports below.
 
     [[loads]]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Readers of record files, picked by the name of the format or by what the file holds (never by the file's name).
 
 A format is a :class:`loads.readers.source.Reader`, listed by name in the ``FORMATS`` of a module here. Those with a strict heading are

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """PEER AT2: four lines of heading, then the accelerations, several to a line.
 
 The third line names quantity and unit (``ACCELERATION TIME SERIES IN UNITS OF G``, or in other words; VT2 and DT2 files hold velocities,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What files of several channels share: how the key ``column`` picks one, and numbers that stand in fields of a fixed width.
 
 Old formats are written by Fortran programs: ``(8F10.3)`` is eight numbers a line, ten characters each, which may touch. They are

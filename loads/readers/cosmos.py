@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """COSMOS strong-motion data format 1.20, Volumes 0 to 2 (V0 counts, V1 uncorrected, V2 corrected), of one or several channels.
 
 Each channel has lines of text, of which the first says ``(Format v01.20 with 13 text lines)``; then, each behind a line that announces it,

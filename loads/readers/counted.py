@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One series behind a heading that gives the number of its values and their step: any layout, read in reading order.
 
     TITLE

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """CSMIP, CGS, CDMG: Volume 1 (uncorrected) and Volume 2 (corrected), of one or several channels.
 
 A line announces each series, its unit and the Fortran format of its values:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """ESM and ITACA ASCII (DYNA 1.0 to 1.2): a heading of ``KEY: value`` lines, then one acceleration per line.
 
 Needed of the heading: SAMPLING_INTERVAL_S, NDATA, UNITS, and DATA_TYPE where it is given; ITACA 1 names the component COMPONENT instead of

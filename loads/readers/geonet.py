@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """GeoNet (GNS Science, New Zealand): V1A (uncorrected) and V2A (corrected), three components.
 
 For each component 16 lines of text, 40 integers (10I8), 60 reals (10F8.0), then accelerations [mm/s2], velocities and displacements, ten a

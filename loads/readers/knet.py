@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """K-NET and KiK-net ASCII: seventeen lines of heading, then counts of the digitiser, eight to a line.
 
 Needed of the heading: ``Sampling Freq(Hz)``, ``Duration Time(s)``, and ``Scale Factor``, which says what one count means, e.g.

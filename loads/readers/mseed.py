@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """miniSEED, the archive format of seismic networks, through obspy (the optional extra ``records``).
 
 A file holds channels of counts, or of physical values, and names neither unit nor calibration: those stand in the station's metadata. So

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Networks whose files are a heading of ``key: value`` and a table of components: AFAD/NSMN (Turkey), UNAM (Mexico), CWB (Taiwan).
 
     AFAD    STRONG GROUND MOTION RECORDS OF TURKIYE;  SAMPLING INTERVAL (sec), NUMBER OF DATA, PGA VALUES (gal);  N-S E-W U-D

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a series is, acceleration, velocity or displacement, where a file says so: by words of its heading or by a SEED channel code.
 
 Band, instrument, orientation are the letters of a channel code (FDSN, "SEED Reference Manual", 2012, appendix A): HNE is the east component

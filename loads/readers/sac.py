@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """SAC, the binary format of the Seismic Analysis Code: one series.
 
 A header of 70 reals, 40 integers and 192 characters, then the samples in single precision, in either byte order. The header gives the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """SMC, the format of the U.S. Geological Survey's strong-motion CD: one component.
 
 Eleven lines of text, of which the first says what the series is; 48 integers (8I10), 50 reals (5E15.7), comments, values (8E10.4E1, or

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the readers of record files share: the lines of a text file, numbers with the line they stand on, and what a reader returns."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of numbers: CSV (comma, semicolon or tab) and columns separated by blanks, with or without a heading.
 
 The heading names the columns and their units (``time_s,ns_m_s2`` or ``# time [s]  acc [g]``); it may be a comment. The time column is

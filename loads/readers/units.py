@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Units of motion as record files write them, and their size in SI. A record in an unknown unit is refused, never guessed."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Volume 1 of strong-motion processing as of 1970: USC, old CSMIP/CDMG, RENADIC (Chile), BHRC (Iran).
 
 For each channel 13 lines of text, 7 of integers (16I5), 7 of reals (8F10.3); then (time, value) pairs, five a line in fields of seven,

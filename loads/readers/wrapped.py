@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of numbers that could be one series in reading order: which they could be, and how such a series is read.
 
 A writer of eight values a line leaves a table whose rows are eight samples in a row. Read by columns it is every eighth. It shows, since

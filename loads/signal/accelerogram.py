@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """From a file to a motion: an accelerogram is read, cut, cleaned, integrated and its baseline corrected, in this order:
 
     read (units) -> accelerations -> window -> mean off, taper -> resampling -> band-pass -> integration -> baseline correction

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Integration of an acceleration record, and the correction of its baseline.
 
 Between samples a record is a straight line, so over one interval h, exactly,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Elastic response spectra of the codes: EN 1998-1:2004 (EC8), 3.2.2.2 and 3.2.2.3, and NTC 2018, 3.2.3.2.
 
 Both have one shape, with eta = sqrt(10 / (5 + 100 xi)) >= 0.55 for the damping xi, a start s at T = 0 and a plateau at P eta:

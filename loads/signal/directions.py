@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Which number of a motion in several components counts: that of one axis, or one of both horizontal components, x and y.
 
     x, y, z             the component along this axis

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""FIV3, the filtered incremental velocity: what the three strongest pulses of an accelerogram add to the velocity (for collapse).
 
     V(t) = int_t^{t + alpha T} a_f dt,      0 <= t <= t_end - alpha T

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Measures of a whole accelerogram: Arias intensity, significant duration, cumulative absolute velocity.
 
     I(t) = pi / (2 g)  int_0^t a^2 dt,      I_A = I(T)                                  (Arias, 1970)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Intensity measures by name: "PGA", "Sa(0.5)", "AvgSA(0.1, 1.0)", "FIV3(0.5)", for one component or both, "Sa(0.5):rotd50".
 
     PGA, PGV, PGD                   largest |a| [m/s2], |v| [m/s], |d| [m] at the samples

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The response spectrum of an accelerogram, exact for accelerations that are straight between their samples.
 
 Oscillators of period T = 2 pi / w and damping ratio xi on a base with acceleration a(t):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""From the series of a file to accelerations: which quantity it is, in which unit, and its derivative where it is another.
 
 File and user have to agree. What the file says first is its unit, then its heading; a channel code or a comment is a hint, which the key

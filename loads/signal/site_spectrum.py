@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The keys of a scene that say which code's response spectrum holds at a site."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Where the blocks and the joints' corners are at a frame, seen from the base.
 
 A point X of block b, built at rest, moves rigidly to

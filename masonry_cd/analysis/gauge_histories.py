@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run kept where its scene looks, as columns over its steps: points, joints, cracks and supports."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""What a push by displacement has measured: force against displacement, and the numbers that laboratories take from it.
 
 Of the side on which the push began, the envelope is made of the points at which a displacement was reached for the first time, of means

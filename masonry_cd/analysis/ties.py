@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the ties of a run had to bear. Bars of one name are one tie, whose tension is their sum."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Steps as a run makes them: their length where it adapts, and rests that end early. Who records them is not asked here."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The table ``[assess]`` of a scene: ranges that ``masonry-cd assess`` varies instead of its own."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where the steps of a case begin."""
 
 from __future__ import annotations

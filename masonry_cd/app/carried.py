@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The load factor that a structure carries while a load grows, from the motion of its run: the capacity curve of the dynamics.
 
 Of the work of the load, what does not become kinetic energy K is carried: lifted weight, friction, elastic joints. With X the work of the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A scene becomes a case: its blocks and joints are built, its loads summed, all of it is checked, and the kernels are compiled.
 
 Structures and loads are imported inside the functions, when a scene has passed its own checks.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``python -m masonry_cd.app.compile_all SCENE ...``: compiles what the usual scenes need, and what those given do, for a wheel.
 
 The folder NUMBA_CACHE_DIR then holds what ``hatch_build.py`` puts into the wheel: ``make wheel``.

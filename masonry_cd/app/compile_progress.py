@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the user sees while kernels are compiled: how many there are, how long it will take, and how far it is.
 
 Processes that compile put what they have done into the folder of ``kernel_store.py``: how far they are is how many files have come there.

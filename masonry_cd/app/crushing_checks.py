@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run says to joints that crush: which key is missing."""
 
 from __future__ import annotations

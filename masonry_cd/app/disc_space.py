@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whether the results of a run fit on the disc: estimated from its blocks, joints, frames and steps before the first step."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Values of a scene that are likely in another unit: a line each, and never a refusal.
 
 The line names the key, its value and what that means, and how it is written in the unit in which it would be usual; the key of a scene

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Friction problems of chosen steps of a run, written to files as they are solved: ``masonry-cd run --dump-problem 120,121``.
 
 The run does not notice: a problem is written after it is solved, and nothing in it is changed. Where a step solves impacts apart from

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run left out because its scene does not need it, and why: ``masonry-cd run --explain``, and ``explanation`` in summary.json.
 
 Every line names what was spared, and what it rests on: a symmetry, a bound, a counter of the run, or what the scene does not ask for.

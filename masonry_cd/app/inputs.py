@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run depends on beside the text of its scene, so that no run continues with other inputs than it began with.
 
 Files are known by their names in the scene: those under a key ``path``, and those that a VTM file lists. Beside their bytes, what was made

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whether a run leaves the elasticity of its masonry out, and what that comes to."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The limit analysis of a scene: what the command ``masonry-cd limit`` does."""
 
 from __future__ import annotations
@@ -326,8 +327,8 @@ def _crushed(case: LimitCase) -> str:
 def _who(case: LimitCase) -> str:
     """The blocks that move, some by name."""
     moving = np.flatnonzero(case.collapse.mechanism.moving)
-    free = int((~case.assembly.fixed).sum())
     some = ", ".join(f'"{case.assembly.names[b]}"' for b in moving[:NAMED])
+    free = int((~case.assembly.fixed).sum())
     return f"{len(moving)} of {free} blocks ({some}{' ...' if len(moving) > NAMED else ''})"
 
 
@@ -379,10 +380,8 @@ def draw(case: LimitCase, folder: Path, view: str = "auto") -> list[Path]:
     if not case.analysis.stands:
         return [folder / "mechanism.png"]
     thrust_picture(what, folder / "thrust.png", f"{case.scene.title}: forces at collapse", facts, view)
-    drawn = [folder / "mechanism.png", folder / "thrust.png"]
-    if case.curve is None:
-        return drawn
-    return [*drawn, draw_curve(case.curve, case.assembly.names, folder, (case.scene.title, case.loads.words), view)]
+    curve = [draw_curve(case.curve, case.assembly.names, folder, (case.scene.title, case.loads.words), view)] if case.curve else []
+    return [folder / "mechanism.png", folder / "thrust.png", *curve]
 
 
 def _facts(case: LimitCase) -> str:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The check by a code of the mechanisms that a limit analysis found: ``[limit.check]``."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command ``masonry-cd limit``: the structure as a whole, its macro-elements, or both, and the one verdict of all."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The capacity curve of a limit analysis: what ``[limit.curve]`` and ``masonry-cd limit --curve`` add."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Points of a capacity curve judged by rigid-block dynamics.
 
 Past its peak a structure cannot be held by a load, only caught between two: released from rest where the curve has brought its blocks, it

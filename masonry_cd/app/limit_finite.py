@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """No finite load factor as a result: what is borne without end, and what would end it."""
 
 from __future__ import annotations

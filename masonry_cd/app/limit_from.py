@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The state from which a limit analysis begins: ``[limit] from`` names a run, whose blocks are taken where it left them.
 
 Their joints are found there, as far as they are open by no more than TOUCHES: a hinge is a strip along its edge, and what overlaps bears.

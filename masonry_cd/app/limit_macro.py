@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The macro-elements of a scene: ``masonry-cd limit --macro-elements`` and ``[[limit.mechanism]]``."""
 
 from __future__ import annotations

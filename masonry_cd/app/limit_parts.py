@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Parts of a structure as the search for its least factor begins at them: the mechanisms of practice along a push, rigid bodies only."""
 
 from __future__ import annotations

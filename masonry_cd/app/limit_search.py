@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The search for the least factor without dilation as a scene asks for it, and what may be said after it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a limit analysis begins with, of the whole or of parts: the blocks of a scene, their joints, what its table ``[limit]`` asks."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The worst place of a vehicle on a bridge: the least factor of its axles over where it stands.
 
 At each of some places of the first axle, from where it comes onto the bridge to where the last one leaves it, the largest factor that

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What became of a structure under its loads: the load factor at which it gave way, the tensions of its ties, the damage shock by shock.
 
 A push or a tilt grows until the structure gives way: a block has moved, relative to the base, by more than MOVED of the smallest width of a

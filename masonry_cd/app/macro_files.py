@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What ``masonry-cd limit --macro-elements`` writes: table, page, pictures."""
 
 from __future__ import annotations

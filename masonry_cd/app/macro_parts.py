@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which macro-elements a scene asks for: those of its structure's kind, and those of ``[[limit.mechanism]]``."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The keys of ``[[limit.mechanism]]``: macro-elements that a user chooses or adds."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the mechanisms of macro-elements amount to: a row each, and the verdict of the least."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The modal check of a scene: both models, the measured modes beside them, and the files that say so.
 
 modal.json            everything below, and the size of the models

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the table ``[output]`` of a scene asks for, found on the structure: blocks, places and joints by number."""
 
 from __future__ import annotations

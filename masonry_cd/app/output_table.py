@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The table ``[output]`` of a scene: where one looks, besides the frames: points, joints, cracks and supports, in every step."""
 
 from __future__ import annotations

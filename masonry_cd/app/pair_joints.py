@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which joint each pair of parts of the detector belongs to."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What ``build`` writes of a building's plan: plan.json, from which one can go on by hand, plan.svg, and what was not understood."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How far a run is: a bar with the time left on a terminal, plain lines every ten seconds elsewhere (TERM=dumb too); signals between steps.
 
 A step may take microseconds, so a call costs no more than a look at the clock until there is something to draw.

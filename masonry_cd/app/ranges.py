@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What masonry, and what shakes and loads it, has: ranges beyond which a value of a scene is doubted, each with its reason.
 
 A value outside of its range is not refused: scale models, proof loads and parametric studies go there on purpose. It draws one line

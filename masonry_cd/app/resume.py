@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which checkpoint a run goes on from, and whether it may: nothing is changed before all of it is checked."""
 
 from __future__ import annotations

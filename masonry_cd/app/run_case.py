@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A prepared case becomes results: the steps, result.h5 as they go, then damage, summary and pictures."""
 
 from __future__ import annotations

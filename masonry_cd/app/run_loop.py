@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The run loop: step after step, written down as it goes, with a checkpoint now and then to resume from.
 
 A checkpoint is taken whenever ``run.checkpoint_every`` seconds have passed, and at the end. It holds all that later steps depend on, so

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run did, step after step: for its closing lines and summary.json."""
 
 from __future__ import annotations

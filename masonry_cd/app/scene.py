@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The scene file: a TOML text that says what stands, what shakes it, how it is computed and what is reported.
 
     format = 1                        # optional: of these keys, should they ever change

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The JSON schema of the scene file, put together from the tables that read it.
 
 Editors complete and check scenes by it (taplo, Even Better TOML). Kinds of structure and of load are alternatives, chosen by ``kind``.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The text of a scene file: TOML in and out, changes by ``--set``, and the line on which a key stands."""
 
 from __future__ import annotations

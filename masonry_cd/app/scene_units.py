@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tables of a scene as numbers in SI units, and the unit of a key by its path.
 
 A scene is kept as written, with its texts: "30 mm". What reads a table by its model sees numbers in any case; this is for what reads values

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One friction problem from a file, solved and judged: what ``masonry-cd solve`` does."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Starter scenes: every key of a kind of structure and of the other tables, with its text, drawn from the schema of scenes.
 
 The keys that a first scene needs are set. The others stand behind a #, with the value that holds without them; where nothing stands behind

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The loads of a scene as a limit analysis takes them: what stays constant, and the pattern that is multiplied by the factor.
 
 Constant are gravity, and the point loads at their full size. The pattern is one of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The contacts of the last step of a stepper as arrays, and what they add up to at joints and supports."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""How long the rest of a run will take: what a step costs follows the motion of the base, so what is still to come of it counts.
 
 The steps of the loads fall into classes by what the base does about them. With a(t) the acceleration that all supports share and d(t) the

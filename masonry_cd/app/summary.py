@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run has come to: summary.json, and the same in words."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Whether time step and tolerance resolve the shaking, the blocks and their rest; where not, the run warns, with the number and the block.
 
 **Shaking.** f95 is the frequency below which 95 % of the base acceleration's mean square lies, from its values at the steps. Fewer than

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What became of a time step that adapts: for summary.json, the closing lines, and the line that announces a run."""
 
 from __future__ import annotations

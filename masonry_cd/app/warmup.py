@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Has the kernels of a run compiled before it begins, by a run of three cubes, so that compiling does not count as time of the run.
 
 The scene of the cubes has a bit of all that a step can meet: a cube at rest, one that starts inside another by a micrometre, one that falls

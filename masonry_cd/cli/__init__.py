@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line ``masonry-cd``: one file per command. Its own imports are light; each command imports what it needs."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd accuracy``: error against run time."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line ``masonry-cd``. One file per command, whose own imports are light; inside it imports what it needs.
 
 Exit codes: 0 done, 1 the run could not go on, 2 bad input (one line says what and where), 128 + N stopped by the signal N: 130 by Ctrl-C,

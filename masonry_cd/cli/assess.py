@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd assess``: what the answer of a scene rests on."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd build``: the structure of a scene alone."""
 
 from __future__ import annotations

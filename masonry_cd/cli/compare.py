@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd compare``: runs side by side."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd export``: a run for ParaView."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd init``: a starter scene."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd limit``: the largest load factor of a scene and its mechanism."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd modal``: the modal companions, and the frequencies of a run on elastic joints."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd plugins``: what installed packages add."""
 
 from __future__ import annotations

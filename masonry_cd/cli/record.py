@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd record``: the numbers of a record, and a picture of it and its correction."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd report``: the reports of a run, redone."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd run``: a scene is computed and its results are written."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd schema``: the JSON schema of the scene file."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the commands share: arguments of the same name and meaning, and how errors are reported."""
 
 from __future__ import annotations

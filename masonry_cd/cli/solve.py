@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd solve``: one friction problem from a file."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd study``: many runs of one scene."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd validate``: a test of a laboratory, or another program's result, repeated."""
 
 from __future__ import annotations

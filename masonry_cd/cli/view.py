@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd view``: the page of a run or a study in the browser."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Arrays that come from a file, checked before compiled kernels index with them: names, types, shapes, ranges, finite values."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tables as CSV that a spreadsheet opens without running anything.
 
 A spreadsheet takes a cell that begins with =, +, -, @ or a control character for a formula, and names come from files of strangers. So a

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The errors a user can cause, and how they are reported: one line that names the key, file, line or block."""
 
 from __future__ import annotations

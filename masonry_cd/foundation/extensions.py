@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Extensions: modules that one new file adds. They are found in their package by what they define; there is no list to be kept.
 
     package                 a module there defines          a scene asks for it by

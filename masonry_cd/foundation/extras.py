@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Libraries that only some scenes and commands need, each in an extra of the package; a plain install runs and reports numbers."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Types of the keys of a scene file that several tables share, and the table that all of them build on."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Files that a user names, looked at before they are opened.
 
 A device, a pipe or a socket may have no end, or wait for ever for its first byte, so it is refused. Files of the kernel such as those of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Calls from Python to kernels that take NamedTuples: field by field, since numba looks longer at a NamedTuple than at its fields.
 
 At each call numba finds out the type of each argument, for a NamedTuple also by the names of its fields, which takes longer than for as

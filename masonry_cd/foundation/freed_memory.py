@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Memory that a step has freed stays with the program for the next one; what a picture has freed goes back to the system.
 
 glibc gives freed memory at the top of its heap back to the system, and maps large arrays by themselves, which are given back when they are

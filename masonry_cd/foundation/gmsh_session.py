@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A session of gmsh, whose geometry kernel is OpenCASCADE. This module imports little: a child process that reads a file starts from it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Compiled kernels: numba's njit with a cache that never goes stale, and a first run that takes half as long.
 
 **Cache.** numba keeps compiled code and drops it when the file of the function changes, but not when a kernel that it calls, in another

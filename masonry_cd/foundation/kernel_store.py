@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where compiled kernels are kept: one file an entry, named by all that it depends on, so that a file is right or is not looked at.
 
     masonry_cd.mechanics.solvers.admm_kernels.admm_bodies-<sources>-<kind>.nbc

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Elementary functions of arrays, by the C library.
 
 numpy has its own for each kind of processor, which round differently. What results follow from (loads, shapes of blocks) is computed by

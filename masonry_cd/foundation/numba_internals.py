@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What reaches into numba beyond its public interface, for ``jit.py``, which says what for. Tried up to the version named there.
 
 A kernel that Python does not call ends as intermediate code in numba's pipeline, and is linked into its callers in that form. Entries are

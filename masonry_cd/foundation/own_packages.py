@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whether ``structures``, ``loads`` and ``reports`` are this program's: a file of such a name beside a script would hide them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Plug-ins: what installed packages add by entry points, and what a file of the user's adds by its name.
 
     group of entry points    the entry is                               a scene asks for it by

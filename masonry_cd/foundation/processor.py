@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which processor kernels are compiled for: by default any x86-64 with AVX2 and FMA, so that all of these compute the same bits.
 
 numba compiles for the processor that it runs on. There LLVM takes the widest registers, and adds up sums in as many parts as one holds;

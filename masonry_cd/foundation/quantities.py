@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Quantities as people read them: lengths, speeds and forces with a prefix, time spans in hours, minutes and seconds."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What differs between operating systems, in one place: signals that end a run, locks between processes, and limits of child processes.
 
 Windows has no fcntl, no resource, no process groups and few signals; macOS has no /proc. Nothing else in the program names any of these, so

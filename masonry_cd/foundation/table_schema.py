@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The JSON schema of a table of the scene file, drawn from its pydantic model, in the form that editors of TOML read (draft 7).
 
 The text of a key is the description of its field, or the docstring under it, and the unit that the field declares, in brackets. Tables

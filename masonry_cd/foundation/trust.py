@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whether code that a scene names may run: only where whoever runs it says so, by --trust on the command line or ``mc.trust()`` in Python.
 
 Processes of a study inherit it, so it is kept in their environment; a scene cannot set it.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Units of keys: each is declared once, in its field, and a text with a unit is read as a number in it.
 
     height: Annotated[float, Unit("m"), Field(gt=0)]        takes 0.25, "25 cm" and "250 mm"

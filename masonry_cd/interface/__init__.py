@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The Python interface, ``import masonry_cd as mc``: scenes and runs as values, for notebooks and scripts.
 
 What of it ``masonry_cd`` shows, its own __init__ lists; each name is imported when it is asked for. Everything here calls what the command

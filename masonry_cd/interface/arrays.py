@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks and base motions that come as arrays: they become files of the kinds that scenes read.
 
 The blocks of a structure become a block file (:mod:`structures.files.blockfile`), each base motion a table of numbers

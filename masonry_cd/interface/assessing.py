@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the answer of a scene rests on, as ``masonry-cd assess`` finds it: a verdict, a table of runs, a tornado chart, a page."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Closing lines and warnings of a result as a notebook shows them."""
 
 from __future__ import annotations

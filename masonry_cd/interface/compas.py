@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks to and from the data of COMPAS (compas.dev), as its JSON files hold them; the package itself is not needed.
 
 COMPAS writes an object as ``{"dtype": "compas.datastructures/Mesh", "data": {...}}``; models of compas_dem, compas_assembly and the like

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Events of a simulation, and the functions that are called when they happen."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tables of pushes and gauges of a run, from its result file."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Own joint laws: stresses in the joints as built, by a function of their openings, slips and history.
 
 Each joint has an integration point per corner of its polygon, drawn in towards the centroid so that the points have the second moment of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Limit analysis of a scene: the load factor, the mechanism, the check by a code."""
 
 from __future__ import annotations

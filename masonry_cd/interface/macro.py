@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The macro-elements of a scene: each part with all else held, the table that ranks them, the one verdict."""
 
 from __future__ import annotations

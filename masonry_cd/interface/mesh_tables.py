@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of meshed blocks: a row per element or node, by its block and number in it."""
 
 from __future__ import annotations

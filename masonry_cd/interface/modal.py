@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The modal companions of a scene: the bonded elastic continuum, and rigid blocks on elastic joints."""
 
 from __future__ import annotations

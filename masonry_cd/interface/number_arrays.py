@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Arrays of numbers that Python hands over: one check for geometry, motions, forces and states."""
 
 from __future__ import annotations

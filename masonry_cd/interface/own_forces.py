@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Forces that Python gives, beside those of the scene's loads, as the step asks for them: at the places of its middle, q_m.
 
 A field is a function ``f(now)`` of all blocks at once, a history the force on one block over time. Both enter the free velocity as point

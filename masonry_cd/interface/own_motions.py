@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Motions that Python imposes on blocks: these become supports, driven on top of what moves all supports."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The pictures of a run: crack maps as images, plots as figures of matplotlib, the page; each shows itself in a notebook."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a plug-in has to be, by the group of its entry points; docs/plugins.md shows an example of each."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs: what the folder of a run holds, as tables, arrays and pictures. Also of runs that were interrupted or killed, or are at work."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run holds in the shapes of other programs: forces, lines of thrust, labelled arrays, meshes, traces."""
 
 from __future__ import annotations

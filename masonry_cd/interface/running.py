@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs scenes, and resumes runs that were stopped, as the command line does."""
 
 from __future__ import annotations

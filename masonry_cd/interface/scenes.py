@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes: what stands, what shakes it, how it is computed; from a file, a dict, keywords, or arrays.
 
 A scene in Python is what the command line makes of a scene file: a checked text. One that is *of a file* keeps the file's text, its

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Simulations: a scene that Python steps, looks into, pushes and changes between its steps.
 
 A step of it is a step of ``masonry-cd run``, to the bit. Nothing is written before :meth:`Simulation.record` is asked for.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The state of a simulation as Python reads and sets it, and the checks of one that is set."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The blocks of a structure, as a sequence that knows their names."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Many runs of one scene, as ``masonry-cd study`` makes them: their table, fragilities, and pictures."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The pictures of a study, drawn from its runs when they are asked for; each an image that a notebook shows."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tables of a study that is made in Python: its scene inside them, and its arrays as files beside study.toml."""
 
 from __future__ import annotations

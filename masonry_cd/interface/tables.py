@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tables as DataFrames of pandas whose units are known: ``frame.attrs["units"]`` gives the unit of each column that has one.
 
 Columns are called as in the CSV files of a run; values are in SI units, angles in radians.

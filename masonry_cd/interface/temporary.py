@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Folders that live as long as what needs them."""
 
 from __future__ import annotations

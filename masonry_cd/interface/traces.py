@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Base motions from traces of obspy, or of anything that has ``data`` and ``stats.delta`` as these do."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Python's values as those of a scene file, and the changes that they mean."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The blocks of a run in flat arrays, as a result file holds them."""
 
 from __future__ import annotations

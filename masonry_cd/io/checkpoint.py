@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Checkpoints: all that a run needs to go on to the bit as if it had not been stopped.
 
 ``checkpoint.npz`` lies beside result.h5 and is replaced as a whole, so a kill at any moment leaves the last one intact; the one before it

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run keeps in every step where its scene looks: guided blocks, points, joints, cracks and supports.
 
 What does not change of them is JSON in the attribute ``gauges`` of the result file, absent where there are none. Of N steps:

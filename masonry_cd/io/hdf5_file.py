@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """HDF5 files opened to be read whatever a kill, a copy that broke or a bad disc has left of them.
 
 HDF5 reads a file whose writer was killed only in its SWMR mode. In that mode it takes what does not fit its checksum for something that is

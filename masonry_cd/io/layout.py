@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a result file holds, by name.
 
 Layout (F frames, N steps, B blocks, J joints; SI units, world frame):

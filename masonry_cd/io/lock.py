@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A lock on the folder of a run, so that no two runs write there at once."""
 
 from __future__ import annotations

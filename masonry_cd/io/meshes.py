@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The meshes of blocks that are cut into elements, as a result file holds them: only where a run keeps their stress."""
 
 from __future__ import annotations

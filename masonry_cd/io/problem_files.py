@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Friction problems in files: the field's FCLIB format (HDF5) and a plain .npz, read, checked and written.
 
 A local problem holds W, q and mu: u = W r + q. A global one holds M, H, f, w and mu: M v = H r + f, u = H^T v + w, so that W = H^T M^-1 H

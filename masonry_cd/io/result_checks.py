@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whether a result file holds what layout.py says: names, types, shapes, and indices that lie within what they point into.
 
 Readers go on to compiled kernels and to VTK, which check nothing.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writing the result file of a run: HDF5, appended to as the run goes. What it holds is in layout.py.
 
 The file is in HDF5's single-writer mode (SWMR), so it stays readable while it grows and after a kill at any moment. It is made as

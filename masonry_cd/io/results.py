@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Reading the result file of a run: the one way by which reports, exports, comparisons and resumed runs get at results.
 
 Opening a file checks all of it: that it is whole, that names, types, shapes and indices are those of layout.py, and the checksums of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Checksums of a result file, so that damage is found and what precedes it can still be reported.
 
 Each time rows are handed to the file they make a segment: from the rows that each growing dataset had to those that it has now. Once the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Arrays from files of strangers: whatever is wrong with such a file ends in one line that names it.
 
 What a file announces is checked before memory is taken for it. Links to other files and data kept in other files are refused.

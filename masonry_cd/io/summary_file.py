@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """summary.json: what a run has come to, read with all that its readers take for granted checked."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The ties of a run in its result file: what does not change of each bar, as JSON in the attribute ``ties``, absent without ties."""
 
 from __future__ import annotations

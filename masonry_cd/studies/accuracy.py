@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Error against run time: of the friction solvers on one problem, and of whole runs over time step and tolerance.
 
 **A problem.** Every solver is given every tolerance from a cold start. Its error is the natural map error

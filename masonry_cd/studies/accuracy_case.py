@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command ``masonry-cd accuracy``: measure, write accuracy.csv, accuracy.md and accuracy.png (and seeds.csv), and say what came out."""
 
 from __future__ import annotations

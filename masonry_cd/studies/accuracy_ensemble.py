@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Error against run time where the motion amplifies rounding: ensembles of a run at every time step, tolerance and solver.
 
 Under strong shaking one run is one sample, and two single runs say nothing of the setting between them. Here the amplitude of the base is

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd accuracy SCENE --ensemble N``: run the ensembles, write their tables and picture, and say which setting is good enough."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Work-precision diagrams of ensembles: what a setting gives, its quartiles as bars, over the seconds that a run takes.
 
 Points are filled where they show no bias against the finest setting, whose quartiles are the pale strip, and hollow where they do.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Work-precision diagrams: measured error over run time, both logarithmic; lower left is better.
 
 Lines are named at the right, colours are those of Okabe & Ito with a marker each, so that the diagram reads in grey as well. Hollow points

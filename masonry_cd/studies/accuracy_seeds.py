@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How far joint forces and damage vary over sweep orders: the forces of rigid blocks are not unique where a structure is hyperstatic.
 
 The same scene is run with several seeds of the random sweep order of Gauss-Seidel. Each seed leads to another set of contact forces that

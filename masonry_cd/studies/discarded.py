@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs whose numbers are wanted and whose folder is not."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What is left of the joints in the state at rest about which a run vibrates.
 
 A dry joint bears only where it is pressed together. Where the weight leaves it open, or lets it gape, it has no stiffness there: the run

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs of a measurement that takes hours: each is kept as it ends, so that the same command goes on after a kill, or with more of them.
 
 A file has a line of JSON for each run that has ended, by its name; its first line says of what they are the runs.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The model of a run itself in small vibration, beside the modes of rigid blocks on the same elastic joints.
 
 A run whose joints are elastic has frequencies of its own. Two ways to find them, both from the state at rest under the weight:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of a sweep: how much a block moves relative to the base by frequency, in a run and in its linear model."""
 
 from __future__ import annotations

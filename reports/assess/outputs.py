@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the folder of an assessment gets from the reports: table, tornado, page, and in assess.json what follows from the runs."""
 
 from __future__ import annotations

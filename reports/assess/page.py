@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """assess.html: an assessment on one page that needs nothing else: the verdict, the tornado, the table of runs."""
 
 from __future__ import annotations

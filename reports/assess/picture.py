@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tornado of an assessment: a bar per assumption and answer, from its least to its largest value, over the band that chance spans.
 
 A bar that shows beyond chance is full, one that does not is hollow: noise reads as noise. Marks are the levels, with their names.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The runs of an assessment as a table: for the terminal, for assess.csv, for the page."""
 
 from __future__ import annotations

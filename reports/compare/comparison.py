@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs side by side: what differs between their scenes, and what that did to the structure.
 
 The columns of the table are the runs, its rows:

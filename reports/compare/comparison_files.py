@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A comparison of runs in files: a table as CSV and Markdown, and its picture."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of a comparison: response over time, joints by damage, crack widths, and the grades of the parts."""
 
 from __future__ import annotations

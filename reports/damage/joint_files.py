@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The damage joint by joint in a file: joints.csv."""
 
 from __future__ import annotations

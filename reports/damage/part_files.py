@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes the damage of parts: four or five CSV tables for spreadsheets, and one JSON file with the same numbers.
 
 damage.csv           one row per part and, last, the structure: the end of the run

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Joints as bands: what a map draws between the blocks.
 
 A joint seen from the side is a line; to show it, its interface polygon is given a thickness. The band of a joint runs along the

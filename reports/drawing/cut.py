@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Cuts a drawn structure by a plane, so that a crack map shows what goes on inside: vaults, infill, the back of a wall.
 
 The plane is x, y or z = value. What lies on the viewer's side of it is taken away and the blocks it runs through are closed by a cap.

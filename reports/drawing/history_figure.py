@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How some blocks move relative to the base over time, above the velocity of the base."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The order in which blocks are painted, the farther before the nearer, for pictures made of polygons.
 
 Two blocks that do not overlap have a plane between them; whichever lies behind it, seen from the viewer, is painted first. The planes tried

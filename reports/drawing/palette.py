@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The colours of pictures, pages and the model on the page: one of each meaning, for VTK, matplotlib, SVG, style sheet and WebGL."""
 
 from __future__ import annotations

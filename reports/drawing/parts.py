@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What scenes are made of: surfaces, lines, ties and keys in plain arrays, views and windows."""
 
 from __future__ import annotations

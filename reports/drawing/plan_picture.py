@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A plan and the elevations of its walls as a line drawing in SVG or PNG, in one scale, with names and measures."""
 
 from __future__ import annotations

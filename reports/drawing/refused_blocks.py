@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A picture of what is wrong: the faulty blocks in colour, with their names, among the others as through glass.
 
 Shells may be open, reversed or bent here, so nothing is computed from them but where their corners are.

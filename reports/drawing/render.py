@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draws scenes off screen with VTK, as a few meshes whatever the number of blocks: all faces, all edges, the bands of all joints."""
 
 from __future__ import annotations

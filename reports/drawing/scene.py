@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a picture shows: surfaces, lines, joints, ties and words in plain arrays, from where it is seen, and its key.
 
 A :class:`Scene` is built once, of a structure, of a frame of a run, of a mechanism or of a mode; VTK draws it off screen

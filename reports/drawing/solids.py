@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks in pictures: from where they are seen, what of them, in which colours, with their edges."""
 
 from __future__ import annotations

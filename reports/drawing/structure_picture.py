@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of a structure before any run: blocks coloured by group."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Ties of a run as a picture shows them: straight lines, each with its tension."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draws scenes as polygons, in SVG and PDF: sharp at any size, and open to a drawing program.
 
 Instead of a depth buffer it paints the farther polygons first: blocks in the order of :mod:`reports.drawing.painter`, of each the faces

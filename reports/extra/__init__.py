@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Reports beyond those that have a key of their own in [report]: a scene asks for them by name, ``extra = ["energy"]``.
 
 One is an :class:`ExtraReport`, listed by name in the ``REPORTS`` of a module here. It reads the result alone; the settings of the scene,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The energy of a run over time: what was put in, where it went, and how well the account closes
 (:mod:`masonry_cd.mechanics.dynamics.moreau_jean`).
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The files of pushes and gauges in the folder of a run: force_displacement.csv, push_cycles.csv, points.csv, joint_gauges.csv, cracks.csv,
 supports.csv, and two plots."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Plots of pushes and gauges: curves laid over each other with a measured one beside, and histories."""
 
 from __future__ import annotations

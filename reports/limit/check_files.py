@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """check.csv: the check of a mechanism by a code, step by step."""
 
 from __future__ import annotations

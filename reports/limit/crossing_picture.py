@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The factor of a vehicle over where it stands on a bridge."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of a capacity curve: the factor over the displacement, and the structure at marked points with what moves there."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """macro_elements.csv and macro_elements.html: the mechanisms of the parts of a structure, ranked, with a picture each."""
 
 from __future__ import annotations

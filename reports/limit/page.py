@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """limit.html: a limit analysis on one page that needs nothing else: factor, check by a code, pictures, mechanism, certificate, scene."""
 
 from __future__ import annotations

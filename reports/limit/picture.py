@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The pictures of a limit analysis: the mechanism with its hinges and slips, and the line of thrust at collapse."""
 
 from __future__ import annotations

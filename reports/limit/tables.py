@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """blocks.csv and joints.csv of a limit analysis."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The ties of a limit analysis: what each pulls at collapse, for ties.csv, lines and pictures. Bars of one name are one tie."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The crack map: the structure as it stands at a frame, its joints coloured by what is left open and what has slid.
 
 An open joint is a solid band coloured by its opening, a slid one is dashed and coloured by its sliding, in another hue; where

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How a map is drawn, and what all maps of a sequence have in common: view, cut, amplification and window."""
 
 from __future__ import annotations

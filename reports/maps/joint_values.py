@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Maps whose joints are coloured by a value of each, at rest: how often a joint opened over many runs, or by how much in the median.
 
 They have the look of a crack map, in its framing but without displacements: what many runs did has no shape of its own.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Meshed blocks in a stress map: their surfaces as facets of the mesh, each with the stress of the element behind it.
 
 In space the facets are those of the surface; in a plane the triangles of the mesh are drawn on both ends of the block, and its sides follow

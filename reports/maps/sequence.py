@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Crack maps in a row: PNGs at given times, and a GIF of a whole run.
 
 All maps of a row share view, amplification, window and colour classes, so that only the damage changes from one to the next.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The stress map: the structure with its blocks coloured by their largest compression, a principal stress of the mean over each block.
 
 Without a time it shows the largest of the whole run, block by block, on the shape at the end; with a frame, the stress there. The mean

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The line of thrust: ribbons through the blocks, from joint to joint, as wide as the normal force of the joint is large.
 
 A result file holds for each joint its normal force N_j and the point where the resultant of its contact forces crosses the plane of the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of the first modes: the deformed structure coloured by its displacement, over its outline at rest."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Crack maps, stress with its map, and extra reports."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The results, the summary, and the tables of damage, ties, pushes and gauges."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The page: one HTML file that shows a run to whoever opens it, without a network and without this program.
 
     pack.py      arrays -> one deflated, base64 text

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A page as one HTML file that asks no server for anything: what every page of the program shares."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tables of a run, carried within the page: the reader saves them as CSV files, without a network and without the run's folder."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What came of the structure, the gravest first: damage of its parts, what it was loaded by and what it bore, its ties."""
 
 from __future__ import annotations

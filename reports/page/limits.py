@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the analysis assumes and what it leaves out, in words drawn from the scene; and what the grades of damage mean."""
 
 from __future__ import annotations

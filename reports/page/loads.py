@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The loads in the model: forces, pushes, motions that are given to single supports, and how each support moved."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The scene of a run at rest as the page's viewer takes it: arrays by name and numbers for JSON.
 
 The viewer carries each point of a block, and the polygons of its joints, by the motions of :mod:`reports.page.motion`; colours come from

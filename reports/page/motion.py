@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""How the blocks and the joints move over the frames that the page shows, in whole numbers of 16 bits.
 
 A block's motion relative to the base is its displacement u (3,) and its rotation vector w (3,), |w| the angle. Each block has its own

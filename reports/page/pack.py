@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Arrays for the page: one stretch of bytes, deflated (RFC 1950) and written in base64 (RFC 4648).
 
 Histories have time as their last axis. What is sent of them is the difference from one time to the next, all low bytes before all

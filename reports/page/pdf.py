@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The page in print: Chromium, or a browser of its family, prints it to PDF without a display."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A section of the page of a run: a heading, a template, and what fills it.
 
 A module of this package lists its own in ``SECTIONS``, by the names that links go to. The template is the file of that name in

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Values over time for the page's plots: thinned where a run has more steps than a plot has points.
 
 A stretch of many steps is sent as two of them, the lowest and the highest, each at its own time: peaks are never lost.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The stress of blocks and joints on the page: tables of the largest, against the strength, and colours for the model."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How the supports move: those that move alike together, each motion by its own."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pages from templates: Jinja2 fills those of ``reports/templates``, and whatever is filled in is text.
 
 Every value is escaped, slashes as well, so that neither a tag nor an address can stand in a page by what a scene holds; a value that a

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The head of the page: for whom and by whom it is, when, and with which program; and the line that runs over each printed page."""
 
 from __future__ import annotations

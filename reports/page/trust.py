@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How far the numbers can be trusted: what the run checked of itself, in words for an engineer, and what to do where a check is not met.
 
 Every check has a number, a verdict and a sentence on what it means; the verdicts are those of :mod:`masonry_cd.analysis.damage.verdict`.

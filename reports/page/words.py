@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The case in words and numbers: what stands, what shook it, what came of it, and how well it was computed."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The stress of a run in files, stress.csv of blocks, joint_stress.csv of joints and element_stress.csv of elements of meshed blocks, and
 in words."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Fragility curves with what they were fitted to, and their bands."""
 
 from __future__ import annotations

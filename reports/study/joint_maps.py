@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""How often each joint opened, slid or was lost over the runs of a study, and the median of its largest opening.
 
 The share of n runs in which a joint passed a threshold estimates a probability with a standard error of sqrt(p (1 - p) / n), at most

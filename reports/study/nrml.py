@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Fragilities as OpenQuake reads them: NRML 0.5, a continuous lognormal ``fragilityModel``.
 
 The format is that of the OpenQuake Engine's reference manual, section on fragility models. Its parameters are mean and standard deviation

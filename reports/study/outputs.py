@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a study's folder gets from the reports: tables, pictures and the page, as far as its design and its runs allow."""
 
 from __future__ import annotations

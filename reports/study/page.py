@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """study.html: the whole study on one page that needs nothing else; words first, then the pictures, the fits and the runs.
 
 A run whose page is kept (runs/ID/report.html) is linked from its row.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The common look of a study's pictures: sheets for print, names and colours as in the other pictures of the program."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the runs did: IDA curves with quantiles, clouds with their regression, stripes by level, distributions where no intensity varies."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tables of a study: fragility.csv, fragility.json, sensitivity.csv, and the fragility model that OpenQuake reads.
 
 Numbers have six digits, so that a processor that rounds otherwise writes the same file.

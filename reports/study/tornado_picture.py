@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tornado: which of what varied, and which intensity measure, goes with the damage."""
 
 from __future__ import annotations

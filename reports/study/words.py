@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A study in words: its closing lines, which the command prints and the page begins with."""
 
 from __future__ import annotations

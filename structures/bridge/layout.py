@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where the parts of a bridge lie along the road, and what does not fit together: all of it at once, by span and place."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Voussoirs, piers and abutments of a bridge, drawn out across the road, and the faces on which its fill lies."""
 
 from __future__ import annotations

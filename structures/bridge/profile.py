@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The rings of one span: where its joints begin and end in the x-z plane of the road.
 
 The intrados is a circle by span s and rise f, R = (s^2/4 + f^2) / (2 f), two circles that meet in a point, or half an ellipse

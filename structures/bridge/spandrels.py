@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The courses of a spandrel wall over the extradoses of a bridge: plane pieces, all of them convex, without a feather edge.
 
 Each half of an arch is looked at from the support on which it stands, up to its axis:

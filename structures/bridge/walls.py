@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Spandrel walls, wing walls and parapets of a bridge, and their faces that the fill presses."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls that other tables make: arcades, whose arches are openings from column to column, and buttresses."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Axes of walls: arcs become chords, and an axis falls into legs, each of them straight or gently bent.
 
 A wall turns a corner where its axis bends by more than GENTLE: the two legs there meet as two walls do. Where it bends by less, and between

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Beds: the heights that walls of one height of course share.
 
 Feet, tops and the corners of gables come first, then sills, springings and lintels, those that more openings have before the others. One

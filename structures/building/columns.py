@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Columns and piers of a building, one by one or in rows: round ones with plinth and capital, square ones of coursed stones."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pockets: stones of walls without what convex solids, such as the stones of a vault, take of them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The blocks of a building, from its table: walls, then what stands in and on them.
 
 All that is wrong with a plan is found before anything is built, and said at once, a line for each fault.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Who fills what of a plan in each course: the strip of a facet, drawn out to the far faces of the walls that it ends at, less what the
 walls before it in the order of the course fill.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Frames of openings: the hole, and the voussoirs or the lintel around it, as polygons of the face of a wall (s along it, z up).
 
     rectangular   jambs under a lintel; with a ring, under a flat arch between skewbacks

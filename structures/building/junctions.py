@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Junctions: where the strips of two walls overlap in plan, which of them end there, and whether that can be interlocked.
 
 Two straight strips of a plan share a parallelogram. A wall whose middle line ends in it, at a corner or against the side of the other, is

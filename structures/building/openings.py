@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The openings of walls in their facets: where each lies, and that it lies in masonry, clear of junctions, bends and others."""
 
 from __future__ import annotations

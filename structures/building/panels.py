@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Panels: the face of one facet of a wall, cut into stones course by course.
 
 What a course fills of its facet in plan comes from :mod:`structures.building.footprints`. Along it head joints stand in running bond, clear

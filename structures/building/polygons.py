@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Plane polygons of shapely: their convex pieces, and whether they are level rectangles."""
 
 from __future__ import annotations

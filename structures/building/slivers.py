@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Slivers: what is too narrow in plan to be a stone, or a part of one, moves with the neighbour that it shares its longest side with.
 
 Where walls meet at odd angles, what one of them leaves of another may be a wedge of a few millimetres. It is joined to the stone beside it

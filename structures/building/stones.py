@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stones: a polygon of the face of a wall, drawn out over its footprint, as convex solids of the world.
 
 Where a footprint has the whole thickness, a stone is a prism across the wall. At its ends, which other walls and mitres cut at any angle,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The [structure] table of a building: a plan of walls, and what stands on and in them.
 
 Lengths in [m], z up. A wall is given by the middle line of its plan; what is said for the whole building (courses, blocks, bond, junctions)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Vaults over a rectangular bay: barrel, cross, domical, and a dome over four walls.
 
     barrel     springs from two sides of the bay

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How wide plane polygons are: their narrow tails, and convex pieces that are as wide as can be."""
 
 from __future__ import annotations

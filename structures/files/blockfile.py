@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Block files: the blocks of a structure as JSON.
 
     {"units": "m", "blocks": [{"name": "v1", "vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...],

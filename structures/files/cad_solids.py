@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The solids of a CAD model as they are, each a block: read by the OpenCASCADE kernel in a child process (:mod:`structures.files.foreign`).
 
 Labels of the model become names; what stands before the last part of a label, an assembly in it, is the group. Curved faces become flat

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A solid cut into the shells of its stones by the OpenCASCADE kernel, in a child process, see :mod:`structures.files.foreign`.
 
 The volumes of a CAD model or of a gmsh script are cut by the level planes of the beds, and each body of a course by upright planes across

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Volumes of the OpenCASCADE kernel as shells of flat facets, in the child process that reads them (:mod:`structures.files.foreign`).
 
 A flat face is its loop of corners. The sides of curved faces become chords, and what is between them strips or facets of gmsh's mesher with

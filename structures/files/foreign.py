@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Files from elsewhere, CAD models and meshes, are read in a process of their own.
 
 OpenCASCADE, VTK and the mesh libraries were written for files that mean well: one changed character may end the process, fill the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which files of blocks are read, by their ending or by what they hold, and what is written.
 
 An ending that is known decides. Any other file is taken for what its first bytes say it is; where they say nothing, the list is named.

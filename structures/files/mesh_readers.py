@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The mesh formats that a library reads: STL by trimesh, VTU by meshio, VTP, VTM and VTKHDF by VTK. Each runs in a child, see
 :mod:`structures.files.foreign`.
 

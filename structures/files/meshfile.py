@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks from and to meshes; which formats there are is in :mod:`structures.files.formats`.
 
 Most such files state neither their unit nor which way is up, so the user does; z is up here. OBJ keeps polygons and names. In a soup of

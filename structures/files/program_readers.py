@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks of other programs: DXF drawings, COMPAS JSON, LMGC90 decks, 3DEC decks. Each runs in a child, see :mod:`structures.files.foreign`.
 
     DXF       3DFACE: closed shells of a layer; polyface mesh: a block each. The layer is the group; $INSUNITS gives the unit

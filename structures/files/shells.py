@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Closed shells in a soup of faces whose corners may be shared by several solids.
 
 Solids that touch share corners, and edges, once equal corners are one. Around such an edge its faces alternate: where a solid is entered,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks as solids for CAD programs and gmsh: STEP, BREP, and MSH, a mesh of tetrahedra block by block.
 
 Each block is a solid of its own with plane faces, in metres, as the blocks have them; a sphere is a sphere. STEP and BREP keep the order of

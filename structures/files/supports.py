@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which blocks of a file are supports: by name, by group, by place, or those that touch the ground.
 
     fixed = "ground"                                          blocks that reach down to the lowest level of the structure

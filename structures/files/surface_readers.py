@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Surfaces of other programs: OFF, PLY, glTF and GLB, 3MF. Each runs in a child, see :mod:`structures.files.foreign`.
 
 All are soups of polygons: a block is a closed shell of them, whether or not shells share corners (:mod:`structures.files.shells`). glTF

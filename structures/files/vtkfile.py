@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks to VTK's own containers: VTM (multi-block: a data set per block) and VTKHDF.
 
 VTKHDF holds one unstructured grid, a polyhedron per convex part, with the arrays ``block``, ``fixed`` and ``group``, as the VTU has them.

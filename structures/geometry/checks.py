@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Are these blocks sound? Closed, oriented outwards, planar, convex, apart from each other: each error names its blocks. Spheres, which
 have no faces of their own, are sound where their numbers are, and apart from all others.
 

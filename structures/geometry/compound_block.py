@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Compound blocks: convex parts that lie face on face and act as one stone, such as the stones on the groin of a vault.
 
 The shell of the block is made of the faces of its parts without those that two parts share; contact detection works on the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks that are not convex, split exactly into convex parts.
 
 Space is cut by the planes of the block's own faces, one after another (a binary space partition: Fuchs, Kedem & Naylor, SIGGRAPH 1980).

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Faces that are nearly flat, made flat: blocks of a scan, of millimetres or of single precision.
 
 Faces whose corners all lie within a tolerance of one plane share it, wherever they are on the block. Then the corners move, together and

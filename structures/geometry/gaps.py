@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gaps closed: faces of neighbours that nearly coincide are put into one plane, and the corners follow.
 
 Two faces of different blocks nearly coincide when they face each other, within a small angle, and are no farther apart than the tolerance

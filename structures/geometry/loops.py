@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Loops of corners, put together from directed edges."""
 
 from __future__ import annotations

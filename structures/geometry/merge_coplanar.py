@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Shells as contact detection wants them: one face per plane, no corner in the middle of an edge.
 
 A face that a file gives in pieces (two triangles for a rectangle) would meet its neighbour in pieces too, and its inner

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks that overlap: bounding boxes, then separating axes, both those of contact detection; spheres by their distance."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Prisms: a convex polygon of the x-z plane (x along the structure, z up) drawn out along y."""
 
 from __future__ import annotations

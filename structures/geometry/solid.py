@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Cutting a solid into blocks with the OpenCASCADE kernel of gmsh.
 
 A wall, an arcade or an aqueduct is a plane figure of one thickness. Its outline becomes a plane surface, its joints become

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Faces that are warped beyond what is made flat, cut into triangles.
 
 A quadrilateral is cut along the diagonal that leaves more solid: its ridge then points outwards, and no valley makes the block concave.

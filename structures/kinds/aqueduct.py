@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Aqueducts and arcades: piers, semicircular rings and spandrels in courses, in one to three tiers.
 
 Each tier (:mod:`structures.layout.aqueduct_tier`) is a plane figure cut along its joints (:mod:`structures.geometry.solid`) and drawn

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Arches of straight-edged voussoirs on abutments or on buttresses.
 
 The lines of the ring, semicircular, segmental, pointed, three-centred or flat, are those of :mod:`structures.layout.arch_profiles`; each

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bridges: arches of their own shapes in one or several rings, on piers and abutments, with walls and fill up to a level road.
 
 Everything is plane in the x-z plane of the road and drawn out along y; with a skew it is slanted, x by tan(skew) times y, so that voussoirs

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Buildings from a plan: walls by their middle lines, of any direction, with their junctions, openings, vaults, columns and arcades.
 
 A plan is typed as tables of the scene, or read from a JSON or DXF file (``plan``). Walls that meet, at a corner, against a side or across

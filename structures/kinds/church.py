@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Churches: one nave or three, a facade with its gable, a triumphal arch, an apse with its half dome, a bell tower.
 
 The nave runs along x from the facade at x = 0 to the wall of the triumphal arch, and is centred on y = 0; the ground is

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The parts of a church: where its walls stand and what they are pierced by, the apse, the columns, the roof.
 
 See :mod:`structures.kinds.church` for the whole. All measures are derived in one place (:class:`Church`) from the keys of the table.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The measures of a church, as a scene gives them; :mod:`structures.kinds.church` says what they mean."""
 
 from __future__ import annotations

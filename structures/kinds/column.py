@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Columns: a plinth, drums that taper, a capital and its abacus.
 
 A drum is a frustum over a regular polygon, with sides across x and y, so that a column of 12 sides or more rocks much as a

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Domes over a regular polygon: plane voussoirs in level rows, on a drum or on the ground, closed by a key or open in an oculus.
 
 A dome of flat sides is the cloister vault of many sides; with 16 sides its volume is within 1.3 % of the round one's. Stones of odd

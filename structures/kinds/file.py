@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Structures from a file: blocks in JSON (:mod:`structures.files.blockfile`) or closed shells (:mod:`structures.files.meshfile`)."""
 
 from __future__ import annotations

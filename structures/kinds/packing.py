@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Packings: spheres of given sizes in a box or a cylinder, laid loosely one above another, to be poured by gravity.
 
 The container stands on a fixed floor at z = 0, about the origin, and is open at the top: four walls, or a ring of plates, are fixed blocks.

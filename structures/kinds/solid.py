@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks cut from a solid: a CAD model (.step, .stp, .brep) or a gmsh script (.geo), laid in courses.
 
 The geometry kernel OpenCASCADE does the cutting, through gmsh. Level planes cut the solid into courses of one height. In each course

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Towers: a hollow square or rectangle of coursed walls, interlocked at the corners, with a belfry and an inclination.
 
 Four walls in plan (:mod:`structures.layout.wall_plan`) share their beds. The belfry is an arched opening in every wall below the top, the

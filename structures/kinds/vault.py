@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Vaults: a barrel on abutments, and the cross vault where two barrels of one profile meet over a square bay.
 
 Either has the profile of an arch (:mod:`structures.layout.arch_profiles`), whose voussoirs become courses that run along the vault. Head

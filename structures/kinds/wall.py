@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls of coursed blocks: running bond, one leaf or several with through-stones, openings, gable.
 
 The wall stands on a fixed base at z = 0, centred on x = 0 and y = 0. Its courses adapt to the sills, springings and lintels of its

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One tier of an aqueduct: its outline and its joints in the x-z plane.
 
 Piers carry semicircular rings of straight-edged voussoirs; the spandrels between the rings are filled up to a level top.

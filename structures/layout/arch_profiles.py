@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The lines of arches: where the joints of a ring of straight-edged voussoirs begin and end.
 
 A ring of mid-radius R and thickness t over the embrace angle a is cut by N + 1 radial joints; intrados and extrados are

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Columns in layers: plinth, drums over a regular polygon that taper, a capital that widens, and an abacus."""
 
 from __future__ import annotations

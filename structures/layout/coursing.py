@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Panels: the face of a wall cut into courses, and the courses into blocks.
 
 A panel lives in the plane of its wall, s along it and z up. Each course fills one or more bands between its two beds; a

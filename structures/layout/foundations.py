@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Foundations in pieces: the fixed blocks of a structure cut by upright planes, so that a part of a footing can settle or spread.
 
     foundations = "whole"                    as the kind makes them, by default

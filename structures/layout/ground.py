@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A ground for what has none of its own: a fixed slab under the whole structure, on which what falls comes to lie.
 
 Walls, towers and churches stand on one. Plain abutments of arches and vaults, and the piers of a cross vault, have nothing between them:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Spheres on a loose lattice, to be poured by gravity: none touches another, and the seed decides which lies where.
 
 The plan of the container is divided into square cells, a little wider than the largest sphere, layer on layer of them. A cell takes as many

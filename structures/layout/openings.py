@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Openings in coursed walls: jambs, and the lintel or arch that closes them, matched to the courses.
 
 A wall is cut by level beds, so what surrounds an opening is given course by course: the half-width at its bed and at its

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Rings of stones over a regular polygon: drums, the walls of an apse, domes of flat sides.
 
 A ring of N sides is made of rows. In the upright plane through the middle of a side, a row is a quadrilateral of distances d from

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The clear room between walls at the height of a floor: the largest rectangle about a point that no block reaches into.
 
 Blocks count by the boxes about their convex parts. They are taken from the nearest outwards, so that the walls of the room bound it before

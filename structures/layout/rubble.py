@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Rubble between the leaves of a wall: spheres dropped one after another into the slot, each where it comes to rest on what lies there.
 
 Masons fill a core as they go up: course by course, before the next through-stones are laid. So does this. A sphere falls at a random place

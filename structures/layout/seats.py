@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Seats cut into blocks: what of a block lies outside an upright box, as one stone where it hangs together."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The courses of vaults: a barrel along y, and the webs and groins of two barrels of one profile that cross.
 
 The voussoirs of the profile (:mod:`structures.layout.arch_profiles`) become courses that run along the vault, in running bond. Of a

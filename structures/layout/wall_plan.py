@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls in plan: which wall runs through where two of them meet, course by course.
 
 All walls share one list of beds. Where the footprints of two walls overlap, at a corner, a junction or a crossing, the

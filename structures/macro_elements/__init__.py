@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The macro-elements of a structure: the parts that practice looks at one by one, each with all else held.
 
 layout.py    stones by wall, and the openings of a wall, from the names and places of blocks

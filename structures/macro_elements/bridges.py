@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Macro-elements of arches, vaults and bridges: spans in their plane, webs, piers along and across, what stands free on top."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Macro-elements of a building from a plan: its walls, corners, vaults and columns."""
 
 from __future__ import annotations

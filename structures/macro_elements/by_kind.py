@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which macro-elements a kind of structure has."""
 
 from __future__ import annotations

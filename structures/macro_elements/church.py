@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Macro-elements of a church of :mod:`structures.kinds.church`."""
 
 from __future__ import annotations

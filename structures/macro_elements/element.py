@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A macro-element: blocks that may give way together, where to, and by which mechanisms."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stones by wall, and the openings of a wall, read from the names and places of blocks.
 
 Walls in plan name their stones ``WALL.COURSE.NUMBER``, and those around an opening ``WALL.oOPENING.PIECE`` (see structures/layout).

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Macro-elements of walls in plan: whole, upper part, gable, piers and spandrels between openings, corners."""
 
 from __future__ import annotations

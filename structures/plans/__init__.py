@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Plans of buildings from files: drawings in DXF, and tables in JSON, as tables of ``kind = "building"``.
 
 :func:`open_plan` says what a file holds and what of it was not understood; :func:`read` is its tables alone.

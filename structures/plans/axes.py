@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls from bands: their axes are drawn out to meet those of their neighbours, and bands that go on round a bend are one wall."""
 
 from __future__ import annotations

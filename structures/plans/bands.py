@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls as bands between two faces: the middle line and the distance of pairs of edges, straight or concentric.
 
 Of two edges that run alike, side by side and not too far apart, the stretch that they share is a band, if the ground between them is wall.

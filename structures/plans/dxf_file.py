@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Entities of a DXF, text or binary, by ezdxf: what stands in its model space, blocks taken apart, in world coordinates seen from above.
 
 Runs in a child process with limits, see :mod:`structures.files.foreign`. Lines and arcs stay what they are, an arc as a bulge (the tangent

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Faces of walls as straight edges and arcs, and the ground that the walls cover.
 
 Paths of a drawing are taken apart into edges; those whose ends meet close to rings; rings within rings are walls around empty space, as the

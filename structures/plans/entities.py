@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a drawing holds, as values: outlines, paths, texts, inserts, and what is none of these, each with its handle and its layer.
 
 A child process reads them from the file (:mod:`structures.plans.dxf_file`); they cross over as pieces of :mod:`structures.files.foreign`.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Openings, vaults and columns of a plan, from what is drawn on their layers and the texts beside it, as tables of a building."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Heights of walls from the texts beside them: one for the whole wall, a gable, or steps at the walls that meet it."""
 
 from __future__ import annotations

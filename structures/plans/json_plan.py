@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Plans in JSON: the keys of a building's table, ``{"units": "m", "walls": [...], "vaults": [...]}``, to be corrected by hand."""
 
 from __future__ import annotations

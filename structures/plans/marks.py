@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Texts of a plan that mean something: heights, sills, shapes, thicknesses, names, as surveys write them in English and Italian.
 
     h=2.10  h. 2,10  H 210        height           alt. altezza height

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a drawing of a plan shows of each wall: its ground, the profile of its top, the outlines of its openings in elevation."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A drawing becomes a plan: its entities by layer, walls from faces, openings in walls, heights from texts; what is left over is listed."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What is said of an assessment: what decides, what chance does, which runs are no data."""
 
 from __future__ import annotations

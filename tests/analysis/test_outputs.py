@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The registry of a run's numbers: a file adds one to all that shows numbers, and each is what it says."""
 
 from __future__ import annotations

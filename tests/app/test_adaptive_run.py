@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whole runs whose time step adapts: fixed times, resumption, what is reported."""
 
 from __future__ import annotations

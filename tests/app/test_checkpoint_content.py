@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a checkpoint holds is checked before it is used: whatever is changed in it, with a checksum that fits, no process crashes."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A run whose joints crush: its files and closing lines know them, and the map draws them."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs refuse rigid joints with a compressive strength, and name the key that is missing."""
 
 from __future__ import annotations

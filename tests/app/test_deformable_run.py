@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs of blocks that deform, from the scene file to the page."""
 
 from __future__ import annotations

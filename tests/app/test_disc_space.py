@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Results that no disc holds: refused before the first step, by an estimate that is near the truth."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Values in another unit draw one line that names key, value, both readings and how to say that it is meant so; usual ones draw none."""
 
 from __future__ import annotations

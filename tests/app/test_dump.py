@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Friction problems of a run written to files: what is written is what was solved, and the run does not notice."""
 
 from __future__ import annotations

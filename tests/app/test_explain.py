@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run left out, and why: the lines agree with what the run did."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A kind of structure or load, a record format, a solver, a report: one file adds it, here in a folder that its package gets besides."""
 
 from __future__ import annotations

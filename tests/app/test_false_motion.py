@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Motion against the contact laws: a run says how much there is, in its results, closing lines, summary and page, and warns of much."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Velocities that the blocks of a scene begin with: their energy, their bits, their plane, and resumed runs."""
 
 from __future__ import annotations

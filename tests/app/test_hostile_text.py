@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes and block files of numbers, depths and characters that nobody means: one line each, quoted values cut."""
 
 from __future__ import annotations

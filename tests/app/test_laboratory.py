@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pushes and gauges of a scene: their tables, their numbers in Python, and a run that is resumed in the middle of a push."""
 
 from __future__ import annotations

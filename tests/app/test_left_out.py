@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Rigid runs under base motion say what they leave out; others are left alone."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """masonry_cd.app.limit_case: the limit analysis of a scene, what it writes, and what it refuses."""
 
 from __future__ import annotations

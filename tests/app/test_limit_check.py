@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """masonry_cd.app.limit_check: "satisfied" follows from a sure search with a margin, and every output has one verdict."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Limit analysis of scenes whose joints crush: what is said and written, and what is refused."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """No finite load factor is a result, with what would make it finite; a scene of limit analysis needs no [run]."""
 
 from __future__ import annotations

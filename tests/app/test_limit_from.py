@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Limit analysis from the state that a run left: closed form of a pier that stands tilted, and what is refused."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """masonry_cd.app.limit_macro: macro-elements of a scene, what is written of them, what is refused, and the one verdict."""
 
 from __future__ import annotations

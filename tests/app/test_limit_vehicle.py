@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Vehicles in limit analysis: the worst place, the four-hinge mechanism by hand, and what the fill adds."""
 
 from __future__ import annotations

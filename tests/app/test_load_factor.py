@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """masonry_cd.app.load_factor: a run reports the load factor at which its structure gave way."""
 
 from __future__ import annotations

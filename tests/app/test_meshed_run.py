@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes of blocks that deform, meshed and of one strain, from the command line: loads of all kinds, groups, elastic joints, resuming, and
 what is refused."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The modal check of a scene: files, words, and the way round from computed shapes to a measured file."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Progress: plain lines where there is no terminal, and signals held back to the end of a step."""
 
 from __future__ import annotations

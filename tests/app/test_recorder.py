@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which support displacements are relative to."""
 
 from __future__ import annotations

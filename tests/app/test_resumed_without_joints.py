@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs that are killed and resumed where a table has rows without columns: no joints, no supports, no motion, joints that all vanish."""
 
 from __future__ import annotations

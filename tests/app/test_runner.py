@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The run loop: what it records, and runs that are stopped and resumed."""
 
 import os

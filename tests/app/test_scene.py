@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The scene file: what it means, and that every slip of the pen is reported in one line that names it."""
 
 from __future__ import annotations

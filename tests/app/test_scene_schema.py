@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The JSON schema of the scene file says what the reader of scenes does."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A scene takes numbers with their units in all of its tables, and makes of them what it makes of numbers in SI units."""
 
 from __future__ import annotations

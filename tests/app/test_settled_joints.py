@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What opens and slides while elastic joints take up the weight is no damage."""
 
 import json

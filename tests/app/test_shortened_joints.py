@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run says of elastic joints that are shortened by more than stones bear."""
 
 from pathlib import Path

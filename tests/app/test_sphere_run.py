@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes of spheres from the command line: records, settlements, tilt, islands, resuming, and what is refused."""
 
 from __future__ import annotations

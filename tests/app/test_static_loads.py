@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """masonry_cd.app.static_loads: masses of point loads that a push moves, by hand in factor, e*, d0*, curve, check and macro-elements."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The classes of motion by which the cost of steps is foretold."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Warnings about the time step: the number and the block that it is too coarse for, and silence where it is not."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """run.until_still: a run goes on after its duration until its blocks are still, but no longer than run.longest."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Warm-up: after it a run compiles nothing more, so that its times are its own."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The benchmarks at their smallest sizes, without any peer: what they measure is right."""
 
 from __future__ import annotations

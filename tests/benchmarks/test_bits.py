@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The check of bits: it passes on what it saved, and tells which number has changed."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What constants of ``auto`` gain: all that it spends is counted, and nothing stays switched."""
 
 from __future__ import annotations

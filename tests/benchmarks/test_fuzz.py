@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The search for inputs that break a promise: it sees each kind of broken promise, and its cases repeat."""
 
 from __future__ import annotations

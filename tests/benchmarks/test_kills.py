@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The search for kills that lose something: that it strikes, and that it would find what is wrong."""
 
 from __future__ import annotations

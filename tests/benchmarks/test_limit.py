@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Limit analysis beside the dynamics: the bracket of a held push holds the factor of limit analysis."""
 
 from __future__ import annotations

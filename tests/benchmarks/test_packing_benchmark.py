@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pouring as a benchmark: spheres settle, and the slope of a cone is found."""
 
 from __future__ import annotations

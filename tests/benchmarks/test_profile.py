@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The profile of scenes: what it counts adds up, and nothing stays watched."""
 
 from __future__ import annotations

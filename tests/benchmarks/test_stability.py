@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The stability sheet: what stands passes, what falls or is penetrated does not, and the table says which."""
 
 from __future__ import annotations

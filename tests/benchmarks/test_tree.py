@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The rules of the house that can be counted hold: benchmarks.tree counts them."""
 
 from __future__ import annotations

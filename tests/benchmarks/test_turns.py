@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Steps of scenes in two trees, by turns."""
 
 from __future__ import annotations

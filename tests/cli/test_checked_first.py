@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a scene asks for after the run is refused before its first step: one line, exit code 2, nothing written."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: what a user types, what comes back, and that nothing is left half made."""
 
 from __future__ import annotations

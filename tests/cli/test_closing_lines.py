@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run says at its end where nothing moved, and where everything falls."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every scene in examples/ runs, and one number of each is known beforehand."""
 
 from __future__ import annotations

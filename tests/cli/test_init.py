@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Starter scenes: of every kind, they name every key, and run as they are."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What numpy says of numbers is not hidden: a line each where a command is done, and nothing beside the line of a refusal."""
 
 from __future__ import annotations

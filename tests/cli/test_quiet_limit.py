@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """cli.limit: -q says nothing of what is found, and writes it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """README and the page on the scene file speak of the program as it is: the scene runs, the block file reads."""
 
 from __future__ import annotations

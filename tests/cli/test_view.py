@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``masonry-cd view``, and the completion of commands in a shell."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the pages tell a reader to type: every command parses, and README, tutorials and how-to pages are followed from top to bottom."""
 
 from __future__ import annotations

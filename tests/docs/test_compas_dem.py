@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The examples of a neighbour in docs/howto/compas_dem.md: as short as theirs, and what they find is in balance."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The documentation speaks of the code as it is: the picture shows the packages of the tree, and the examples run."""
 
 from __future__ import annotations

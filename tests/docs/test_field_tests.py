@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The page of bridges loaded to collapse has the figures that its generator makes."""
 
 from __future__ import annotations

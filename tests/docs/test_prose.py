@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Words that this house does not use, and sentences too long to read once."""
 
 from __future__ import annotations

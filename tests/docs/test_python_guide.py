@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The page on Python speaks of the interface as it is: its snippets run one after the other, and its tables are those that there are."""
 
 from __future__ import annotations

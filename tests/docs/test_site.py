@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The site is built without a warning, asks no other server for anything, and its generated pages are those of the program."""
 
 from __future__ import annotations

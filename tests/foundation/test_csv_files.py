@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tables that no spreadsheet takes for a program."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Messages to the user: one line that a terminal can show."""
 
 from __future__ import annotations

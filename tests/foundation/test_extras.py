@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a plain install lacks is named with the extra that brings it, before anything takes its time."""
 
 from __future__ import annotations

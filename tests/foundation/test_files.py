@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Files that a user names: pipes, sockets and devices are refused before they are opened, wherever a file is read."""
 
 from __future__ import annotations

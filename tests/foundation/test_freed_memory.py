@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Freed memory is kept: what a step frees, the next one has without asking the system. It is given back where that is asked for."""
 
 from __future__ import annotations

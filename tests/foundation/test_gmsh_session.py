@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """gmsh, started within a process that has its own ways."""
 
 from __future__ import annotations

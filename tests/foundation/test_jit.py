@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Kernels with and without an entry for Python, and the cache of those that have one."""
 
 from __future__ import annotations

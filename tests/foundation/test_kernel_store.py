@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Files of compiled kernels: whole or absent, shared by processes, and dropped when others have taken their place."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A user's own loads.py, structures.py or reports.py never takes the place of this program's packages unnoticed."""
 
 from __future__ import annotations

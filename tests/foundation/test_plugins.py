@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a package adds, and a file of the user's: the example package is installed beside the tests, and each of its parts used."""
 
 from __future__ import annotations

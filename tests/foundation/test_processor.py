@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which processor kernels are compiled for, and that results depend neither on numpy's choice of loops by the processor nor on BLAS."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Systems without what POSIX alone has: everything imports, runs, locks its folder and limits its children there."""
 
 from __future__ import annotations

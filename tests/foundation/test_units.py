@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A text with a unit is a number in the unit that the field of its key declares; what is none is refused by key, in one line."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks and base motions as arrays: the same blocks and motions as from files, and one line on what is wrong with them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The examples in the docstrings of the interface run, and print what they say."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What other programs take of a run and of a scene, and what a scene takes of theirs."""
 
 from __future__ import annotations

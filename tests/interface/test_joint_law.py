@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Own joint laws: patch tests by closed forms, a law that softens for good, and what is refused."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """mc.limit_analysis: what the command finds, as values, DataFrames and images."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """mc.macro_elements: the parts of a structure as DataFrames, and the verdict, as the command finds them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The notebooks of the documentation run from top to bottom, and are stored without what they show."""
 
 from __future__ import annotations

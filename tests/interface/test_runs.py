@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs from Python: the bits of the command line, folders, interrupts, threads, and going on."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes in Python: the same checks and words as the command line, from files, dicts and keywords."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Simulations: the bits of a run, states and contacts as arrays, own forces and motions, events, copies and checkpoints."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Studies from Python: the rows of the command line, tables and pictures, folders, interrupts, and going on."""
 
 from __future__ import annotations

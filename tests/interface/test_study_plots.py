@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pushes of a study's runs laid over each other, and a measured curve beside them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tables and pictures of a run: what the files hold, with units, and images that show themselves."""
 
 from __future__ import annotations

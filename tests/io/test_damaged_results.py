@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Damaged results: every command ends with what still holds, or with one line; none hangs, crashes, or reports what is not so."""
 
 from __future__ import annotations

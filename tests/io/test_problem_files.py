@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Friction problems in files: both formats there and back, the collected problems, and bad input in one line."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The result file: what was written comes back, also after a kill."""
 
 import signal

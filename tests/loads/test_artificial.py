@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.kinds.artificial and loads.signal.code_spectrum: the codes' numbers, and accelerograms that meet them."""
 
 from __future__ import annotations

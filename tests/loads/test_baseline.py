@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.signal.baseline: integration exact for records straight between samples; corrections end at rest where they began."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.kinds.driven: a block that is pushed by displacement follows its path, with the reaction of statics; bad input is refused."""
 
 from __future__ import annotations

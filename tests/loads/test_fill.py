@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The fill of bridges: thrusts in closed form, and a passive resistance that grows, is capped, and is none on the way out."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.kinds.forces: a bar swings at its frequency and never pushes, a force turns a block about its centre, too stiff a bar is
 refused."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.signal.incremental_velocity: the filter against its closed form, the pulses against a motion that is known."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.picture: a record is drawn without a display, and peaks survive the thinning of long curves."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads: tables are checked by kind and add up; gravity acts in full or ramped."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.signal.measures against closed forms: by name, for one component and for both."""
 
 from __future__ import annotations

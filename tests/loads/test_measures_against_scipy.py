@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Intensity measures beside those of an independent library: oscillators and integrals by scipy."""
 
 from __future__ import annotations

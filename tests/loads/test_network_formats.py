@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Formats of networks: peak, sampling and component of synthetic files of the published layouts; what contradicts itself is refused."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Motions and sizes that are likely not meant are warned of, with the cause; sound ones are not."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.kinds.pulse and plausible records: a body force that ends has its impulse exactly, and pulses in files raise no alarm."""
 
 from __future__ import annotations

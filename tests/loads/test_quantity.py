@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Velocities and displacements are known by heading, unit or channel code: refused, or differentiated where the user asks for it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.readers: each format read from a file made here; content decides, not the file's name; what is wrong is named with its line."""
 
 from __future__ import annotations

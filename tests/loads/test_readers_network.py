@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Readers of seismic networks: K-NET and miniSEED against obspy's own samples, the calibration applied once, bad files named."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.kinds.record: a record becomes a base velocity that starts and ends at rest, in true units, on the run's times."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.signal.response and loads.signal.intensity against closed forms."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.kinds.settlement and loads.supports: the supports named end where they should, a wave reaches them one after the other."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.kinds.sequence: shocks and their rests, components recorded or artificial; bad keys are named by their full path."""
 
 from __future__ import annotations

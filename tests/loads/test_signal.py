@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.signal.filters: what passes the filters is left as it is, what does not is gone, nothing folds back and no phase is shifted."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.kinds.sinusoidal: the velocity is the sine asked for, starts and ends without a jump, and its printed numbers are true."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """loads.kinds.tilt: gravity turns and keeps its size, a push grows; a block on a slope and a dry wall give way where theory says."""
 
 from __future__ import annotations

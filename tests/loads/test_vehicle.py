@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Vehicles: shares that sum to the axles, spreading in closed form, crossings, and what is refused."""
 
 from __future__ import annotations

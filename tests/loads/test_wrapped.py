@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tables that could be read in two ways are refused until the key layout decides; what can only be columns is read as columns."""
 
 from __future__ import annotations

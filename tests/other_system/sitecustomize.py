@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stands in for a system that has none of what POSIX and Linux alone have, in every Python that is started with this folder on its path.
 
     PYTHONPATH=tests/other_system python -m pytest        (make test-elsewhere)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Faces on faces: the contact points of two prisms are the corners of the overlap of their faces, wherever they lie."""
 
 from __future__ import annotations

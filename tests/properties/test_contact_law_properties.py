@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One contact, solved through the public solver: Signorini's and Coulomb's conditions for any mass, geometry, friction and magnitude."""
 
 from __future__ import annotations

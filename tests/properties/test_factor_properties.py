@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The sparse block factors against dense linear algebra, on random graphs, whole and cut into subtrees."""
 
 from __future__ import annotations

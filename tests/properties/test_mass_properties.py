@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Volume, centre and inertia of random solids: closed forms, motions, mirrors, and cuts."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The natural map: its projection is the nearest point of Coulomb's cone, and its residual is zero at solutions and nowhere else."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes, block files and records changed at random: they are read, or refused by one line, and nothing else happens."""
 
 from __future__ import annotations

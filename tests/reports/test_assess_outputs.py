@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What is written of an assessment: table, tornado, page."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the page tells a client: title block, findings in their order, assumptions and limits, checks in words, tables to take along."""
 
 from __future__ import annotations

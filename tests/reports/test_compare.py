@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Comparison of runs: what differs between the scenes is found, and the numbers are those of each run."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The pictures: what they show is counted in their pixels, and what stands around the model is kept apart from it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Cuts of a drawn structure: what is left has the right area and place, for convex and other blocks."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One scene, however it is drawn: VTK, polygons, the page's viewer and the files for ParaView show the same joints, blocks and colours."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of the energies: what it draws closes, and it is drawn for short, long and killed runs."""
 
 from __future__ import annotations

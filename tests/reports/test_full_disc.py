@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A disc that is full: exports end in one line, and leave nothing half-made behind."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """reports.limit.picture: the mechanism is seen from where it moves to, and the key has what is there."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The page: it needs nothing from outside, fits its limit, and a real browser shows, plays and links what the result holds."""
 
 from __future__ import annotations

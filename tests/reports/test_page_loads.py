@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the page says of loads and of motions of the supports."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The files for ParaView, read back by VTK's own readers."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of what is wrong: every faulty block is seen in its colour, whatever is the matter with it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Crack maps in a row: one framing for all, and an animation whose colours stay those of the classes."""
 
 from __future__ import annotations

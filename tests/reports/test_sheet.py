@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """reports.drawing.figure: the head of a sheet."""
 
 from __future__ import annotations

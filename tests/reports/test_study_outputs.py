@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A study's folder: what is read and refused, what is written by which design, and that the same folder gives the same bytes."""
 
 from __future__ import annotations

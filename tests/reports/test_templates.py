@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pages by templates: what is filled in is text, what is missing is an error, and headings go down by one."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The line of thrust: where a run's forces cross its joints, against statics, and the ribbons through these points."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """reports.ties: what ties had to bear, in tables, pictures and on the page, drawn from the result file alone."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The crack map as polygons: what is nearer covers what is farther, joints are coloured as in the picture, equal runs give equal files."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Aqueducts: blocks that fill the solid without gap or overlap, and that can stand."""
 
 from __future__ import annotations

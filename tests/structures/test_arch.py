@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Arches: their geometry against closed forms, and whether they can stand at the published thickness."""
 
 from __future__ import annotations

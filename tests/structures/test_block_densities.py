@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """structures.files.blockfile: a support needs no density; parts that do not fill their block are refused with what is wrong."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Block files: what is written comes back, what is wrong is named, files of other programs are read."""
 
 from __future__ import annotations

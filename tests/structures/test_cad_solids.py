@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Solids of a CAD model as blocks: whole, in the file's unit, touching where they did, and curved faces as asked."""
 
 from __future__ import annotations

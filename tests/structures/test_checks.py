@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Unsound blocks: each is refused by name."""
 
 from __future__ import annotations

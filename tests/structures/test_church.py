@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Churches: parts that fill what they should, are interlocked, and stand."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Columns: frusta on each other."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Compound blocks: convex parts that act as one stone."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks split into convex parts: exactly, in few parts, and only where they need it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Domes over polygons: plane faces that match, no joint along a meridian, standing."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks that are nearly flat and nearly convex: made flat, within the tolerance, wherever they lie and however they are turned."""
 
 from __future__ import annotations

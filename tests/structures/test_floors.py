@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """structures.floors: floors fill their room, sit in seats that are cut for them, and carry what statics says of a rigid diaphragm."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Files from elsewhere: none runs anything, crashes, hangs or fills the memory. Each ends in one line; sound ones give the same bits."""
 
 from __future__ import annotations

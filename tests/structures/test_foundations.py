@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Foundations in pieces: nothing of them is gained or lost, pieces lie where their names say, and any structure can settle in part."""
 
 from __future__ import annotations

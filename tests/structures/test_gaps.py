@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gaps between blocks closed: faces meet exactly, nothing moves farther than needed, and what is far apart stays apart."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """structures.layout.ground: what has no ground of its own gets one, on which what falls comes to lie."""
 
 from __future__ import annotations

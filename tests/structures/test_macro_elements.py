@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """structures.macro_elements: the parts that practice looks at, by kind."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Formats of other programs: two boxes that share corners come as two blocks; what is written comes back; endings and content agree."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes in and out: the same blocks come back, units and axes are stated, damage that can be mended is mended."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Noise on the vertices: of the size asked for, the same for a seed, and of blocks that stay sound."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls with a core: rubble that lies where it can stay, through-stones, and the same wall with a solid core."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """structures.site: several structures in one scene stand where their tables say, on one ground, and each behaves as it does alone."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Sizes that no machine holds: refused from an estimate, before the first block."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Solids cut into courses: nothing is lost, every joint is found, the bond runs, and gravity moves nothing."""
 
 from __future__ import annotations

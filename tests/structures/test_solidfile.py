@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks written as solids for CAD programs and gmsh."""
 
 from __future__ import annotations

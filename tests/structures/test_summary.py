@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The structure report: counts that can be done by hand."""
 
 from __future__ import annotations

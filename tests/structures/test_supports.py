@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Supports of a file by name, group and place, in every kind of file; a rule that is none, or that nothing fulfils, is one line."""
 
 from __future__ import annotations

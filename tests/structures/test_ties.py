@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """structures.ties and loads.bars: ties hold where their line leaves the masonry, and carry what statics says, up to their yield force."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Towers: interlocked corners, belfry, inclination."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Structures of other blocks: as many more as their size says, in the same outline."""
 
 from __future__ import annotations

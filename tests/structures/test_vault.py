@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Vaults: barrels and groins without gap or overlap, standing."""
 
 from __future__ import annotations

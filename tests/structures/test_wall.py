@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls: coursed blocks that fill the wall around its openings, bonded, standing."""
 
 from __future__ import annotations

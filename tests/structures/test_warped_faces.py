@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Warped faces under repair: in triangles, with the larger solid, and as they are without it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Solids nearly flat, doubled, open or degenerate: taken soundly, or refused in one line that says what is wrong with them as given."""
 
 from __future__ import annotations

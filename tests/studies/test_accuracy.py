@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Error against run time: errors fall with the tolerance and the time step, rows come in order, and what was missed is marked."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Ensembles over settings: members differ by their amplitude alone, biases show, and the cheapest setting without one is named."""
 
 from __future__ import annotations

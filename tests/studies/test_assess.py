@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Assessments: the levels of each assumption are scenes that can be run, and differ from the base case in that alone."""
 
 from __future__ import annotations

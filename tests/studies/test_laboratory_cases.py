@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """studies.laboratory: the closed form of a bed, scenes that a user can run, and a command that lists its cases."""
 
 from __future__ import annotations

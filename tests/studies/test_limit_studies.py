@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Studies of limit analyses: a row of factors and a verdict over what varies."""
 
 from __future__ import annotations

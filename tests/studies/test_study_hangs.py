@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs that hang, in a step or in the set-up: each is a row with its reason, and the study continues with a new worker."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The plan of a study: which runs each design has, what they are called, and what changes when it grows."""
 
 from __future__ import annotations

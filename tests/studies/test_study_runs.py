@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Studies from end to end: on two workers and on one, continued after kills, grown, and with runs that yield no data."""
 
 from __future__ import annotations

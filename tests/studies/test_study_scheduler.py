@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Workers started by hand, as docs/studies.md has it, and a scheduler that goes away while a study runs."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs in one process: what they share, and what they must not."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The run itself in vibration against the modes of rigid blocks on the same elastic joints."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A study of 60 runs whose workers are killed ten times, at random, leaves the bytes of one that was not disturbed."""
 
 from __future__ import annotations

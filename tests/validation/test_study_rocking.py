@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The fragility of a rocking block by a study, beside the same by Housner's equation under the same motions."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Long comparisons with published and exact numbers: run them with ``pytest -m validation -s``, which prints the tables.
 
 Sources: limit analysis (linear programmes on the same blocks), Milankovitch's and Makris & Alexakis' arch, Ferris & Tin-Loi's dry wall,

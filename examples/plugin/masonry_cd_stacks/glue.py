@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``mc.Simulation(scene, law="glue")``: joints glued by a soft bond, which breaks for good where it opens or slips by more than LIMIT."""
 
 from __future__ import annotations

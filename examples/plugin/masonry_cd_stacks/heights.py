@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``[report] extra = ["heights"]``: heights.csv, how high the centre of each block is at the end of a run."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``[[loads]] kind = "record"``, ``format = "lab"``: a heading ``LAB dt=0.005 unit=m/s2``, then a value a line.
 
 Without ``format`` it is found by its heading, after our own formats that have one.

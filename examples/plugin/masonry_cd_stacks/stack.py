@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``[structure] kind = "stack"``: equal cubes on top of one another, on a fixed plate."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``[[loads]] kind = "surge"``: the base moves by a smooth surge of velocity along x, v(t) = A sin^2(pi t / T) up to T."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """``mechanisms = ["toppling"]`` of ``[[limit.mechanism]]``: what lies above a bed turns over as one body, whichever bed that is."""
 
 from __future__ import annotations

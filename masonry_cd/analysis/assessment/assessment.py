@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The runs of an assessment, and how far each assumption moves each answer.
 
 The bar of an assumption is the range of an answer over the base case and its levels. Members of the ensemble differ by nothing but

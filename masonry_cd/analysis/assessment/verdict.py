@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """An assessment in words: the range of the verdict, what decides it, what to pin down first, and what to know of the runs."""
 
 from __future__ import annotations

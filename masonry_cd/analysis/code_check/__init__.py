@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The check of a mechanism by the kinematic approach of codes: what it bears, what an earthquake asks of it, and every value between.
 
 table.py     the keys of [limit.check]

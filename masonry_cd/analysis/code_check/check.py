@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A mechanism checked by the code that a scene names."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Eurocode 8: the force on a part by EN 1998-1:2004, 4.3.5.2, against the factor of the mechanism over the confidence factor of EN 1998-3.
 
 EN 1998-3:2005 has no method for mechanisms of rigid bodies; how a mechanism becomes an acceleration is that of the Italian Circolare.

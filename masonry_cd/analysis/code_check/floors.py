@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The motion at a height of a building, by its first mode.
 
 **Circolare 2019**, C7.2.3, equations C7.2.5 to C7.2.7, with the participation gamma and the mode psi = z / H (C7.2.10):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The motion of the ground as a check takes it: elastic response spectra of a code or of a record."""
 
 from __future__ import annotations

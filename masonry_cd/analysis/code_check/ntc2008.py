@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """NTC 2008 with Circolare 617 of 2 February 2009, appendix C8A.4: the older wording of the Italian check of local mechanisms."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """NTC 2018 with Circolare 7 of 21 January 2019, C8.7.1.2.1: local mechanisms of existing masonry by accelerations and displacements."""
 
 from __future__ import annotations

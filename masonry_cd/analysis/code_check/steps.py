@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A check as values, one after the other: each with its symbol, unit and clause; and what they amount to."""
 
 from __future__ import annotations

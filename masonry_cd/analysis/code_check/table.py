@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The keys of ``[limit.check]``: by which code a mechanism is checked, for which motion of the ground, and where in a building it is."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The one verdict of a check, which every output has: what decides it, with its numbers.
 
 The least of the checks that were made decides, and of the mechanisms looked at the one with the least capacity over its demand. The

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Grades of damage, D0 to D5, by thresholds that the user can set.
 
 The names are those of the European Macroseismic Scale (Gruenthal, ed., EMS-98, Cahiers du Centre Europeen de Geodynamique et de

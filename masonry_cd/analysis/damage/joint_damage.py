@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Joint damage: what each joint suffered over the run and what is left of it at the end.
 
 The measures are those of :mod:`masonry_cd.mechanics.model.joints`: opening (the widest corner gap), sliding (of the corners that touch),

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Macro-elements, the parts of a structure: the groups of its blocks (piers, arches, facade ...).
 
 A part is a group with at least one free block; a group of supports alone is none. A joint between two parts belongs to both, and a

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""How a part gave way: words for its mechanism, from the geometry of a frame alone.
 
 By the first rule that holds; ``others`` lists those that hold as well:

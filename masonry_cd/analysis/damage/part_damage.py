@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The damage of a run by part: at the end, and frame by frame.
 
 What a part is and which joints it owns says :mod:`masonry_cd.analysis.damage.macro_elements`, the mechanisms

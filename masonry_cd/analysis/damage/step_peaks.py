@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The largest drifts, displacements and hinges of a run, from all of its steps: what frames alone would miss between them.
 
 A run takes in each of its steps, by the definitions of :mod:`masonry_cd.analysis.damage.definitions`, with their default thresholds of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whether a run can be relied on, by what it checked of itself, and the verdict on it.
 
 Each check is ``good``: it does not limit what the results say; ``look``: read what stands beside it; or ``doubtful``: do not rely on the

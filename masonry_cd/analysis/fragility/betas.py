@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""How much of a fragility's scatter comes from the records, and how much from what varies in the model.
 
 With z the numbers that vary from run to run, standardised, the latent variable of a fit gets them as regressors beside ln IM:

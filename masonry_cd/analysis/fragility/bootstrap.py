@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The bootstrap over records (Efron & Tibshirani, An introduction to the bootstrap, 1993): percentile bands of whatever is fitted.
 
 Runs under one record are not independent: a record that is gentle at one level is so at the next. So records are drawn, with replacement,

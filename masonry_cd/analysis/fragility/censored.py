@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Normal regression of what is known exactly, only from below, or only from above, by maximum likelihood.
 
 A latent y = x . c + s e, e standard normal, is seen exactly, or known to lie above or below a bound y. With g = (c / s, 1 / s), u = (x, -y)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Clouds: unscaled records, and a straight line through the logarithms.
 
     ln EDP = a + b ln IM + s e,        e standard normal

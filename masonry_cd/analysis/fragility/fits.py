@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The fits of a study: which method its design allows, for each limit state, with bands, betas and the warnings that belong to them."""
 
 from __future__ import annotations

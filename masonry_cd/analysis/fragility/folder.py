@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A study's folder as it is read: study.json says what was asked, runs.csv has one row per run, joints/ what each run did to the joints."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Lognormal fragilities by maximum likelihood on counts of runs that exceed a limit state.
 
     P(exceeded | IM) = Phi( ln(IM / theta) / beta ),        k_j of n_j runs at IM_j exceed it, binomial

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Incremental dynamic analysis: a curve per record, its capacities, and their quantiles.
 
 The method is that of Vamvatsikos & Cornell (Earthq. Eng. Struct. Dyn. 31(3), 2002). The capacity of a record for a limit state is the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Limit states: when a run counts as one that exceeded them.
 
 A limit state names a column of runs.csv and a bound: ``above`` is exceeded by what is larger, ``at_least`` reached by what is as large or

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The intensity measures of a table: their units, and what OpenQuake calls them.
 
 The columns are in SI units; OpenQuake takes accelerations in g, velocities in cm/s, and CAV in g s (OpenQuake Engine, reference manual,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What matters: rank correlations of what varied and of the intensity measures with what the limit states look at.
 
 Spearman's rho is the correlation of the ranks, ties by their mean. Its p-value is the chance of one as large where nothing is related, by

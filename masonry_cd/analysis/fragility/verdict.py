@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The verdict on a study: the range of grades over its runs, and how far the runs bear out what is fitted to them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A limit analysis from the question whether the structure stands to its mechanism at the largest factor, with a certificate."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The mechanisms whose start is compared with a demand: each with the factor alpha_0 at which it starts.
 
 The least factor does not decide a check by accelerations: a_0 = alpha_0 g / e* differs from mechanism to mechanism by e* as well. So all

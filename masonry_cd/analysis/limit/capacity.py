@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Capacity curves: a mechanism followed at finite displacements, and the load factor that the moved structure still bears.
 
 At each step the blocks are where the last mechanism has brought them, their joints are found anew (:mod:`masonry_cd.analysis.limit.moved`),

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Limit analysis in space with circular friction cones, as a second-order cone programme, or with pyramids; by Clarabel.
 
 The kinematic form is solved, whose unknowns are the velocities of the blocks, six each, and few more; Clarabel's dual variables are the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Joints that crush, in the programmes of a limit analysis: their cells are bars that yield.
 
 With the corners x_k of a joint, their forces r_k, and the forces N_c of its cells (:mod:`masonry_cd.analysis.limit.sections`),

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""A mechanism followed over a finite step: its blocks move along their screws, and what touches goes on touching.
 
 Blocks that the mechanism moves alike are one body. A step takes each body along the screw of its velocity, then corrects what the motion of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The least factor without dilation from mechanisms that are known: a start of the search that needs no sequence of its own.
 
 The descent of :mod:`masonry_cd.analysis.limit.nonassociated` begins at velocities. Those of another problem will do: of the same structure

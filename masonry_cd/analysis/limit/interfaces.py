@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Where the forces of a limit analysis act: the corners of the joints, each with a frame, a friction cone and what the joint's bond adds.
 
 A joint's stress resultant can be anything that forces at the corners of its polygon add up to, so the corners are enough. In a plane they

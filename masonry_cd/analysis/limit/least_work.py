@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Contacts that give way in a finite step, where not all can be kept that bear: those whose giving way costs least work.
 
 A mechanism of first order may ask more of its contacts than bodies at finite rotations can keep: Coulomb's law without dilation leaves some

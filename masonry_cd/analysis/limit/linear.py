@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Limit analysis in a plane: a linear programme, by HiGHS.
 
 A force in Coulomb's cone is a sum of forces along its two edges, r' = x_1 (n + mu t) + x_2 (n - mu t) with x >= 0.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The mechanism of a macro-element as a linkage that is followed at finite displacements: its capacity curve, [C8.7.1.3] and [C8.7.1.4].
 
 The blocks that move as one are a body: so a mechanism is a few rigid bodies, joined to one another and to what is held by the contacts that

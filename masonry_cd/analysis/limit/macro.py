@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The limit analysis of a macro-element: the mechanisms of practice, and the free least mechanism within it, each push by itself."""
 
 from __future__ import annotations

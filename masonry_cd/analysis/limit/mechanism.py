@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The mechanism of a limit analysis: how blocks move, and what that does to each joint.
 
 Velocities are over the largest one of any corner of a free block. In a joint, u_n and u_t are those of its corners; it

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Blocks that have moved by finite amounts: where they are, and the joints that they have there.
 
 **Motion.** A block with velocity (v, w) at its centre of mass moves along the screw of that velocity, exactly:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Coulomb friction that does not dilate, in a plane: the least factor that is found.
 
 Sliding that opens nothing, u_n = 0, is not the associated flow rule, and the factor of collapse is then not unique. A factor belongs to it

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Coulomb friction that does not dilate, in space: a factor that belongs to it.
 
 The sequence of :mod:`masonry_cd.analysis.limit.nonassociated` with circles for strips, |r_t| <= mu N_k (Portioli, Casapulla, Gilbert &

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The mechanism of a limit analysis as an oscillator with one degree of freedom, as the kinematic approach of codes takes it.
 
 Its bodies are the parts of the structure that move as one: blocks with still joints between them. With their weights P_k, those of the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Hinges that pass to other joints: what blocks do where no factor of the load is borne.
 
 Along a mechanism the line of thrust moves through the joints that are still closed. Where it leaves one, no forces bear the dead loads

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The problem of a limit analysis, in forces without units.
 
 With r the forces at the P points of the joints, N those of the ties, w_0 the dead loads and w_1 the live ones, the largest factor is

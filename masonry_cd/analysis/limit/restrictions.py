@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The mechanisms that practice checks by hand, as rigid bodies into which the blocks of a macro-element are tied.
 
 Each is a restriction of how the blocks may move, so that it starts at no less than the least mechanism of these blocks, and its factor is

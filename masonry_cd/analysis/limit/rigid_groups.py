@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""A limit analysis of few rigid bodies, each of many blocks that move as one: a kinematic restriction of the problem of the blocks.
 
 With the velocities q of the bodies, v = T q, and T the motion of a block as part of its body,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Joints that crush: their sections, cut into cells of uniform stress.
 
 A joint without tension bears stresses 0 <= sigma <= f on its area A. A rectangle b x t then carries N with

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a limit analysis finds, and how sure it is."""
 
 from __future__ import annotations

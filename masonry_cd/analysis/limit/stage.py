@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A stage of a mechanism that is followed: the blocks where they are, and the limit analysis of them there."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Modes of the bonded continuum: the blocks as one linearly elastic solid that cannot open.
 
 Second-order tetrahedra (linear ones are 8 to 24 % too stiff for masonry in bending). With the shape functions N_i and

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The lowest modes of free vibration: K phi = lambda M phi with lambda = (2 pi f)^2.
 
 Shift-invert Lanczos (Ericsson & Ruhe, Math. Comput. 35, 1980) looks for the largest eigenvalues 1 / (lambda + s) of

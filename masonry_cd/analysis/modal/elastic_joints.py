@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Modes of rigid blocks on elastic joints: what a rigid-block model keeps of the elasticity of its stones.
 
 The deformation of two blocks is gathered in the joint between them, by :mod:`masonry_cd.mechanics.model.joint_stiffness`, with

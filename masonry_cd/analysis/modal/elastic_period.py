@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What rigid joints leave out: the first elastic period of the masonry, by how much it would amplify the motion of the base.
 
 Rigid joints pass the acceleration of the ground on as it is. Masonry of a modulus E sways with a first period T_1 before it cracks, and an

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The first elastic period of a structure on the stiffness of its joints, and dashpots that damp it by a stated share of critical.
 
 Rigid blocks on elastic joints have the modes of :mod:`masonry_cd.analysis.modal.elastic_joints`. Dashpots in proportion to the springs,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What rigid joints leave out of a run, in words, by the keys of summary.json from :mod:`masonry_cd.analysis.modal.elastic_period`."""
 
 from __future__ import annotations

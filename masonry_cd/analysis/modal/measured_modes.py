@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Measured modes: read from a CSV file, paired with computed ones, and compared.
 
     mode,frequency_hz,point,x_m,y_m,z_m,ux,uy,uz

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Elastic modes of a block structure: frequencies, participating masses and shapes, to compare with measured ones.
 
 Rigid blocks in unilateral contact have no elastic frequency. Two companions on the same geometry have one:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Mode shapes as reports use them: at any point, and on a skin that pictures can draw."""
 
 from __future__ import annotations

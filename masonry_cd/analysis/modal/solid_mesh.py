@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The solid that the blocks fill together, meshed by gmsh in tetrahedra.
 
 The blocks are united first, so that the mesh does not have to follow the joints and may be as coarse as the structure allows; blocks

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The numbers that a run comes to: each one declaration, which all that shows it reads.
 
 A module here lists its own in ``NUMBERS``, by the key that files call them by. summary.json, runs.csv and its limit states, assess.csv and

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The largest horizontal force of the supports, as a share of the weight.
 
     V = | sum_i m_i a_i | / (g sum_i m_i),      a_i = (v_i(t_k+1) - v_i(t_k)) / (t_k+1 - t_k)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A run that is measured: what numbers follow from, each computed once and only where it is asked for."""
 
 from __future__ import annotations

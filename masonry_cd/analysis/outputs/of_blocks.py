@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How far blocks moved relative to the base, and which fell."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How far joints opened and slid."""
 
 from __future__ import annotations

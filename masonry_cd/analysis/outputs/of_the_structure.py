@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the structure comes to: its grade, the load factor that it bears."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The stress in the elements of meshed blocks: largest principal stresses of a run, element by element, against the strength of the block.
 
 An element has one stress; at the edge of a bent block the true one is higher, by two thirds of the elements' size over its depth, and near

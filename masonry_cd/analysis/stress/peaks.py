@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The stress of a run: principal stresses of the blocks, largest compressions of blocks and joints, against a strength.
 
 A **block** has the mean stress over its volume (:mod:`masonry_cd.mechanics.dynamics.mean_stress`). It hides bending, local pressure under a

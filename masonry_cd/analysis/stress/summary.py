@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The stress of a run in numbers: its share of summary.json."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Broad phase: which parts may meet at all, by their bounding boxes.
 
 The boxes are grown by a skin and by what a part may do within the step, then swept along the axis on which the fewest overlap (sweep and

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The contacts of a step, and how they come out of what is remembered of the pairs: in the world frame, those within the margin."""
 
 from __future__ import annotations

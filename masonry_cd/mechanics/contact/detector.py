@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Contact detection between convex parts: which surfaces may touch within the coming step, where, and how far apart they are.
 
     broad_phase    pairs of parts whose boxes overlap

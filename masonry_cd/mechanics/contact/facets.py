@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Contact points between facets: where faces of meshed blocks meet, the corners of all overlaps of a facet of one with one of the other.
 
 Within such an overlap both surfaces are linear, and forces at the corners of a convex polygon carry any pressure resultant on it: with the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Finds the joints of an assembly: the contact points at rest of each pair of parts, where they span an area.
 
 Structures from files are inexact: their blocks leave gaps and overlaps of micrometres. Such a joint was made without a gap; taken at its

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Contact points over the depth of elastic joints that open: rings on the lines from the centroid to the corners.
 
 Corners and centroid have force and moments of the linear pressure of a closed joint. Once the joint opens, the pressure ends on the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Contact points of a pair of convex parts, by the feature that separates them.
 
 **Face on face**: the face of the other part that faces the reference face most squarely, clipped by the sides of the reference face, all

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How bodies move, and how far they may go within a step: what the margins of contact detection come from."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What is remembered of each pair of parts from one step to the next, so that no work is done twice.
 
     distance    of a pair apart: not looked at before the two can have met

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Contact of a sphere with a sphere, or with a face, an edge or a corner of a convex part: one point, where it comes nearest.
 
 With c the centre of the sphere and R its radius, and d the distance of c from the nearest point of the other part, gap = d - R, and the

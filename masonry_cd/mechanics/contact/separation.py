@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Separating axes: how far two convex polyhedra are apart, or how deep they are in each other, and by which of their features.
 
 The largest separation over the face normals of either and the cross products of their edges is the distance, where positive a lower bound

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scratch arrays of contact detection, made once."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Steps of a run whose length adapts: choose one, make it, judge it, and make it again if it has to be.
 
 The rules are in ``step_control.py``, what they judge by in ``local_error.py``. A step that is made again begins where it began: blocks,

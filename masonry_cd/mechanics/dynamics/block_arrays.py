@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What is constant in a run, as the kernels of the step read it."""
 
 from __future__ import annotations

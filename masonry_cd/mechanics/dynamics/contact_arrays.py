@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The contacts of a step as the kernels read them: those of the friction problem are all that were found, but half of them in a plane."""
 
 from __future__ import annotations

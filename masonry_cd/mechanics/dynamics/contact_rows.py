@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Assemble: the friction problem of the contacts at q_m.
 
 Each contact has a frame of unit vectors n, t1, t2 and a row of H along each. On a block whose centre is at x, the row of a contact at X

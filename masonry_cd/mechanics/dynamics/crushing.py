@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Crushing: the pressure of an elastic joint ends at its compressive strength f, and what it is shorter for good stays.
 
 A contact with a share A of the area of its joint carries what its spring and dashpot do (``joint_law.py``), and

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Driven blocks: the velocity of a guided block along a direction is given, and its reaction found.
 
 A guide prescribes g . v = V with a row g = (d, r x d) of the velocities v of a block, r being the arm from its centre to the guided point

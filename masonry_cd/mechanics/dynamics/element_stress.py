@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The stress in the elements of meshed blocks, and how far their nodes move beyond the rigid block.
 
 In an element of corners c with the gradients b_c of their shapes, the displacement u of the nodes has the strain

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Equilibrium: elastic joints and blocks that deform take up the weight, and the first tension of ties, before a run.
 
 Implicit steps (theta = 1), long for the swing of a block on its joint or on itself, with the supports held and the gravity of the first

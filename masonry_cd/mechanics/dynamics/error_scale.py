@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The scale of the stopping test where single blocks take forces that they are far too light for.
 
 The natural map error is a share of |q|, q = (H v_free + b) / sqrt(d) over all contacts. What it leaves at a contact is, in m/s,

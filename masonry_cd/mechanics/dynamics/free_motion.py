@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Predict: the blocks at q_m, and the velocities that they would have at the end of the step without contact.
 
     q_m    = q + h (1 - theta) v

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Impacts apart from forces, so that the weight passes from contact to contact at the right moment.
 
 The gap over the step, u_n + g/h >= 0, spreads the impulse J of an impact over two steps: (1 - f) J at the q_m before the gap closes, f J

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Islands: blocks that touch one another only through supports do not feel each other, so each island is solved by itself.
 
 The contact graph, with supports left out, falls into components: columns side by side, a tower beside a church, pieces on the ground.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Jams: steps that no motion of the blocks solves without penetration, as where supports close on a block between them.
 
 A step asks for H_n v + b_n >= 0 of every rigid contact, with the velocity of the supports and the gap over the step in b_n. The least speed

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Forces of the joints over a step, from the impulses of their contacts."""
 
 from __future__ import annotations

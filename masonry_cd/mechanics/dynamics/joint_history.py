@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Springs and bonds of elastic and mortar joints over a run: into the friction problem of each step, and out of its solution again.
 
 The law is that of ``joint_law.py``. What a joint hands on from step to step is its elastic slip and whether it is still bonded.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Elastic and bonded joints: springs and dashpots that are implicit in the step, and bonds that break for good.
 
 **Springs.** A contact with a share A of its joint's area carries

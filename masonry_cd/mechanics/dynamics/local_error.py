@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The local error of a step, and what is known of it beforehand; lengths in metres.
 
 **Of a step made.** Over a step the positions follow (v + v+) h / 2. With the acceleration a = (v+ - v) / h of the step and a' of the one

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The mean stress of blocks, from the forces on them: true whatever they are made of.
 
 **Mean-stress theorem** (Signorini, Ann. Sc. Norm. Super. Pisa 2, 1933; Gurtin, The Linear Theory of Elasticity, 1972). In a

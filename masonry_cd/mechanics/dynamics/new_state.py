@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Update: the impulses of a step become velocities, and these carry the blocks to the end of the step.
 
 v+ = v_free + M^-1 H^T p,        L+ = L + I (w+ - w_free),        q+ = q_m + h theta v+

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Overlaps of rigid contacts: a share of them is taken away in each step by moving the blocks, and what is left is reported.
 
 A penetration g < 0 is not pushed out through the velocity: that would feed energy. Each step moves the blocks by the least displacement dq

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The stiffness of elastic contacts: that of the law of their groups, or, on joints of masonry, of their joint as built.
 
 A joint of masonry keeps its stiffness for the whole run, however its blocks turn, so that a spring's energy is its own. Blocks that meet

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Shocks in a row: the pauses between them end as soon as the structure is still; what each shock leaves behind.
 
 The loads of a run are laid out over steps k = 0 .. N in which every pause has its full length. The step of the loads runs beside that

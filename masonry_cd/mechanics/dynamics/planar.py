@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Planar scenes: prismatic blocks along one axis, symmetric about a common middle plane, moved within it.
 
 Such a scene moves in its plane only (its mirror image is the same scene), so half the contacts and three unknowns per block

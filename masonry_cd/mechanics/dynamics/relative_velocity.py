@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The relative velocity at a contact, u = H v + the velocity of the supports, row by row: the one place where the step computes it.
 
 Each kernel adds to ``start`` what its sides contribute, side after side and unknown after unknown, so that its rounding does not depend on

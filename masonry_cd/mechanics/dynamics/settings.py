@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The table ``[run]`` of a scene file: time, solver and output."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The motion that a run begins with, and the velocities that its blocks may be given before."""
 
 from __future__ import annotations

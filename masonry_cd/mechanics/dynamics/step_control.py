@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""How long the next step is: a ladder of lengths, and the rules by which a run goes up and down on it.
 
 **The ladder.** Lengths are n = 1, 2, 4 ... ticks, the longest of them dt_max; a tick is the shortest step. A step of n ticks begins at a

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The friction problem of a step, with all that it was assembled from, its solution, and what the springs of its joints did."""
 
 from __future__ import annotations

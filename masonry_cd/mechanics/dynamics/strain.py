@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The strains of blocks that deform, over a step: six more unknowns of a block in space, three in a plane, and the warps of meshed ones.
 
 With theta of the strains, their mass M, stiffness K and viscosity beta K (``model/deformation.py``), a step goes from (e, e.) to

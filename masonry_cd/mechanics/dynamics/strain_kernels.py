@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The strains of blocks that deform over a step, as ``strain.py`` says, block by block."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the phases of a step share: what is constant in a run, the loads of one step, and what one step hands to the next."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""What a step leaves of the contact laws in m/s, and the slip and the opening that come of it.
 
 The natural map error is one number, a share of |q|. Where a light block takes a large force that norm is huge, and what is small beside it

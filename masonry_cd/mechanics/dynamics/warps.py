@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The warps of meshed blocks in the step: what contacts see of them.
 
 A point X of a surface moves with its facet. Seen from the centre of the block, without its strain, it is at Y, which lies on a facet with

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The contacts of each body: what they give to it is added up in their order, whichever thread of a team does it.
 
 Looped over contacts, two threads would add to one body at once; looped over bodies, each has its own.

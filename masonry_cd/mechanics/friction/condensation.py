@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Static condensation: bodies with many unknowns, of which contacts feel few, replaced by equivalent ones with few.
 
 Of a body with the mass matrix M (n, n) and the rows H of the contacts on it, k of them, the friction problem knows the share

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Contacts side by side: u = H v and H^T p of four joints at once, in the lanes of the processor's registers (linalg/vectors.py).
 
 Contacts wait for divisions and roots; four joints in lanes take hardly longer than one. All contacts of a joint in space lie on the same

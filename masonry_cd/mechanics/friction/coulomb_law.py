@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Coulomb's law at one contact, solved exactly.
 
 One contact, all others held, sees u = W p + q with its own 3 x 3 block W of the Delassus operator, plus its compliance if it is elastic

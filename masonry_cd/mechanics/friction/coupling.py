@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """G of a problem given by W alone, by sparse blocks: its products with impulses, and what it adds to the matrices of the solvers.
 
 Over bodies M (v - v_free) = G p with G = H^T. Where W alone is given each contact has a body that moves as the contact does: H = I, and

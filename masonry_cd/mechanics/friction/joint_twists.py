@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Frames of contacts between rigid blocks in space: what their rows of H consist of, see contact_groups.py."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The natural map error of impulses p: v = v_free + M^-1 G p and the scales d, and with them the residual and the size of q.
 
 The bodies keep the order of the problem. A team of threads may share the work: each takes its share of the contacts, and of the bodies,

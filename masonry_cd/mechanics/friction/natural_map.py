@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The natural map of Coulomb's law with Signorini's condition: the projection onto its cone, and its residual.
 
 The residual of a contact is r - P_K(r - (z + mu |z_t| n)) in the scaled variables r = p sqrt(d), z = w / sqrt(d), see problem.py. A vector

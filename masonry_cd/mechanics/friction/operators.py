@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The operators of a friction problem: u = H v + b, M^-1, the scales d, and the residual of the natural map; G p is in body_sides.py.
 
     M (v - v_free) = G p,     w = H v + b + C p,     W = H M^-1 G.

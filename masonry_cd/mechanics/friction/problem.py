@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The friction problem of one time step, its solution, and the error measures, outside any solver.
 
 Find velocities v and contact impulses p such that

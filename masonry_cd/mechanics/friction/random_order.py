@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A seeded random order of contacts."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a solver remembers from one step to the next: factors, what it learnt about its parameters, and what is a solver's own.
 
 A state is not changed: a solver returns a new one, but for the numbers of the factors, which the next step overwrites. A checkpoint holds

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A = L D L^T of a symmetric block matrix, looking left, supernode by supernode, alone or by a team of threads (see symbolic.py)."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Dense kernels of a supernode: products, and the inverse or the inverse Cholesky factor of a diagonal block.
 
 Multiplications and additions are fused ("contract"), which rounds once instead of twice.

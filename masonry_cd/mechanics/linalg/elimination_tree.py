@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The fill-in of a sparse factor, its supernodes, and its elimination tree cut into subtrees.
 
 Supernodes are neighbouring columns of L with nearly the same rows below the diagonal, factorised together as in CHOLMOD (Chen, Davis,

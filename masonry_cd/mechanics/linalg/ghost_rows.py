@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Ghost rows: what a subtree adds to nodes of later subtrees, kept apart until these are reached, see symbolic.py.
 
 Arrays with ghost rows have N + 1 + E rows: the nodes, the supports, and the ghosts.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What numba's Python lacks: atomic access to an array that threads share, and a hint to fetch memory ahead."""
 
 from __future__ import annotations

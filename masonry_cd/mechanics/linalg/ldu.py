@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A = L D U of an unsymmetric block matrix with a symmetric pattern, looking left, supernode by supernode, alone or by a team of threads.
 
 See symbolic.py.

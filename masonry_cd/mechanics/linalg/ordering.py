@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where the blocks of M + H^T R H are, and in which order its factorisation eliminates the bodies.
 
 Symbolic work only: it depends on which bodies touch, not on where, so it lasts while the contact graph stands. The order is an

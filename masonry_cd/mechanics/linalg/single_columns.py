@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Factors whose columns stay alone, for matrices with hardly any fill-in: blocks one after another, loops over narrow ones unrolled."""
 
 from __future__ import annotations

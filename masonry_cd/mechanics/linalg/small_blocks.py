@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Small dense blocks, one per body or contact, and plain copies.
 
 ``size_n`` (or ``size_m``) is a tuple of as many zeros as a block has rows, see :func:`size_tuple`.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A block matrix and its factors: the squares and panels of supernodes, and rows scattered into and gathered from them."""
 
 from __future__ import annotations

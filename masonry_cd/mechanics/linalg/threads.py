@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A team of threads that share a solve.
 
 They all run one kernel on the same arrays. Each takes its share of the subtrees of a :class:`SymbolicFactor` and waits at a barrier where

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Forward and backward substitution with the factors of ldu.py and cholesky.py.
 
 Sums are taken in the order that the processor likes ("reassoc"); equal inputs still give equal bits on one machine.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Vectors in space as three numbers, each a float or, side by side for several items, lanes of floats (vectors.py)."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Several floats at once, as one instruction of the processor takes them.
 
 The compiler makes such instructions of loops along an array, but not of products whose sums stay in registers, in which a factorisation

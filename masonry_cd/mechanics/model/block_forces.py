@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Forces on single blocks, as the step asks for them. Point loads and ties of ``loads`` have this shape."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Meshes of blocks: uniform-strain tetrahedra in space, triangles of the block's outline where a scene moves in a plane.
 
 gmsh meshes the faces of a block and what they enclose, no coarser than asked for. Blocks of one shape share one mesh, whatever their place;

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks and their assembly: all that stays constant during a run.
 
 A block is a closed polyhedron of uniform density, or a sphere; its mass properties are exact (:mod:`masonry_cd.mechanics.model.geometry`,

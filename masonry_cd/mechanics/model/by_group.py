@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Keys of ``[material]`` that take one value for all blocks, or values by group, ``young.arch = 2e9``, with ``default`` for the rest.
 
 A group may be a pattern, ``young."*-pier"``. A name holds before a pattern, and a pattern before ``default``.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Connected components of a graph, without scipy's graphs, which take longer to load than a small run takes."""
 
 from __future__ import annotations

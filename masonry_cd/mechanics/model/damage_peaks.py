@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The damage of one step that peaks are kept of: which blocks have fallen, which joints are hinges, how far each part drifts.
 
 What the words mean, say :mod:`masonry_cd.analysis.damage.definitions` and :mod:`masonry_cd.analysis.damage.macro_elements`;

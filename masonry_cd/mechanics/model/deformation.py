@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Blocks of one strain each: the shapes that they take, their mass and their stiffness.
 
 A point X of the block, seen from its centre in the principal axes P of its inertia, comes to

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The largest compression of a joint, from the resultant of its normal forces: linear over its area, without tension.
 
 The points of contact of rigid blocks carry forces; how stress spreads between them the model does not say. Engineers take it linear over

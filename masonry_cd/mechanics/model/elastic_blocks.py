@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What blocks are made of, by group: rigid, elastic with one strain each, or meshed; the keys of ``[material]`` for it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Polyhedra: one flat form for many of them, their mass properties, and the pose of one body as seen from another.
 
 Volume, centre of mass and inertia are exact: the solid is the signed sum of the tetrahedra spanned by an inner point and the triangles of

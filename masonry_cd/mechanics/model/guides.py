@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Guided blocks: a point of a block has a given velocity along a direction; what is not given stays free, or is held from turning.
 
 Pushes by displacement of ``loads`` are made of guides, and so are props, whose velocity is zero.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The stiffness of joints by the masonry around them, so that a wall of rigid blocks bends and shears as a continuum of moduli E and G.
 
 **Normal.** The deformation of two blocks is gathered in the joint between them. With the distances l_a and l_b of both centroids from the

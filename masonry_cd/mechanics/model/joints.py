@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Joints: the interfaces that two blocks share at rest, and how far they open, slide and rotate.
 
 A joint keeps its interface polygon, whose corners X_k both blocks carry along. With x_a(X_k) and x_b(X_k) their places on

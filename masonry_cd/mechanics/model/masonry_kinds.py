@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Existing masonry by kind: the key ``material.masonry`` of a scene, and the values that tables of the Italian code give for it.
 
 Tables C8.5.I, ranges of each kind, and C8.5.II, factors for what makes it better, of Circolare 21 January 2019 n. 7, paragraph C8.5.3.1

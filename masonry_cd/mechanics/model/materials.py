@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The material: density, coefficients of friction and joint laws by pair of groups of blocks, in a scene's table and as arrays.
 
 A scene gives one value for all joints, or values by pair of groups, ``arch-base``, with ``default`` for the rest. Either group of a pair

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The plane about which a structure of prisms is its own mirror image."""
 
 from __future__ import annotations

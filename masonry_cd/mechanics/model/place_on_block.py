@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whether a place that a scene names lies on its block: within it, or on its surface."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Polygons: area, centroid, normal, and what a half-space leaves of them.
 
 A polygon is an array of its corners in order: (n, 2) in a plane of its own, (n, 3) in space, where its corners lie in one plane. Many

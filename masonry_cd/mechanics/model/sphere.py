@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Spheres: their mass properties, exact, and the facetted ball by which they are drawn.
 
 A block that is a sphere of radius R has V = 4/3 pi R^3, and about any axis through its centre the second moment 2/5 V R^2. Contact

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The state of a run: where the blocks are and how they move, at one time and without history."""
 
 from __future__ import annotations

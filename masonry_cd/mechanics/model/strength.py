@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Compressive strength by group of blocks: the key ``material.compressive_strength`` of a scene, and what holds for each group."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""How a meshed block warps: the shapes that its mesh adds to the uniform strain, and their stiffness.
 
 The nodes X_i of a block of d dimensions move by any d N numbers. Of these, d (d + 1) are the motion of a block of uniform strain

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Solvers of the friction problem, exchangeable by name: ``SOLVERS[name](problem, options, start) -> Solution``.
 
 A solver is a module here that defines ``solve``, and goes by the module's name. It is imported when it is asked for, so that a scene

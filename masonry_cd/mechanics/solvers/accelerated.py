@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Sweeps of Gauss-Seidel, accelerated: the method for packed grains.
 
 A sweep (nlgs.py) maps impulses to impulses, S(p), and propagates the error by about one contact. Taken as a gradient step it gains what

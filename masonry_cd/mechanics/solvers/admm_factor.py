@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The matrix of ADMM, M + H^T R H, or where W alone is given W + R^-1, and its factors by a team of threads; see admm.py for R."""
 
 from __future__ import annotations

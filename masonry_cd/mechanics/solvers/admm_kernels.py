@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """ADMM over bodies by a team of threads; see admm.py for the method.
 
 Each thread runs all of this, on its share of the contacts, the bodies or the subtrees, and they wait for one another where one needs what

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What an ADMM iteration does in a subtree: forward substitution after a pass over its contacts, and backward substitution; see admm.py."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""The matrix of the methods that linearise the law: M + G B H, one block B per contact, column by column; over bodies G = H^T.
 
 Between rigid blocks in space a contact has rows (D, D [r]x^T) for a body whose centre it is r away from, with opposite signs for its two

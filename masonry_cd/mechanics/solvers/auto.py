@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One solver after the other, the cheap ones first, until the tolerance is reached.
 
 1. The impulses of the last step are tried as they are: at rest they do again. After a step that moved it is ADMM that measures their error.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the interior point method and the path by its length share: the products of a contact, their linearisation, and steps in the
 cones."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Solves problems of meshed blocks in the unknowns that their contacts feel, see ``friction/condensation.py``, by any solver.
 
 The equivalent problem has the same impulses, and W and q to rounding, so it has the same natural map error. What a solver remembers is in

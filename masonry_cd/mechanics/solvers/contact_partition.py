@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Contacts by subtree of the elimination tree, by joint, and by groups of four joints, and where their bodies stand in the order of
 elimination."""
 

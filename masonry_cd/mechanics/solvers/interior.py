@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Interior point and the path by its length: what ends the hardest steps of structures that slide or rock as a whole.
 
 **What is hard there.** Where friction couples normal and tangential impulses, without symmetry, the piecewise smooth equations of a step

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The interior point method; see interior.py."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the methods that linearise the law share: their settings, the best answer so far, and room for the matrix that they factorise.
 
 Newton, the interior point method and proximal points are written once, for problems over bodies and for those given by W alone: what these

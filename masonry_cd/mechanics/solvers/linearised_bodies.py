@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The methods that linearise the law: Newton, pivoting, the interior point method and the path by its length.
 
 The matrix that all of them factorise is M + G B H, B from the linearised laws; see linearised.py for what they share, and shares.py for

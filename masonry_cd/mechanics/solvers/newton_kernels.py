@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Newton's method for the problem of a centre; see newton.py."""
 
 from __future__ import annotations

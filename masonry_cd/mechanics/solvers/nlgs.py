@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Non-linear Gauss-Seidel: the method of the contact dynamics literature.
 
 Contact after contact, the impulse is replaced by the exact solution of its law with all others held (Jean, Comput.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Sweeps of Gauss-Seidel over bodies, plain and extrapolated, colour by colour by a team of threads; see nlgs.py and accelerated.py.
 
 Each thread sweeps its share of the joints of a colour, and they wait for one another between colours. Sums are taken over parts of the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One sweep of Gauss-Seidel over the contacts of a list of joints; see nlgs.py for the method.
 
 What a sweep calls for each contact takes numbers, not arrays: an array that is passed on, or a view of one, has its references counted,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What sweeps of Gauss-Seidel work on: the problem scaled by mass, and a table with a row for each contact; see nlgs.py for the method.
 
 With M^-1 = L L^T and G = H L one array of rows serves both ways: u = q + G y and y = G^T p. The columns of the table are those of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Options of a solve, the same for every solver."""
 
 from __future__ import annotations

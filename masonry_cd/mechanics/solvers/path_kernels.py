@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The central path followed by its length over bodies; see interior.py."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Proximal points by pivoting: the method for structures in a plane that slide or rock as a whole.
 
 **Proximal points** (Rockafellar, SIAM J. Control Optim. 14, 1976). Springs in series with the contacts, at rest in the impulses p of a

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pivoting along a piecewise linear path for the problem of a centre, in a plane; see pivoting.py."""
 
 from __future__ import annotations

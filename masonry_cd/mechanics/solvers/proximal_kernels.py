@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Proximal points: springs, soft to stiff, that are at rest in one centre after the other.
 
 The method is told in newton.py; what solves the problem of a centre is newton_kernels.py or, in a plane, pivoting_kernels.py.

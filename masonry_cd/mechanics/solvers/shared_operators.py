@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The operators of a friction problem over bodies by a team of threads: each does its own contacts or bodies, see shares.py."""
 
 from __future__ import annotations

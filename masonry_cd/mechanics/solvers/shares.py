@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What each thread of a team takes of the passes over contacts and bodies in the methods that linearise the law.
 
 All threads run the whole method. Each takes its share of every pass, decides by itself from the same numbers, and waits where it needs what

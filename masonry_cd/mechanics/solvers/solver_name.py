@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The name of a solver as a key of a scene, checked without loading the solver."""
 
 from __future__ import annotations

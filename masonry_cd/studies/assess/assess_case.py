@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command ``masonry-cd assess``: the runs of a scene's assumptions are made, by the engine of studies, and what they say is written."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The assumptions of a scene and the levels to which each is set: other tables of the scene, everything else as it is.
 
 joint stiffness   rigid; E the largest, the mean and the least of the masonry's kind, of stone in general where none is named

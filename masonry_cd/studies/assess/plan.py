@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The runs of an assessment: the base case, its ensemble, each level of each assumption, and, if asked for, pairs of levels."""
 
 from __future__ import annotations

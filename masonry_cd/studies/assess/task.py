@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A run of an assessment, as a worker makes it: the steps of a scene that is shaken, and the load factor of one with a table [limit]."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a case is made of, and how its tests are run: scene files in a folder, which are what a user copies."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The granite walls of Vasconcelos & Lourenço (2009): one shape in three kinds of masonry at three stresses, pushed to and fro.
 
 What was measured is that of the Stone Masonry Database of the EESD laboratory of EPFL (MIT). All walls are 1.0 m long, 1.2 m high and

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls in running bond under a beam that is pushed along their plane, under a constant vertical force: their scenes and limit loads."""
 
 from __future__ import annotations

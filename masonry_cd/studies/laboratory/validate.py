@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Repeats a case: its scenes and runs in a folder, its table, and its curves beside the measured ones."""
 
 from __future__ import annotations

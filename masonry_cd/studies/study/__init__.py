@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Many runs of one scene: over records, intensities, materials and seeds, on the cores of this machine or of a cluster.
 
     study_file    the study file and its tables            varied     lists, ranges and distributions of what varies

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where runs are made: processes of this machine, a cluster that runs already, or jobs of Slurm. dask is imported here, when asked for.
 
 A worker is one process with one thread, and libraries in it use one thread each: a run gains more from a core of its own than from a share

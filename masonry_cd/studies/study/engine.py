@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs as futures: few in flight at a time, results as they come, so that memory stays flat over any number of them.
 
 A worker that dies costs its run, which the scheduler gives to another. A run that takes several workers with it is a failed row; one that

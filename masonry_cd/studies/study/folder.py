@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The folder of a study: what it was, and what each finished run came to, so that the same command continues it.
 
 study.toml        the study file as given

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Limit analyses instead of runs: a study with ``asks = "limit"`` has a table of factors and verdicts over what varies.
 
 limits.csv has a row for each: what varied, whether the structure stands, the associated factor, the least found with its starts, their

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The numbers of a run for its row, and the arrays of its joints for maps of probability."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tiny change of a scene by which a member of an ensemble differs from the scene itself."""
 
 from __future__ import annotations

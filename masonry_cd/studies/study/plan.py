@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A run as asked becomes a scene, and gets its name: the digest of that scene and of the files that it reads.
 
 Drawing is no part of it, nor is where files lie, so a study may be moved. What a run costs is guessed by its number of steps.

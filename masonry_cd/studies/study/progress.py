@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How far a study is: runs done, running and failed, and the time left, on one line of a terminal; elsewhere a line now and then.
 
 A run's cost is guessed by its number of steps. What a step costs is measured by the runs that have ended, which are made in a random order

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The table ``[records]`` of a study file."""
 
 from __future__ import annotations

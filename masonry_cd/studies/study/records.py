@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The motions of a study: files of a folder, paired by their names, with their intensity measures.
 
 A motion is measured once, as it shakes the base: cut, corrected, rotated. A run that scales it by f has measures of f^order times these.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a design chooses from: motions, levels, values of lists and draws of distributions; and a run as a design asks for it."""
 
 from __future__ import annotations

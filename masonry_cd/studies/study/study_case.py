@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command ``masonry-cd study``: a study file is checked, its missing runs are made, its tables are written."""
 
 from __future__ import annotations

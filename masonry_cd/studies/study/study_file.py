@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The study file: a TOML text that says what runs there are.
 
 scene = "arch.toml"                  # relative to this file; or [scene] with the scene's tables

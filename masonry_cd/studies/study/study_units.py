@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Texts with a unit where the unit is not the key's own: values that a key of the scene takes, levels of a measure, bounds of a quantity.
 
 [vary]           "loads[0].displacement" = {from = "10 mm", to = "40 mm", count = 4}

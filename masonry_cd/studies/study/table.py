@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """runs.csv and runs.parquet: one row per run in the order of the plan; ``seconds`` aside, the same for any number of workers."""
 
 from __future__ import annotations

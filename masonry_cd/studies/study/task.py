@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One run, as a worker makes it: a scene goes in, a row of numbers comes out.
 
 The row depends on the scene alone, seconds and worker aside. Structures are kept from run to run, since in most studies only the loads

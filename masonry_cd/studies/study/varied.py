@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""What varies: the values of a key of the scene by a list, by an even range, or by a distribution.
 
     [vary]

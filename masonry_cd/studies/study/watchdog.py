@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Ends a run that hangs, in a step or anywhere else, so that it becomes a row as well.
 
 A run looks at the clock after each step, which does not end a step that never returns; nor does an alarm of Python reach code that does

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Loaded by each worker of this machine as it starts: Ctrl-C in a terminal reaches all processes, and is for the first alone to answer."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """analysis/code_check: every value of a check against formulas written out here, for a wall of 0.5 x 4 m and other oscillators."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Joint damage against motions whose slip, opening and rotation are known by construction."""
 
 from __future__ import annotations

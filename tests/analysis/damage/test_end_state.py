@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whether what a run leaves is final, and what the tables, the page and the picture say where it is not."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Damage by part against motions that are known by construction: hinges, slips, leaning walls, fallen blocks, drift."""
 
 from __future__ import annotations

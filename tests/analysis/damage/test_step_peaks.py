@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Largest drifts, displacements and hinges of all steps: what happens between two frames is in the tables, to the bit."""
 
 from __future__ import annotations

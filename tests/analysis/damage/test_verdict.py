@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The verdict on a run: by its checks, and in place of a grade wherever a grade stands."""
 
 from __future__ import annotations

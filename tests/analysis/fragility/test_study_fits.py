@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The fits of studies: known examples, synthetic data of which the truth is known, and data that cannot carry a fit."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Limit analyses against closed forms: sliding, overturning, bond, ties, supports that give way, what falls and what nothing moves."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The mechanisms that a check looks at: what ties add to each, which dilate or spread, and the least a0* of a fixed set of them."""
 
 from __future__ import annotations

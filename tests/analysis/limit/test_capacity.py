@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Capacity curves against closed forms: a rocking block, a wall of two blocks held at its top, sliding, a tie, bond, what is refused."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Joints that crush: closed forms of sections without tension, about one axis and about both, and of a flat arch."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Mechanisms of parts as starts of the search of the whole: what lies on them goes with them, and the least factor found is never more."""
 
 from __future__ import annotations

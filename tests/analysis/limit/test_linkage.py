@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Mechanisms of macro-elements followed as linkages: walls that overturn and bend, floors and interlock on them, by hand."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Parts whose joints crush: the closed form of a pier as a part, in a plane and in space, and what joins it to the whole's search."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The oscillator of a mechanism by hand: a free-standing wall, an arch on piers as a linkage of four hinges, a block that slides."""
 
 from __future__ import annotations

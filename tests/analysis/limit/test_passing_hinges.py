@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Hinges of an arch that pass to other joints along its capacity curve, against the four-bar linkage that the arch then is."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Published and exact numbers of limit analysis: dry walls, arches by thickness, friction and push."""
 
 from __future__ import annotations

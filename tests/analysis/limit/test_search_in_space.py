@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The search in space: starts one by one are the starts together, it goes on until some agree, and it begins at the structure's parts."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The first elastic period along a motion, and what a rigid run leaves out by it."""
 
 import numpy as np

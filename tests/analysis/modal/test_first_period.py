@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Damping stated as a share of critical at the first elastic period: the period, the decay of a free vibration, and its energy."""
 
 from __future__ import annotations

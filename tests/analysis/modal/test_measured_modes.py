@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Files of measured modes, the MAC, and the pairing with computed modes."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Elastic modes against closed forms: beams, bars and chains."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The mesh of the united blocks, and shapes interpolated on it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""First periods of cantilever walls on elastic joints of masonry, in and out of their plane, against the continuum of the same E and G.
 
 The continuum is a finite element model in plane stress without lateral contraction, since tables give E and G by themselves; bilinear

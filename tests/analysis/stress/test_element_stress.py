@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The stress of the elements of meshed blocks in files, tables, ParaView and pictures, against the weight that they carry."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The stress of whole runs: tables, summary, words, map, page and ParaView, against a column's own weight and a given strength."""
 
 from __future__ import annotations

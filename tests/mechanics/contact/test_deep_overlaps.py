@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Parts deep in each other, as blocks on elastic joints are under a great load: one normal, and springs that begin without force."""
 
 import numpy as np

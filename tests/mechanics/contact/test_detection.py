@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where blocks touch: faces, edges and corners, and where they must not."""
 
 import numpy as np

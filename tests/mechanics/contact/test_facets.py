@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Points between the facets of meshed blocks: what happens where two meshes cross in more of them than there is room for."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Points over the depth of elastic joints: moments of a bed without tension in closed form, shares of area, exchanges, equal bits."""
 
 import numpy as np

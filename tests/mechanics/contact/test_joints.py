@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Joint measures against slips and hinges made by hand."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where spheres touch: spheres, faces, edges and corners; the points of rolling friction; and the identity of a contact that rolls."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Steps that adapt against closed forms, and against the rules that they rest on."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls on elastic joints under a mass that rocks about their corner, too heavy for the stones there, which must not be shot out."""
 
 from dataclasses import replace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Dashpots of elastic joints: closed forms of a block on one joint, the energy that they take, and what they leave alone."""
 
 from __future__ import annotations

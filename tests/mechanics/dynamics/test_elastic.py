@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Elastic and bonded joints: frequencies, energy, order, slip, strength, and the rigid limit."""
 
 from dataclasses import replace

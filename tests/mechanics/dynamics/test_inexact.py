@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Structures whose joints were built with gaps and overlaps of micrometres: they stand as the exact ones do, at once and for no more."""
 
 from __future__ import annotations

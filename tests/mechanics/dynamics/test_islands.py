@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Islands: the same answer as of one problem, sleep without a trace, memory that lasts and is resumed."""
 
 from dataclasses import replace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Steps without a solution: the linear program proves it, and the run names the supports that close and the blocks between them."""
 
 from dataclasses import replace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Joints that crush: the moment of a wall that rocks under its load in closed form, energy over cycles, what a crushed joint remembers."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The mean stress of blocks against closed forms: weight, push, eccentric load, tie, spin; turned scenes; the sum over all blocks."""
 
 from __future__ import annotations

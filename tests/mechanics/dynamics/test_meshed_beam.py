@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A meshed block as a beam: own frequencies, by the masses and stiffness of the step, against Timoshenko's closed forms; its stress.
 
 Uniform-strain triangles are too stiff in bending where few lie across the beam, and converge at second order all the same.

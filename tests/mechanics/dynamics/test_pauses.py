@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """dynamics/pauses.py: a rest ends as soon as the structure is still, and each shock leaves its own record of the damage."""
 
 from __future__ import annotations

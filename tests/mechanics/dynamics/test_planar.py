@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which scenes are planar, and that solving them as such gives the same motion."""
 
 import numpy as np

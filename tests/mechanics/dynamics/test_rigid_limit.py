@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The rigid block as the limit of blocks that deform, of one strain each and meshed, as they become stiff."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Ties while a structure settles: they pull with their first tension, and the run begins with it."""
 
 from __future__ import annotations

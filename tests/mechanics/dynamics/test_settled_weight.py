@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Elastic joints settle under the weight: where, a run's tolerance does not decide."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Spheres against closed forms: rolling, slipping, turning on the spot, impact, piles; and what any run must do."""
 
 import math

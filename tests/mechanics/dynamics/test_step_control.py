@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The lengths of adapting steps: the rules by themselves."""
 
 import numpy as np

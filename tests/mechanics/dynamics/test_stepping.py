@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The step against closed forms: sliding, rocking, free flight, rest, and the balance of energy."""
 
 import numpy as np

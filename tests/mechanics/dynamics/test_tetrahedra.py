@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks cut into uniform-strain elements: patch test, shortening, energy, snapshots."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Threads share the phases of a step, and change no bit of it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks of one strain each, against closed forms: shortening, own frequencies, waves, shear, energy."""
 
 from __future__ import annotations

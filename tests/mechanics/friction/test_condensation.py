@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Equivalent bodies of few unknowns: the same friction problem, whatever the blocks, and the same impulses by every solver."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Contacts by fours of joints: H v, H^T p, their scales and H^T R H are those of their rows, whether these have frames or not."""
 
 from __future__ import annotations

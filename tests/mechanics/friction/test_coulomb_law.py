@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The law of one contact where numbers are out of all proportion."""
 
 from __future__ import annotations

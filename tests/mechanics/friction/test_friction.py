@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The friction problem and its error measures, against plain numpy formulas."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Frames of contacts between rigid blocks give their rows of H back."""
 
 from __future__ import annotations

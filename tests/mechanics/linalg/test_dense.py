@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Dense kernels of a supernode: products of all sizes, whose sums are held in registers eight, four and one column at a time."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The sparse block factorisation against dense linear algebra."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A team of threads of which one ends with an error."""
 
 from __future__ import annotations

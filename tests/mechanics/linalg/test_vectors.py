@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Floats in registers: what is loaded, added and stored is what entries one by one give, in both precisions and across them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Factors of wide blocks, of which nodes use as many rows as they have, against numpy."""
 
 from __future__ import annotations

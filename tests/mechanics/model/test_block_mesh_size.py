@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A mesh far too fine is refused before gmsh makes it, by the number of nodes that it would have."""
 
 from __future__ import annotations

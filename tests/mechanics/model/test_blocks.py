@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Exact mass properties, the friction table, and the flat arrays that detection reads."""
 
 import numpy as np

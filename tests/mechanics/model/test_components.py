@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Connected components of a graph."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which blocks deform: keys by group, what is refused, and the axes and masses of the strains."""
 
 from __future__ import annotations

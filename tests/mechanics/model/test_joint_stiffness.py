@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stiffness of joints by the masonry around them, against what straight and running bond ask for."""
 
 from dataclasses import replace

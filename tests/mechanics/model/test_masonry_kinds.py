@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The key material.masonry: values of the tables, corrections, and what is refused."""
 
 import pytest

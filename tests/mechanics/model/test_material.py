@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Friction and joint laws by pair of groups."""
 
 import numpy as np

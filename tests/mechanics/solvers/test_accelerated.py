@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Accelerated sweeps: their answers, what they gain, and their bits."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """ADMM: converges where Gauss-Seidel does not, and reuses its factors from step to step."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """auto: solves what one method alone does not, learns what ADMM is good for, and says what it did."""
 
 from __future__ import annotations

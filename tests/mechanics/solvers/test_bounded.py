@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tolerances that no impulses meet: every solver ends, with the best that it has, and says by how much it missed."""
 
 from __future__ import annotations

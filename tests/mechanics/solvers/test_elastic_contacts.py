@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Elastic contacts in the friction problem: closed forms, the rigid limit, every solver against the others, stiff, soft and mixed."""
 
 from __future__ import annotations

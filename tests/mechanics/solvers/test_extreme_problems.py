@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stiff and extreme friction problems: each reaches its tolerance, or says by how much it missed. Impulses are finite in any case."""
 
 from __future__ import annotations

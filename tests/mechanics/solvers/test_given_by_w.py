@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A problem given by W alone is to the solvers one over bodies: the same operator, the same error, whatever the rank of W."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Interior point and proximal points: solve what slides or rocks as a whole, in a number of steps that hardly depends on the problem."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The methods that linearise the law, by teams of threads: the same bits for any number, with one subtree and with several."""
 
 from __future__ import annotations

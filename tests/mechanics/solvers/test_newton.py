@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Newton: a few steps from a rough solution to machine precision, and honest failure."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The local Coulomb step against its own law, and Gauss-Seidel sweeps."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pivoting: follows the piecewise linear path of structures in a plane that slide as a whole to the solution."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bridges: their volumes against closed forms, their joints, their fill, and what does not fit together."""
 
 from __future__ import annotations

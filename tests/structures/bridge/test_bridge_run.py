@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bridges in runs: at rest, crossed and shaken, with the energy of the fill accounted for."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a plan should fill, by areas of shapely in level planes, not by its blocks."""
 
 from __future__ import annotations

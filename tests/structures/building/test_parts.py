@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Columns, arcades, buttresses and vaults of a building, and its macro-elements."""
 
 from __future__ import annotations

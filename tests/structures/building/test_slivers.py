@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Corners of three walls at odd angles: no stone, and no part of one, is a sliver, and nothing is lost."""
 
 from __future__ import annotations

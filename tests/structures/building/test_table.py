@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The table of a building: units, arcs, and one line for each slip."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls of a plan: every corner filled, joints exact, interlocked, standing."""
 
 from __future__ import annotations

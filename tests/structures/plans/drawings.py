@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Small drawings made by the tests, read without a process of their own."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Openings, vaults and columns from what is drawn on their layers, and what is left over."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Walls from what is drawn of them: axes, thicknesses and where they meet."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Texts of surveys, English and Italian, mean what docs/howto/plans.md says."""
 
 from __future__ import annotations

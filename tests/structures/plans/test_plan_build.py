@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A scene whose building is drawn: what ``build`` writes of its plan, and that one can go on from it."""
 
 from __future__ import annotations

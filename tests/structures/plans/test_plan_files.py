@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Plans as files: DXF in text and binary, units, places far away, JSON and back, and what is no plan."""
 
 from __future__ import annotations

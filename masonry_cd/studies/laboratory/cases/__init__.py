@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The cases, one file each: ``CASE = Case(...)``. They are known by their name and listed here in the order of the page."""
 
 from masonry_cd.studies.laboratory.cases import (

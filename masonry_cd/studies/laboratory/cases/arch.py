@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """An arch of 17 voussoirs under a pulse, beside 3DEC."""
 
 from __future__ import annotations

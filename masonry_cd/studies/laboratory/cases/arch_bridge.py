@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Prestwood bridge, loaded to collapse across its quarter point: the ring, with the fill as weight and as earth pressure.
 
 The fill weighs gamma h on the extrados, h the depth under the road. A load of width w at the road spreads by 1 : 2 on either side. Where

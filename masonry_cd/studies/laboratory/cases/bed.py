@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A block on one elastic bed that is pushed over: the closed form of a bed without tension."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Wall 12 of Griffith et al. (2004), bent out of its plane: cracked at mid-height, pushed there, propped at its top."""
 
 from __future__ import annotations

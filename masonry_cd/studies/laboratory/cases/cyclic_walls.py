@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Ten dry walls of sawn granite, pushed to and fro at three stresses."""
 
 from __future__ import annotations

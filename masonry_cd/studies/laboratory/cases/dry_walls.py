@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The dry-stone walls of Lourenço et al. (2005), pushed along their plane under a constant vertical force."""
 
 from __future__ import annotations

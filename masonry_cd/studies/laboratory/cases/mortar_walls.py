@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Fourteen granite walls in lime mortar, of irregular stones and of rubble, pushed to and fro at three stresses."""
 
 from __future__ import annotations

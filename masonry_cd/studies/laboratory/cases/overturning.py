@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""A slender block under a constant acceleration that ends: Housner's threshold of overturning, in closed form.
 
 With p^2 = 3 g / (4 R) and small angles, an acceleration of a that lasts for t overturns a block of slenderness alpha where

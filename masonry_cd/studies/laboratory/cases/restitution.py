@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Blocks that rock freely: what an impact leaves of their angular velocity.
 
     Housner: r = 1 - 3/2 sin^2 alpha,        tan alpha = width / height

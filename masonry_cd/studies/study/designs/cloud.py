@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Cloud: every motion once, as it was recorded (Jalayer, 2003). What is random is drawn for each."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """An ensemble: the same scene under tiny perturbations, which show how far a chaotic run spreads. The first member is the scene itself."""
 
 from __future__ import annotations

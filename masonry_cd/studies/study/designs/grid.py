@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """All combinations: of the lists and ranges that vary, the levels, and the motions."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 r"""Incremental dynamic analysis by hunt and fill (Vamvatsikos & Cornell, Earthq. Eng. Struct. Dyn. 31(3), 2002), motion by motion.
 
     hunt      levels s_1 = start, s_k+1 = s_k + step + (k - 1) growth, up to the first collapse

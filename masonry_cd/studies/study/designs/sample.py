@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A Latin hypercube sample of all that varies: distributions by their quantiles, lists, levels and motions by their places."""
 
 from __future__ import annotations

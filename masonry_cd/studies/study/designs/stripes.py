@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stripes: every motion at every level of intensity (Jalayer & Cornell, 2009). What is random is drawn anew for each run."""
 
 from __future__ import annotations
