@@ -62,10 +62,12 @@ def build(
     with errors_reported():
         if picture:
             require("structure.png", "pyvista", "matplotlib", "PIL", without=" (or go without: --no-picture)")
+        from masonry_cd.analysis.outputs.folders import files_of
         from masonry_cd.app import plan_files
 
         formats = _formats(format_)
-        free_folder(output, (*(f"blocks.{name}" for name in formats), *plan_files.NAMES), force)
+        marks = [name for name in files_of("build") if not name.startswith("blocks.") or name.removeprefix("blocks.") in formats]
+        free_folder(output, tuple(marks), force)
         from masonry_cd.app.scene import read_scene
 
         asked = read_scene(scene, [*(set_ or ()), *_repairs(repair)])
@@ -106,12 +108,12 @@ def build(
 
 def _formats(asked: list[str] | None) -> tuple[str, ...]:
     """The formats of blocks to write, each once."""
+    from masonry_cd.analysis.outputs.folders import BLOCKS
     from masonry_cd.foundation.errors import InputError
 
-    known = ("json", "obj", "stl", "vtu", "vtm", "vtkhdf", "step", "brep", "msh")
     for name in asked or ():
-        if name not in known:
-            raise InputError(f'--format: "{name}" is none; formats: {", ".join(known)}')
+        if name not in BLOCKS:
+            raise InputError(f'--format: "{name}" is none; formats: {", ".join(BLOCKS)}')
     return tuple(dict.fromkeys(asked or ("json",)))
 
 
