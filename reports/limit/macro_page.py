@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.limit.outcome import on_the_check
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
-from reports.limit.page import VERDICTS, on_the_check
+from reports.limit.page import VERDICTS
 from reports.page.document import Head, pictures, write_document
 from reports.page.templates import Badge
 from reports.page.title_block import rows_of

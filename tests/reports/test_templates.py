@@ -15,6 +15,7 @@ from made_run import at_rest, box, shifted, write_run
 from made_study import Made, write_study_folder
 
 from masonry_cd.analysis.damage.part_damage import part_damage
+from masonry_cd.analysis.limit.outcome import on_the_whole
 from masonry_cd.io.results import Results
 from reports.assess.outputs import write_assessment
 from reports.limit.page import STATES, LimitPage, write_limit_page
@@ -41,6 +42,7 @@ def limit_page(folder: Path, title: str = "An arch") -> str:
         "verdict": {"state": "not decided", "reason": title}, "solver": {"method": "m", "iterations": 1},
         "mechanism": {"of": "associated", "moving_blocks": [title]} | {f"joints_{key}": 0 for key in STATES},
     }  # fmt: skip
+    summary["on_the_whole"] = on_the_whole(summary).as_dict()
     write_limit_page(LimitPage(summary, [title], title, [], {"project": title}), [], folder / "limit.html")
     return (folder / "limit.html").read_text(encoding="utf-8")
 
