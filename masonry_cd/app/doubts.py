@@ -46,6 +46,12 @@ def structure_doubts(scene: Scene, blocks: Sequence[Block]) -> list[str]:
     return _spoken([*_plain(mine), *_stated(mine, blocks), *_ties(mine), *_carried(mine, blocks)], tables, scene.quiet_checks)
 
 
+def assess_doubts(scene: Scene) -> list[str]:
+    """What ``masonry-cd assess`` says of the table [assess]."""
+    tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
+    return _spoken(_plain({"assess": tables.get("assess", {})}), tables, scene.quiet_checks)
+
+
 def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence[Mapping[str, Any]] = ()) -> list[str]:
     """A line for each doubtful value of a scene.
 

@@ -73,9 +73,12 @@ RANGES = {
         400.0, 3500.0, _DENSITY, "masonry has 400 (foamed) to 3500 kg/m3 (basalt)",
         ("material.density", "material.masonry.density", "structure.*density"),
     ),
-    "friction": Range(0.0, 1.2, (), "dry joints have 0.3 to 1.2; an angle is given by its tangent", ("material.friction*",)),
+    "friction": Range(
+        0.0, 1.2, (), "dry joints have 0.3 to 1.2; an angle is given by its tangent", ("material.friction*", "assess.friction*"),
+    ),
     "young": Range(
-        1e7, 2.5e11, _PA, "from adobe, 0.01 GPa, to steel, 210 GPa", ("material.young*", "material.masonry.E", "material.masonry.G"),
+        1e7, 2.5e11, _PA, "from adobe, 0.01 GPa, to steel, 210 GPa",
+        ("material.young*", "material.masonry.E", "material.masonry.G", "assess.young"),
     ),
     "stiffness": Range(1e8, 1e15, _STIFFNESS, "joints of masonry have 1e8 to 1e13 N/m3", ("material.joints*_stiffness",)),
     "compression": Range(
