@@ -28,6 +28,7 @@ from masonry_cd.app.limit_parts import mechanisms_along
 from masonry_cd.app.limit_search import Ways, search_numbers, search_words, ways
 from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.limit_vehicle import Crossing, at_worst, write_crossing
+from masonry_cd.app.modelled import masses
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force, in_words
@@ -65,6 +66,7 @@ class LimitCase:
     curve: FollowedCurve | None = None
     verdict: Judgement | None = None  # the one that all outputs show; None where no check is asked for
     crossing: Crossing | None = None  # of a vehicle whose worst place was looked for
+    modelled: tuple[str, ...] = ()  # masses, ties, floors and fill, in words
 
     @cached_property
     def collapse(self) -> Collapse:
@@ -153,7 +155,8 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             "joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value"
         )
     seconds = time.perf_counter() - begin
-    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict, crossing)
+    modelled, notes = (masses(assembly), *structure.made.notes), [*notes, *loads.notes]
+    return LimitCase(scene, assembly, joints, loads, analysis, check, tuple(notes), seconds, followed, verdict, crossing, modelled)
 
 
 def _along(parts: Sequence[PartMechanism], loads: StaticLoads) -> list[Mechanism]:
@@ -228,6 +231,7 @@ def _numbers(case: LimitCase) -> dict[str, Any]:
         "certificate": asdict(answer.certificate) if analysis.stands and not analysis.unlimited else None,
         "solver": {"method": answer.optimum.method, "iterations": answer.optimum.iterations, "seconds": answer.seconds},
         "seconds": case.seconds,
+        "modelled": list(case.modelled),
         "notes": list(case.notes),
     }
     if case.crossing is not None:

@@ -44,6 +44,7 @@ def macro_summary(case: MacroCase) -> dict[str, Any]:
         "parts": [_part(case, k) for k in range(len(case.parts))],
         "left_open": list(_left_open(table)),
         "lines": lines(case),
+        "modelled": list(case.modelled),
         "notes": list(case.notes),
         "seconds": case.seconds,
     }

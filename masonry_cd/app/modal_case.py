@@ -39,7 +39,7 @@ OUTPUTS = files_of("modal")
 class ModalOptions(BaseModel):
     """What the command can be asked for."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     young: Annotated[Positive | dict[str, Positive], Unit("Pa")] | None = None
     """Modulus of the masonry, or moduli by group of blocks and ``default``; that of the scene's masonry when not given."""

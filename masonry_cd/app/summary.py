@@ -17,6 +17,7 @@ from masonry_cd.analysis.pushover import push_lines
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.app.left_out import elasticity_left_out
 from masonry_cd.app.load_factor import joints_in_words, outcome_lines
+from masonry_cd.app.modelled import masses
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_summary import steps_in_words, time_step_lines, time_step_summary
 from masonry_cd.foundation.atomic import replacing
@@ -29,7 +30,6 @@ from masonry_cd.mechanics.solvers import threads_that_pay
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
 
-NAMED_GROUPS = 12  # whose masses are listed, the heaviest
 REPORTED = 1e-3  # share of the largest work from which on the closing lines report what the correction of overlaps put in
 
 
@@ -88,24 +88,12 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
             "at_rest": report.at_rest,
             "lift_share": report.lift_share,
         },
-        "modelled": [_masses(case), *case.notes, *case.loading.lines],
+        "modelled": [masses(case.assembly), *case.notes, *case.loading.lines],
         "loads": case.loading.summary,
         **({} if case.scene.material.masonry is None else {"masonry": facts(case.scene.material.masonry)}),
         **elasticity_left_out(case),
         **steps,
     }
-
-
-def _masses(case: Case) -> str:
-    """The masses of the free blocks, what rides on them included, in a line."""
-    assembly = case.assembly
-    free, riding = ~assembly.fixed, sum(block.carried.mass for block in assembly.blocks if block.carried is not None)
-    by_group = np.bincount(assembly.group_of[free], assembly.mass[free], minlength=len(assembly.groups))
-    heaviest = [k for k in np.argsort(-by_group, kind="stable").tolist() if by_group[k] > 0.0]
-    named = [f"{assembly.groups[k]} {1e-3 * by_group[k]:.4g} t" for k in heaviest[:NAMED_GROUPS]]
-    named += ["and others"] if len(heaviest) > NAMED_GROUPS else []
-    fill = f"; {1e-3 * riding:.4g} t of it is fill that rides on blocks" if riding else ""
-    return f"masses: {1e-3 * assembly.mass[free].sum():.4g} t free to move, {', '.join(named)}{fill}"
 
 
 def as_json(summary: dict[str, Any]) -> str:

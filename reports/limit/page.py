@@ -66,7 +66,7 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
         path,
         "limit.html",
         title=summary["title"],
-        page=Head(summary["title"], page.lines, summary["notes"], _numbers(summary), block, Verdict(**summary["on_the_whole"])),
+        page=Head(summary["title"], page.lines, doubts(summary), _numbers(summary), block, Verdict(**summary["on_the_whole"])),
         summary=summary,
         verdicts=VERDICTS,
         states=STATES,
@@ -79,6 +79,11 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
         command=" ".join(["masonry-cd limit scene.toml -o out", *page.options]),
         scene=page.scene,
     )
+
+
+def doubts(summary: Mapping[str, Any]) -> list[str]:
+    """What must not be overlooked of the notes: those on what is modelled have a section of their own."""
+    return [note for note in summary["notes"] if note not in summary["modelled"]]
 
 
 def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:

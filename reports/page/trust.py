@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from masonry_cd.analysis.damage.verdict import END, ENERGY, FALSE_MOTION, FORCES, OVERLAP, TIME_STEP
+from masonry_cd.analysis.verdict import GOOD
 from reports.page.section import Section
-from reports.page.words import PageContext
+from reports.page.templates import Badge
+from reports.page.words import PageContext, capital
 
 SAID = {  # what a check means, and what to do
     END: (
@@ -41,8 +43,14 @@ SAID = {  # what a check means, and what to do
 
 
 def trust(context: PageContext) -> Mapping[str, Any]:
-    """The checks, with what they come to."""
-    return {"checks": [(found, *SAID[found.name]) for found in context.checks.findings], "words": context.verdict.words}
+    """The checks with what they come to; what to do is said where one is not good."""
+    checks, columns = context.checks.findings, ["check", "found", "verdict", "what it means"]
+    rows = [[one.name, capital(one.why), Badge(f"verdict {one.verdict}", one.verdict), SAID[one.name][0]] for one in checks]
+    if context.checks.worst != GOOD:
+        columns.append("what to do")
+        for row, one in zip(rows, checks, strict=True):
+            row.append(Badge("wanted", SAID[one.name][1]) if one.verdict != GOOD else "")
+    return {"columns": columns, "rows": rows, "words": context.verdict.words}
 
 
 SECTIONS = {"trust": Section("How far the numbers can be trusted", trust, 20)}

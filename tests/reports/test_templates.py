@@ -38,7 +38,7 @@ def run_page(folder: Path, title: str = "A wall") -> str:
 def limit_page(folder: Path, title: str = "An arch") -> str:
     summary = {
         "title": title, "version": "0", "stands": True, "bears_nothing": False, "no_finite_factor": False, "associated": 0.2, "least": None,
-        "blocks": 2, "joints": 1, "notes": [title], "check": None, "ties": [], "certificate": None,
+        "blocks": 2, "joints": 1, "notes": [title], "modelled": ["masses: 1 t"], "check": None, "ties": [], "certificate": None,
         "verdict": {"state": "not decided", "reason": title}, "solver": {"method": "m", "iterations": 1},
         "mechanism": {"of": "associated", "moving_blocks": [title]} | {f"joints_{key}": 0 for key in STATES},
     }  # fmt: skip
