@@ -31,6 +31,7 @@ from masonry_cd.io.results import Results
 
 WINDOW = 1 / 200  # of the run, over which means are taken
 LOW, HIGH, LEFT, SECANT = 0.1, 0.4, 0.8, 0.6  # shares of the peak
+BACK = 1e-3  # share of the largest displacement at which a push counts as back at zero: it ends there but for what the steps round
 MEANT = 0.01  # share of inertia up to which nothing is said
 
 
@@ -91,7 +92,7 @@ class PushCurve:
     def cycles(self) -> list[dict[str, float]]:
         """Its whole cycles, see the head of this file."""
         u, sign = self.displacement * self._side, self._side
-        near = 1e-6 * float(np.abs(u).max(initial=0.0))
+        near = BACK * float(np.abs(u).max(initial=0.0))
         before = np.concatenate([[0.0], u[:-1]])
         up = np.flatnonzero((before <= near) & (u > near) & _was_below(u, near))
         ends = [0, *up.tolist()]

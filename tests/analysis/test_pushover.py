@@ -31,3 +31,14 @@ def test_a_rigid_push_has_a_peak_and_neither_stiffness_nor_ductility() -> None:
     assert found["peak_force"] == FORCE
     assert found["stiffness"] is None
     assert found["bilinear"] is None
+
+
+@pytest.mark.parametrize("left", [0.0, 3e-7, -3e-7])
+def test_a_cycle_that_ends_at_zero_but_for_rounding_is_whole(left: float) -> None:
+    """A friction joint of force F, pushed to u, -u and back: the loop has 4 F u, and an equivalent damping of 2 / pi."""
+    u = np.concatenate([np.linspace(0.0, END, 501)[1:], np.linspace(END, -END, 1001)[1:], np.linspace(-END, left, 501)[1:]])
+    force = FORCE * np.sign(np.diff(u, prepend=0.0))
+    count = len(u)
+    (cycle,) = PushCurve("b", "push", (1.0, 0.0, 0.0), np.arange(1.0, count + 1.0), u, force, np.zeros(count), np.zeros(count)).cycles()
+    assert cycle["dissipated"] == pytest.approx(4.0 * FORCE * END, rel=1e-3)
+    assert cycle["damping"] == pytest.approx(2.0 / np.pi, rel=1e-3)
