@@ -40,6 +40,7 @@ STAND_IN = "split stone"  # kind that gives G / E = 1/3, as all stone of that ta
 OF_STIFFNESS = ("normal_stiffness", "tangential_stiffness")
 OF_DAMPING = ("damping", "damping_frequency")
 GIGA = 1e9  # [Pa]
+TIGHTER_COST = 4.0  # of a tenth of the tolerance, times the base case, about (church of 308 blocks: 6)
 ELASTIC_COST = 1.5  # times a rigid run, about (church of 308 blocks)
 
 
@@ -319,7 +320,7 @@ def _tolerance(scene: Scene) -> Assumption:
     def change(tables: Tables) -> None:
         tables["run"]["tolerance"] = 0.1 * now
 
-    return Assumption(TOLERANCE, f"{now:.3g}", (Level(f"{0.1 * now:.3g}", change, 1.5),))
+    return Assumption(TOLERANCE, f"{now:.3g}", (Level(f"{0.1 * now:.3g}", change, TIGHTER_COST),))
 
 
 def _time(seconds: float) -> str:
