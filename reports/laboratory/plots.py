@@ -48,12 +48,17 @@ def curves_figure(curves: Sequence[Curve], measured: Sequence[Curve] = (), title
 def beside_figure(
     computed: Sequence[Curve], others: Sequence[Curve], labels: tuple[str, str], title: str, points: Sequence[Curve] = ()
 ) -> Any:
-    """Curves over any axis, those that were measured or come from others, and points of these with no line between."""
+    """Curves over any axis, those that were measured or come from others, and points of these with no line between.
+
+    As many sets of points as computed curves are taken for theirs, in their order, and have their colours.
+    """
     figure = blank((7.0, 4.2), layout="constrained")
     axes = figure.add_subplot()
     for k, (name, x, y) in enumerate([*others, *points]):
         look = {"marker": "os^vD<>"[k % 7], "ms": 4.0, "markevery": max(1, len(x) // 12)}
-        axes.plot(x, y, color=FAINT, lw=1.0, ls="--" if k < len(others) and len(x) > 1 else "none", label=name, **look)
+        of_curve = k - len(others) if len(points) == len(computed) else -1  # points that belong to curves have their colours
+        colour = COLOURS[of_curve % len(COLOURS)] if of_curve >= 0 else FAINT
+        axes.plot(x, y, color=colour, lw=1.0, ls="--" if k < len(others) and len(x) > 1 else "none", label=name, **look)
     for k, (name, x, y) in enumerate(computed):
         marker, line = ("x", "none") if len(x) <= FEW else ("", "-")
         axes.plot(x, y, color=COLOURS[k % len(COLOURS)], lw=1.4, label=name, marker=marker, ls=line)

@@ -14,6 +14,7 @@ from masonry_cd.cli.app import app
 from masonry_cd.studies.laboratory import granite_walls
 from masonry_cd.studies.laboratory.cases import CASES, arch_bridge, overturning, restitution
 from masonry_cd.studies.laboratory.cases.bed import exact
+from reports.laboratory.plots import beside_figure
 
 
 def test_the_closed_form_of_the_bed() -> None:
@@ -91,3 +92,15 @@ def test_a_case_of_the_laboratory(name: str, share: float, tmp_path: Path) -> No
     for row in json.loads((tmp_path / "table.json").read_text()):
         for value in (row["rigid"], row["elastic"]):
             assert value is None or abs(value / row["measured"] - 1.0) <= share, row
+
+
+def test_points_that_belong_to_curves_have_their_colours() -> None:
+    x = np.arange(3.0)
+    curves, points = [("a", x, x), ("b", x, 2.0 * x)], [("p", x, x), ("q", x, x)]
+    of_points, of_curves = np.split(
+        np.array([line.get_color() for line in beside_figure(curves, [], ("x", "y"), "", points).axes[0].lines]), 2
+    )
+    assert of_points.tolist() == of_curves.tolist()
+    assert len(set(of_curves)) == 2
+    (alone, *_) = beside_figure(curves, [], ("x", "y"), "", points[:1]).axes[0].lines
+    assert alone.get_color() not in set(of_curves)
