@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from masonry_cd.app.progress import Interrupted
 from masonry_cd.cli.app import app
 from masonry_cd.studies.laboratory import granite_walls
+from masonry_cd.studies.laboratory.case import run_in
 from masonry_cd.studies.laboratory.cases import CASES, arch_bridge, overturning, restitution
 from masonry_cd.studies.laboratory.cases.bed import exact
 from reports.laboratory.plots import beside_figure
@@ -104,3 +106,10 @@ def test_points_that_belong_to_curves_have_their_colours() -> None:
     assert len(set(of_curves)) == 2
     (alone, *_) = beside_figure(curves, [], ("x", "y"), "", points[:1]).axes[0].lines
     assert alone.get_color() not in set(of_curves)
+
+
+def test_a_case_that_is_interrupted_has_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("masonry_cd.studies.laboratory.case.run_case", lambda case, folder: {"signal": 15})
+    tables = {"material": {"density": 2000.0, "friction": 0.6}, "run": {"dt": 1e-3, "duration": 1e-2}}
+    with pytest.raises(Interrupted):
+        run_in(tmp_path, restitution.tilted(3.0), tables)
