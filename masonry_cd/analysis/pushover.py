@@ -31,6 +31,7 @@ from masonry_cd.io.results import Results
 
 WINDOW = 1 / 200  # of the run, over which means are taken
 LOW, HIGH, LEFT, SECANT = 0.1, 0.4, 0.8, 0.6  # shares of the peak
+BACK = 1e-3  # share of the largest displacement at which a push counts as back at zero: it ends there but for what the steps round
 MEANT = 0.01  # share of inertia up to which nothing is said
 
 
@@ -91,7 +92,7 @@ class PushCurve:
     def cycles(self) -> list[dict[str, float]]:
         """Its whole cycles, see the head of this file."""
         u, sign = self.displacement * self._side, self._side
-        near = 1e-6 * float(np.abs(u).max(initial=0.0))
+        near = BACK * float(np.abs(u).max(initial=0.0))
         before = np.concatenate([[0.0], u[:-1]])
         up = np.flatnonzero((before <= near) & (u > near) & _was_below(u, near))
         ends = [0, *up.tolist()]
@@ -174,7 +175,10 @@ def _was_below(u: np.ndarray, near: float) -> np.ndarray:
 
 
 def _secant(u: np.ndarray, f: np.ndarray, low: float, high: float) -> float | None:
-    """Stiffness between the first displacements at which two forces are reached [N/m]; None where these are one."""
+    """Stiffness between the first displacements at which two forces are reached [N/m]; None where the first point of the curve is beyond
+    both, as that of rigid joints is."""
+    if f[0] >= high:
+        return None
     a, b = _reaches(u, f, low), _reaches(u, f, high)
     return (high - low) / (b - a) if b > a else None
 
@@ -196,7 +200,12 @@ def _falls_to(u: np.ndarray, f: np.ndarray, top: int, level: float) -> float | N
 
 
 def _bilinear(u: np.ndarray, f: np.ndarray, peak: float, ultimate: float | None) -> dict[str, float] | None:
-    """Stiffness, yield force and displacement, ultimate displacement and ductility; to the end where none is reached."""
+    """Stiffness, yield force and displacement, ultimate displacement and ductility; to the end where none is reached.
+
+    None where the first point of the curve is beyond the secant, as that of rigid joints is, which have no stiffness.
+    """
+    if f[0] >= SECANT * peak:
+        return None
     end = float(u[-1]) if ultimate is None else ultimate
     until = u < end
     x, y = np.concatenate([[0.0], u[until], [end]]), np.concatenate([[0.0], f[until], [float(np.interp(end, u, f))]])

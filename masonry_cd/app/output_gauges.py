@@ -33,7 +33,13 @@ def gauges_of(output: OutputTable, assembly: Assembly, joints: Joints) -> Gauges
 
 
 def _block(name: str, assembly: Assembly, where: str) -> int:
+    """A block by its name, or the only one of a group."""
     if name not in assembly.names:
+        group = [b for b, block in enumerate(assembly.blocks) if block.group == name]
+        if len(group) == 1:
+            return group[0]
+        if group:
+            raise InputError(f'{where}: "{name}" is a group of {len(group)} blocks; give one of them, "{assembly.names[group[0]]}"')
         raise InputError(f'{where}: "{name}" is no block{suggest(name, assembly.names)}')
     return assembly.names.index(name)
 

@@ -42,13 +42,15 @@ def curves_figure(
         measured: by whom else.
         title: of the figure.
         axes_of: what the axes are called, and the factors into their units.
-        points: of others.
+        points: of others; as many sets as curves are taken for theirs, in their order, and have their colours.
     """
     figure = blank((7.0, 4.4), layout="constrained")
     axes = figure.add_subplot()
     (across, along_x), (up, along_y) = axes_of
     for k, (name, x, y) in enumerate([*measured, *points]):
-        look = {"marker": "os^vD<>"[k % 7], "ms": 4.0, "markevery": max(1, len(x) // 12), "color": FAINT, "lw": 1.0, "label": name}
+        own = k - len(measured) if len(points) == len(curves) else -1
+        colour = COLOURS[own % len(COLOURS)] if own >= 0 else FAINT
+        look = {"marker": "os^vD<>"[k % 7], "ms": 4.0, "markevery": max(1, len(x) // 12), "color": colour, "lw": 1.0, "label": name}
         axes.plot(along_x * x, along_y * y, ls="--" if k < len(measured) and len(x) > 1 else "none", **look)
     for k, (name, x, y) in enumerate(curves):
         every, few = max(1, len(x) // POINTS), len(x) <= FEW

@@ -73,8 +73,17 @@ def test_an_assumption_all_of_whose_runs_failed_is_no_idle_one() -> None:
 def test_a_run_that_is_not_graded_has_no_part_in_the_range_of_grades() -> None:
     unreliable = row_of(240.0, grade_number=None, grade="not graded")
     found = made({("joint stiffness", "E 700 MPa"): unreliable, ("damping", "0 %"): 120.0, ("damping", "5 %"): 120.0})
-    assert verdict(found).startswith("D2 in all runs; ")
+    assert verdict(found).startswith("D2 in all runs that have a grade; ")
     assert any("have no grade: joint stiffness E 700 MPa" in line for line in warnings_of(found))
+
+
+def test_what_a_run_cannot_be_relied_on_for_is_said() -> None:
+    found = made({("joint stiffness", "E 700 MPa"): row_of(240.0, grade_number=None, grade="not graded", doubt="12 mm of false slip")})
+    assert any(line.endswith("have no grade: joint stiffness E 700 MPa (12 mm of false slip)") for line in warnings_of(found))
+    first, *others = made().members
+    base = type(first)(first.kind, first.values, {**first.row, "grade": "not graded", "grade_number": None, "doubt": "9 steps missed"})
+    whole = on_the_whole(type(made())("Made", "made.toml", KNOWN, (), (base, *others)))
+    assert whole.why.startswith("the base case cannot be relied on (9 steps missed); ")
 
 
 def test_where_an_assumption_decides_no_single_grade_stands_first() -> None:

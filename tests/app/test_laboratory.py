@@ -81,6 +81,7 @@ def test_a_run_that_is_resumed_in_the_middle_of_a_push_has_the_same_bits(tmp_pat
     [
         ({"point": [{"place": [9.0, 0.0, 0.0]}]}, r"output\.point\[0\]\.place: .* off the structure"),
         ({"point": [{"block": "c2"}]}, r'output\.point\[0\]\.block: "c2" is no block'),
+        ({"point": [{"block": "block"}]}, r'"block" is a group of 2 blocks; give one of them, "b1"'),
         ({"point": [{"block": "b2", "place": [0.0, 0.0, 0.0]}]}, r"output\.point\[0\]\.place: .* outside block"),
         ({"point": [{"block": "b2", "corner": "zx"}]}, r"output\.point\.0\.corner|output\.point\[0\]\.corner"),
         ({"joint": [{"blocks": ["b2", "b0"]}]}, r"output\.joint\[0\]\.blocks: no joint is between"),

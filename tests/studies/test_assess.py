@@ -121,6 +121,17 @@ def test_smaller_blocks_are_built_and_kinds_without_a_size_are_named() -> None:
     assert ("bond", 'a structure of kind "wall" has no key for its bond') in [(one.name, one.why) for one in plan.left_out]
 
 
+def test_larger_blocks_that_find_no_place_are_left_out_and_the_plan_says_why() -> None:
+    church = {"kind": "church", "block_length": 2.0, "width": 6.0, "length": 14.0, "height": 6.0, "thickness": 0.9, "tower": False}
+    openings = {"door_width": 1.6, "door_height": 2.5, "windows": 0, "course_height": 0.75, "apse_radius": 2.2, "apse_height": 3.5}
+    plan = AssessPlan(scene(structure=church | openings))
+    assert levels(plan)["block size"] == ["x 0.7"]
+    (left,) = plan.left_out
+    assert left.name == "block size x 1.4"
+    assert left.why == "wall: structure.block_length: must be at most a third of the width, 2 m, got 2.8"
+    assert not AssessPlan(scene(structure=church | openings, assess={"leave_out": ["block size"]})).left_out[1:]
+
+
 def test_half_a_time_step_and_a_tenth_of_the_tolerance() -> None:
     plan = AssessPlan(scene())
     assert of_level(plan, "time step", "1 ms").run.dt == 1e-3

@@ -12,11 +12,14 @@ from typer.testing import CliRunner
 
 import structures
 from masonry_cd.app.limit_case import case_of
+from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.studies.laboratory import field_tests, granite_walls
+from masonry_cd.studies.laboratory.case import run_in
 from masonry_cd.studies.laboratory.cases import CASES, overturning, restitution
 from masonry_cd.studies.laboratory.cases.bed import exact
+from reports.laboratory.plots import curves_figure
 
 
 def test_the_closed_form_of_the_bed() -> None:
@@ -101,3 +104,21 @@ def test_a_case_of_the_laboratory(name: str, share: float, tmp_path: Path) -> No
     for row in json.loads((tmp_path / "table.json").read_text()):
         for value in (row["rigid"], row["elastic"]):
             assert value is None or abs(value / row["measured"] - 1.0) <= share, row
+
+
+def test_points_that_belong_to_curves_have_their_colours() -> None:
+    x = np.arange(3.0)
+    curves, points = [("a", x, x), ("b", x, 2.0 * x)], [("p", x, x), ("q", x, x)]
+    lines = curves_figure(curves, points=points).axes[0].lines[:4]
+    of_points, of_curves = np.split(np.array([line.get_color() for line in lines]), 2)
+    assert of_points.tolist() == of_curves.tolist()
+    assert len(set(of_curves)) == 2
+    (alone, *_) = curves_figure(curves, points=points[:1]).axes[0].lines
+    assert alone.get_color() not in set(of_curves)
+
+
+def test_a_case_that_is_interrupted_has_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("masonry_cd.studies.laboratory.case.run_case", lambda case, folder: {"signal": 15})
+    tables = {"material": {"density": 2000.0, "friction": 0.6}, "run": {"dt": 1e-3, "duration": 1e-2}}
+    with pytest.raises(Interrupted):
+        run_in(tmp_path, restitution.tilted(3.0), tables)

@@ -57,7 +57,7 @@ def on_the_whole(found: Assessment) -> Verdict:
     if found.base.row.get("grade") == NOT_GRADED or numerical:
         words = "do not rely on these runs before they are mended"
         reason = [f"{_named(numerical)} {'changes' if len(numerical) == 1 else 'change'} the answers"] if numerical else []
-        reason += ["the base case cannot be relied on"] if found.base.row.get("grade") == NOT_GRADED else []
+        reason += [f"the base case cannot be relied on{_doubt(found.base)}"] if found.base.row.get("grade") == NOT_GRADED else []
         return Verdict(_range(found), "", "", DOUBTFUL, words, "; ".join([*reason, *others]))
     if found.deciding:
         return Verdict(_range(found), "", "", LOOK, "what is assumed decides, no single run is the answer", "; ".join(others))
@@ -84,7 +84,9 @@ def warnings_of(found: Assessment) -> list[str]:
         out.append(f"{len(missed)} runs missed the tolerance in some steps (marked *): {', '.join(place_of(one) for one in missed)}")
     ungraded = [one for one in found.members if one.done and "grade" in one.row and one.row.get("grade_number") is None]
     if ungraded:
-        out.append(f"{len(ungraded)} runs cannot be relied on and have no grade: {', '.join(place_of(one) for one in ungraded)}")
+        first, *others = ungraded
+        named = [f"{place_of(first)}{_doubt(first)}", *(place_of(one) for one in others)]
+        out.append(f"{len(ungraded)} runs cannot be relied on and have no grade: {', '.join(named)}")
     cut = [one for one in found.members if one.done and one.row.get("provisional")]
     if cut:
         said = "run.until_still = true has them go on" if found.base in cut else _some(cut)
@@ -132,7 +134,8 @@ def _range(found: Assessment) -> str:
     parts = []
     if np.isfinite(found.range(GRADE)[0]):
         low, high = (NAMES[int(value)] for value in found.range(GRADE))
-        parts.append(f"{low} in all runs" if low == high else f"between {low} and {high}")
+        some = " that have a grade" if any(one.done and one.row.get("grade") == NOT_GRADED for one in found.members) else ""
+        parts.append(f"{low} in all runs{some}" if low == high else f"between {low} and {high}")
     if FACTOR in found.answers:
         low, high = (shown(FACTOR, value) for value in found.range(FACTOR))
         parts.append(f"load factor {low}" if low == high else f"load factor between {low} and {high}")
@@ -140,6 +143,11 @@ def _range(found: Assessment) -> str:
         answer = found.answers[0]
         parts.append(f"{answer.name} {between(answer, *found.range(answer))}, not graded")
     return ", ".join(parts)
+
+
+def _doubt(member: Member) -> str:
+    """`` (the error of the contact forces adds up to 12 mm of slip ...)``; nothing of runs that earlier versions made."""
+    return f" ({member.row['doubt']})" if member.row.get("doubt") else ""
 
 
 def _pin_line(found: Assessment, one: Known, place: int) -> str:

@@ -35,6 +35,9 @@ LIFT = (1e-3, 2e-2)  # likewise of what taking overlaps away put in
 FALSE_SHARE = (0.01, 0.1)  # likewise of what violations of the contact laws add up to, as a share of the largest displacement
 DEPTH = (1.0, 10.0)  # likewise of the largest overlap, in thresholds of an open joint
 OF_DEBRIS = 10.0  # times the second where blocks fell: what lands gets as deep as it falls in a step, and changes no grade of what stands
+OF_MOTION = (
+    0.05  # share of the largest displacement that is as good as the second up to there: what strikes gets as deep as it moves in a step
+)
 
 
 @dataclass(frozen=True)
@@ -172,8 +175,10 @@ def _overlap(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:
     """How far blocks got into one another."""
     deepest, threshold = summary["penetration_max"] or 0.0, thresholds.opened
     where = f", of {summary['penetration_where']}" if summary.get("penetration_where") else ""
-    most = DEPTH[1] * (OF_DEBRIS if summary.get("collapsed_blocks") else 1.0)
-    verdict = graded(deepest, (DEPTH[0] * threshold, most * threshold))
+    usual, debris = DEPTH[1] * threshold, OF_DEBRIS * DEPTH[1] * threshold
+    moved = OF_MOTION * (summary.get("displacement_max") or 0.0)
+    most = debris if summary.get("collapsed_blocks") else min(max(usual, moved), debris)
+    verdict = graded(deepest, (DEPTH[0] * threshold, most))
     return Finding(OVERLAP, verdict, f"blocks overlap by up to {length(deepest)}{where}")
 
 

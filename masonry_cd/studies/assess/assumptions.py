@@ -14,12 +14,15 @@ tolerance         a tenth of it
 from __future__ import annotations
 
 import copy
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from masonry_cd.app.assess_table import AssessTable
+from masonry_cd.app.case import make_structures
 from masonry_cd.app.scene import Scene
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.settings import AUTO, LONGEST_STEP, RUNGS
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
 from structures.variants import rebonded, refilled, resized
@@ -38,6 +41,7 @@ STAND_IN = "split stone"  # kind that gives G / E = 1/3, as all stone of that ta
 OF_STIFFNESS = ("normal_stiffness", "tangential_stiffness")
 OF_DAMPING = ("damping", "damping_frequency")
 GIGA = 1e9  # [Pa]
+TIGHTER_COST = 4.0  # of a tenth of the tolerance, times the base case, about (church of 308 blocks: 6)
 ELASTIC_COST = 1.5  # times a rigid run, about (church of 308 blocks)
 
 
@@ -79,9 +83,10 @@ def assumptions_of(scene: Scene, tables: Tables, shakes: bool) -> tuple[list[Ass
     """
     asked = scene.assess
     stiffness = _stiffness(scene, asked)
-    found: list[Assumption | LeftOut] = [stiffness, _friction(tables, asked), _size(tables), _bond(tables), *_fill(tables)]
+    size, refused = _size(scene, tables)
+    found: list[Assumption | LeftOut] = [stiffness, _friction(tables, asked), size, _bond(tables), *_fill(tables)]
     found += [_damping(scene, asked, stiffness), _step(tables), _tolerance(scene)]
-    known, left = [], []
+    known, left = [], [] if SIZE in asked.leave_out else refused
     for one in found:
         why = "left out by the scene, assess.leave_out" if one.name in asked.leave_out else one.why if isinstance(one, LeftOut) else ""
         if not why and isinstance(one, Assumption) and not shakes and not one.statics:
@@ -194,15 +199,32 @@ def _at_end(given: Any, ranges: Any, end: int, factor: float) -> Any:
     return dict.fromkeys(given, ranges[end]) if isinstance(given, Mapping) else ranges[end]
 
 
-def _size(tables: Tables) -> Assumption | LeftOut:
-    """Smaller and larger blocks."""
-    levels = []
+def _size(scene: Scene, tables: Tables) -> tuple[Assumption | LeftOut, list[LeftOut]]:
+    """Smaller and larger blocks, and what larger ones are refused for: openings and corners leave them no place."""
+    levels: list[Level] = []
+    refused: list[LeftOut] = []
     for factor in (SMALLER, LARGER):
         made = [resized(table, factor) for table in _structures(tables)]
         if not any(made):
-            return LeftOut(SIZE, f"{_kinds(tables)} has no key for the size of its blocks")
-        levels.append(Level(f"x {factor:g}", _put(made), factor**-2.5))
-    return Assumption(SIZE, "as given", tuple(levels), statics=True)
+            return LeftOut(SIZE, f"{_kinds(tables)} has no key for the size of its blocks"), []
+        level = Level(f"x {factor:g}", _put(made), factor**-2.5)
+        why = _refusal(scene, tables, level) if factor == LARGER else ""
+        if why:
+            refused.append(LeftOut(f"{SIZE} {level.name}", why))
+        else:
+            levels.append(level)
+    return Assumption(SIZE, "as given", tuple(levels), statics=True), refused
+
+
+def _refusal(scene: Scene, tables: Tables, level: Level) -> str:
+    """What the structure of a level is refused for; empty where it is not."""
+    changed = copy.deepcopy(tables)
+    level.change(changed)
+    try:
+        make_structures(replace(scene, structure=changed.get("structure", {}), structures=tuple(changed.get("structures", ()))))
+    except InputError as error:
+        return re.sub(r"^\S+\.toml(:\d+)?: ", "", str(error))
+    return ""
 
 
 def _bond(tables: Tables) -> Assumption | LeftOut:
@@ -316,7 +338,7 @@ def _tolerance(scene: Scene) -> Assumption:
     def change(tables: Tables) -> None:
         tables["run"]["tolerance"] = 0.1 * now
 
-    return Assumption(TOLERANCE, f"{now:.3g}", (Level(f"{0.1 * now:.3g}", change, 1.5),))
+    return Assumption(TOLERANCE, f"{now:.3g}", (Level(f"{0.1 * now:.3g}", change, TIGHTER_COST),))
 
 
 def _time(seconds: float) -> str:

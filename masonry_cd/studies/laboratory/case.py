@@ -13,6 +13,7 @@ import numpy as np
 from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.pushover import PushCurve, require_pushes
 from masonry_cd.app.case import prepare
+from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.run_case import RESULTS, run_case
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.scene_text import dump_toml
@@ -68,8 +69,14 @@ def scene_in(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -
 
 
 def run_in(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -> Results:
-    """Run a scene in a folder and open its results."""
-    run_case(prepare(scene_in(folder, blocks, tables)), folder)
+    """Run a scene in a folder and open its results.
+
+    Raises:
+        Interrupted: by a signal; half a run is no result of a case.
+    """
+    summary = run_case(prepare(scene_in(folder, blocks, tables)), folder)
+    if summary["signal"]:
+        raise Interrupted(summary["signal"])
     return Results.open(folder / RESULTS)
 
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from masonry_cd.analysis.verdict import DOUBTFUL
 from masonry_cd.foundation.errors import InputError, one_line
 
 ROWS = "rows"  # folder of a study with what each run came to
@@ -96,7 +97,9 @@ def _made(task: Task, folder: Path) -> tuple[dict[str, Any], dict[str, Any] | No
         return row, None
     found, joints = numbers.of_run(folder / RESULTS, summary, scene)
     timing = {"set_up": set_up, "stepping": summary["stepping_seconds"], "closing": time.perf_counter() - ended}
-    return {"status": "done", "reason": "", **found, "timing": timing}, joints
+    verdict = summary.get("verdict", {})
+    doubt = {"doubt": verdict["why"]} if verdict.get("verdict") == DOUBTFUL else {}
+    return {"status": "done", "reason": "", **found, **doubt, "timing": timing}, joints
 
 
 def _analysed(task: Task) -> dict[str, Any]:

@@ -64,6 +64,9 @@ def solver(**changes: Any) -> dict[str, Any]:
             "the energy balance closes, and taking overlaps away put in 5 % of the largest work",
         ),
         ({"penetration_max": 5e-3, "penetration_where": "a and b at 1 s"}, "doubtful", "overlap by up to 5 mm, of a and b at 1 s"),
+        ({"penetration_max": 1.5e-3, "displacement_max": 0.095}, "look", "overlap by up to 1.5 mm"),  # of a structure that is thrown about
+        ({"penetration_max": 1.5e-3, "displacement_max": 0.02}, "doubtful", "overlap by up to 1.5 mm"),
+        ({"penetration_max": 5e-2, "displacement_max": 6.0}, "doubtful", "overlap by up to 50 mm"),
         ({"penetration_max": 5e-3, "collapsed_blocks": 3}, "look", "overlap by up to 5 mm"),  # of what landed
         ({"penetration_max": 5e-2, "collapsed_blocks": 3}, "doubtful", "overlap by up to 50 mm"),
         ({"stopped": "interrupted after step 3"}, "doubtful", "it ended early: interrupted after step 3"),
