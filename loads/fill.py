@@ -10,9 +10,9 @@ r"""What the fill of a bridge does to blocks beside its weight, which rides on t
 
 where m is the share that is mobilised at most: by default a third, and under loads that shake or push a share of its own, by default 0.3.
 Both are assumptions of this program. P grows linearly with the displacement, is capped, and is none where the face moves away: the law of a
-bar that pulls, never pushes, and yields (:mod:`loads.bars`). So each such face has a bar that pulls it out of the fill, FAR long so that its direction stays, whose other end is the
-support nearest to it: the fill far away moves with the ground. In limit analysis the bar adds P times the rate at which its face moves into
-the fill to the work. The bars' energy is accounted as that of ties.
+bar that pulls, never pushes, and yields (:mod:`loads.bars`). So each such face has a bar that pulls it out of the fill, FAR long so that
+its direction stays, whose other end is the support nearest to it: the fill far away moves with the ground. In limit analysis the bar adds P
+times the rate at which its face moves into the fill to the work. The bars' energy is accounted as that of ties.
 """
 
 from __future__ import annotations
