@@ -41,7 +41,7 @@ def test_skew_lets_joints_slide_below_the_tangent_of_its_angle() -> None:
 
 
 def test_rings_bear_less_than_one_and_more_the_less_they_slide() -> None:
-    load = {"kind": "vehicle", "axles": [1e4], "position": 1.25}
+    load = {"kind": "vehicle", "axles": [1e4], "position": 1.25, "across": "line"}
     rings = {**SPAN, "rings": 2}
     smooth, rough = (factor(load, {"default": 0.7, "arch1_ring1-arch1_ring2": mu}, rings) for mu in (0.05, 0.7))
     one = factor(load, 0.7)

@@ -44,9 +44,22 @@ def bridge_of(seed: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_walls_and_fill_take_the_space_between_the_extradoses_and_the_road(seed: int) -> None:
-    table = bridge_of(seed)
+STEPPED = {  # a flat arch beside a pier whose top slopes up to the higher springings of the next
+    "kind": "bridge",
+    "spans": [
+        {"span": 4.3, "rise": 0.7, "thickness": 0.35},
+        {"span": 8.6, "rise": 1.4, "thickness": 0.6, "springing": 0.84},
+        {"span": 3.6, "rise": 1.6, "thickness": 0.34, "shape": "elliptical"},
+    ],
+    "width": 4.5,
+    "cover": 0.6,
+    "piers": [{"width": 2.1}],
+    "walls": {"thickness": 0.5},
+}
+
+
+@pytest.mark.parametrize("table", [STEPPED, *(bridge_of(seed) for seed in range(4))])
+def test_walls_and_fill_take_the_space_between_the_extradoses_and_the_road(table: dict[str, Any]) -> None:
     made = structures.make(table, 2000.0, Path())  # which checks that blocks are convex or of convex parts, and do not overlap
     assert built_gap(Assembly.from_blocks(made.blocks, 0.6)) < 1e-9
     (fill,) = made.fills
