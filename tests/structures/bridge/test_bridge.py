@@ -149,6 +149,18 @@ def test_wings_and_parapets_stand_beside_abutments_of_both_kinds() -> None:
         ),
         ([SPAN, SPAN], {"piers": [{"width": 0.3}]}, ["structure.piers[0].width: pier1, from x = 6 to 6.3 m, must be wider"]),
         ([SPAN, SPAN], {"piers": [{}, {}]}, ["structure.piers: one for all, or one between each two of 2 spans, 1; got 2"]),
+        (
+            [SPAN, {**SPAN, "rise": 3.5, "start": 5.0}, {**SPAN, "start": 20.0}],
+            {"deck": 1.9, "width": 0.7, "walls": WALLS, "piers": []},
+            ["spans[1].rise: of a segmental span must be at most half the span", "structure.piers: one for all, or one between each two",
+             "spans[1].start: span 2 begins at x = 5 m", "extrados of span 1, 2 m at x = 3 m", "extrados of span 3, 2 m at x = 23 m",
+             "structure.walls.thickness: two of 0.4 m leave no road"],
+        ),
+        (
+            [{"span": 6.0, "shape": "pointed", "rise": 3.2, "thickness": 1.0, "voussoirs": 400}, {**SPAN, "start": 5.0}],
+            {},
+            ["spans[0].voussoirs: too many for the joint at the apex, got 400", "spans[1].start: span 2 begins at x = 5 m"],
+        ),
         ([SPAN], {"width": 0.7, "walls": WALLS}, ["structure.walls.thickness: two of 0.4 m leave no road"]),
     ],
 )  # fmt: skip
