@@ -62,11 +62,12 @@ def build(
     with errors_reported():
         if picture:
             require("structure.png", "pyvista", "matplotlib", "PIL", without=" (or go without: --no-picture)")
+        from masonry_cd.analysis.outputs.folders import files_of
         from masonry_cd.app import plan_files
-        from structures.files.fillfile import FILL_FILE
 
         formats = _formats(format_)
-        free_folder(output, (*(f"blocks.{name}" for name in formats), FILL_FILE, *plan_files.NAMES), force)
+        marks = [name for name in files_of("build") if not name.startswith("blocks.") or name.removeprefix("blocks.") in formats]
+        free_folder(output, tuple(marks), force)
         from masonry_cd.app.scene import read_scene
 
         asked = read_scene(scene, [*(set_ or ()), *_repairs(repair)])
@@ -94,10 +95,10 @@ def build(
             else:
                 meshfile.write(path, blocks)
         if fills and formats != ("json",):
-            written.append(output / FILL_FILE)
+            written.append(output / fillfile.FILL_FILE)
             fillfile.write(written[-1], blocks, fills)
             nameless = ", ".join(f"blocks.{name}" for name in formats if name not in ("json", *meshfile.MARKED))
-            warn([f"{nameless} keep no names of blocks, by which {FILL_FILE} puts the fill back"] if nameless else [])
+            warn([f"{nameless} keep no names of blocks, by which {fillfile.FILL_FILE} puts the fill back"] if nameless else [])
         if plan_files.is_of_plan(asked):
             written += plan_files.write_plan_files(asked, output, picture)
         if picture:
@@ -111,12 +112,12 @@ def build(
 
 def _formats(asked: list[str] | None) -> tuple[str, ...]:
     """The formats of blocks to write, each once."""
+    from masonry_cd.analysis.outputs.folders import BLOCKS
     from masonry_cd.foundation.errors import InputError
 
-    known = ("json", "obj", "stl", "vtu", "vtm", "vtkhdf", "step", "brep", "msh")
     for name in asked or ():
-        if name not in known:
-            raise InputError(f'--format: "{name}" is none; formats: {", ".join(known)}')
+        if name not in BLOCKS:
+            raise InputError(f'--format: "{name}" is none; formats: {", ".join(BLOCKS)}')
     return tuple(dict.fromkeys(asked or ("json",)))
 
 

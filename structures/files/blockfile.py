@@ -49,7 +49,7 @@ Loops = Annotated[list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_le
 class Part(BaseModel):
     """A convex part of a block."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     vertices: Vertices
     faces: Loops
@@ -58,7 +58,7 @@ class Part(BaseModel):
 class _Keys(BaseModel):
     """What any block of a block file has."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     name: str | None = Field(None, min_length=1)
     density: Annotated[float, Unit("kg/m3"), Field(gt=0, allow_inf_nan=False)] | None = None

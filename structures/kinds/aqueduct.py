@@ -72,7 +72,7 @@ Counts = Annotated[tuple[int, ...], BeforeValidator(_per_tier("", int)), WithJso
 class AqueductTable(BaseModel):
     """The [structure] table of an aqueduct. Plural types take one value, or a list with one value per tier."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     tiers: int = Field(1, ge=1, le=3, description="rows of arches on one another")
     spans: Counts = Field((3,), description="number of arches")

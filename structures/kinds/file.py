@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
@@ -30,23 +30,28 @@ from structures.schema import Height, Length
 class FileTable(BaseModel):
     """The [structure] table of a block file."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
-    path: str = Field(description="of the block file, relative to the scene file")
-    units: Literal["m", "cm", "mm"] | None = Field(None, description="of a mesh that does not say it, such as OBJ, STL or VTU")
-    up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
-    fixed: Rules = Field(
-        (),
-        description='supports: names (* stands for anything), "ground" for what touches it, tables of below, box, group, name, or a list',
-    )
-    repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
-    flatness: Height | None = Field(None, description="faces this near to a plane are made flat; a thousandth of the block when not given")
-    chord: Length | None = Field(None, description="how far flat facets may be off the curved faces of a STEP or BREP file")
-    overlap: Length | None = Field(None, description="blocks of any file may be this deep in each other; the depth is reported")
-    gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file")
-    fill: str | None = Field(
-        None, description="a file with the fill of a bridge, as build writes it beside blocks in other formats; a block file holds its own"
-    )
+    path: str
+    """of the block file, relative to the scene file"""
+    units: Literal["m", "cm", "mm"] | None = None
+    """of a mesh that does not say it, such as OBJ, STL or VTU"""
+    up: Literal["y", "z"] | None = None
+    """which axis of such a file points upwards"""
+    fixed: Rules = ()
+    """supports: names (* stands for anything), "ground" for what touches it, tables of below, box, group, name, or a list"""
+    repair: bool = False
+    """mend duplicate corners and the orientation of faces of such a file"""
+    flatness: Height | None = None
+    """faces this near to a plane are made flat; a thousandth of the block when not given"""
+    chord: Length | None = None
+    """how far flat facets may be off the curved faces of a STEP or BREP file"""
+    overlap: Length | None = None
+    """blocks of any file may be this deep in each other; the depth is reported"""
+    gaps: Length | None = None
+    """close gaps up to this width between blocks of any file"""
+    fill: str | None = None
+    """a file with the fill of a bridge, as build writes it beside blocks in other formats; a block file holds its own"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Known, Member, as_facts
+from masonry_cd.app.doubts import doubts
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.summary import write_json
 from masonry_cd.foundation.errors import InputError
@@ -33,7 +34,8 @@ def assess_case(plan: AssessPlan, folder: Path, options: Options, say: Say) -> d
         Interrupted: by a signal; finished runs are kept.
     """
     function, check = (assess_task, check_first) if plan.shakes else (limit_task, _check_statics)
-    return study_case(plan, folder, options, say, Ways(function, partial(_write, plan), check, maps=False))
+    ways = Ways(function, partial(_write, plan), lambda made: (*plan.doubtful, *check(made)), maps=False)
+    return study_case(plan, folder, options, say, ways)
 
 
 def cost_in_words(plan: AssessPlan) -> str:
@@ -58,8 +60,11 @@ def _write(plan: AssessPlan, folder: Path, runs: Sequence[Planned], maker: Maker
     write_json(as_facts(Assessment(study.title, study.scene_name, tuple(known), left, tuple(members))), folder / FILE)
 
 
-def _check_statics(plan: Plan) -> None:
+def _check_statics(plan: Plan) -> list[str]:
     """Check that there is something for limit analysis to multiply.
+
+    Returns:
+        values that are likely in another unit.
 
     Raises:
         InputError: anything wrong with the structure, the loads or [limit].
@@ -73,3 +78,4 @@ def _check_statics(plan: Plan) -> None:
         structure.loads()
     except InputError as error:
         raise scene.at_fault(error) from None
+    return doubts(scene, structure.assembly, structure.joints)
