@@ -8,12 +8,11 @@ r"""What the fill of a bridge does to blocks beside its weight, which rides on t
 
     P = m K_p gamma integral(depth |dA_level|),        K_p = (1 + sin phi) / (1 - sin phi),
 
-where m is the share that is mobilised at most: by default a third, as assessments of arch bridges take it, and under loads that shake or
-push a share of its own, by default 0.3, what EN 1998-5, 5.4.1.1 lets count of a passive resistance under an earthquake. It grows linearly
-with the displacement up to P, is capped there, and is none where the face moves away: the law of a bar that pulls, never pushes, and yields
-(:mod:`loads.bars`). So each such face has a bar that pulls it out of the fill, FAR long so that its direction stays, whose other end is the
-support nearest to it: the fill far away moves with the ground. In limit analysis the bar adds P times the rate at which its face moves into
-the fill to the work. The bars' energy is accounted as that of ties.
+where m is the share that is mobilised at most: by default a third, and under loads that shake or push a share of its own, by default 0.3.
+Both are assumptions of this program. P grows linearly with the displacement, is capped, and is none where the face moves away: the law of a
+bar that pulls, never pushes, and yields (:mod:`loads.bars`). So each such face has a bar that pulls it out of the fill, FAR long so that
+its direction stays, whose other end is the support nearest to it: the fill far away moves with the ground. In limit analysis the bar adds P
+times the rate at which its face moves into the fill to the work. The bars' energy is accounted as that of ties.
 """
 
 from __future__ import annotations

@@ -18,8 +18,8 @@ and across the road likewise about each wheel. A strip passes its share to the b
 road before and behind the bridge, and what lies on fixed blocks, the ground bears. An axle that is not on the bridge loads nothing.
 
 Named vehicles: LM1, the tandem system of lane 1 of load model 1, and LM2, the single axle of load model 2, both of EN 1991-2:2003, 4.3;
-"single", "double", "triple" (also "double 1.3", "double 1.0" and "triple 2.0"): the authorised axles of normal traffic of CS 454, table
-7.3.1a, for masonry arches, without lift-off and without partial factors.
+"single", "double", "triple" (also "double 1.3", "double 1.0" and "triple 2.0"): the authorised axles of normal traffic of CS 454
+revision 0, table 7.3.1a, for masonry arches, without lift-off and without partial factors.
 """
 
 from __future__ import annotations

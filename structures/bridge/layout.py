@@ -86,15 +86,13 @@ def layout_of(keys: BridgeTable) -> Layout:
     Raises:
         InputErrors: all measures that do not fit together, a line each.
     """
-    faults = [line for i, span in enumerate(keys.spans) for line in _of_span(span, f"structure.spans[{i}]")]
-    faults += _of_counts(keys)
+    of_spans = [_of_span(span, f"structure.spans[{i}]") for i, span in enumerate(keys.spans)]
+    faults = [*(line for lines in of_spans for line in lines), *_of_counts(keys), *_overlaps(keys.spans, _lefts(keys))]
     if faults:
-        raise InputErrors(faults)
-    faults = _overlaps(keys.spans, _lefts(keys))
-    if faults:
-        raise InputErrors(faults)
+        sound = [(i, profile_of(keys.spans[i], 0.0)) for i, lines in enumerate(of_spans) if not lines and keys.deck is not None]
+        raise InputErrors(faults + _below(keys, keys.deck or 0.0, sound) + _of_walls(keys))
     made = laid_out(keys)
-    faults = [*_of_seats(made), *_of_deck(made), *_of_walls(made)]
+    faults = [*_of_seats(made), *_of_deck(made), *_of_walls(keys)]
     if faults:
         raise InputErrors(faults)
     return made
@@ -102,12 +100,7 @@ def layout_of(keys: BridgeTable) -> Layout:
 
 def laid_out(keys: BridgeTable) -> Layout:
     """The spans of sound keys on their supports."""
-    profiles = []
-    for i, (span, left) in enumerate(zip(keys.spans, _lefts(keys), strict=True)):
-        try:
-            profiles.append(profile_of(span, left))
-        except InputError as fault:
-            raise InputError(str(fault).replace("structure.", f"structure.spans[{i}].", 1)) from None
+    profiles = [profile_of(span, left) for span, left in zip(keys.spans, _lefts(keys), strict=True)]
     return Layout(keys, tuple(profiles), tuple(_supports(keys, profiles)), _deck(keys, profiles))
 
 
@@ -132,6 +125,11 @@ def _of_span(span: SpanTable, where: str) -> list[str]:
         found.append(f"{where}.voussoirs: {named} must be even, it has a joint at its apex; got {span.voussoirs}")
     if not found and rise_of(span) and voussoirs_of(span) * span.rings > 8000:
         found.append(f"{where}.rings: {span.rings} of {voussoirs_of(span)} voussoirs are too many")
+    try:
+        if not found:
+            profile_of(span, 0.0)
+    except InputError as fault:
+        found.append(str(fault).replace("structure.", f"{where}.", 1))
     return found
 
 
@@ -146,7 +144,9 @@ def _of_counts(keys: BridgeTable) -> list[str]:
 
 
 def _pier(keys: BridgeTable, number: int) -> SupportTable:
-    return keys.piers[0 if len(keys.piers) == 1 else number]
+    """A pier by its number; of too few the last one, or one of the default measures, so that other faults are found as well."""
+    known = keys.piers or (SupportTable.model_validate({}),)
+    return known[0 if len(known) == 1 else min(number, len(known) - 1)]
 
 
 def _lefts(keys: BridgeTable) -> list[float]:
@@ -213,30 +213,37 @@ def _of_seats(made: Layout) -> list[str]:
 
 
 def _of_deck(made: Layout) -> list[str]:
-    """A road below an extrados."""
-    key = "cover" if made.keys.deck is None else "deck"
-    found = []
-    for i, profile in enumerate(made.profiles):
-        if made.deck < profile.crown + LEAST_COVER:
-            place = float(profile.extrados[int(np.argmax(profile.extrados[:, 1])), 0])
-            found.append(
-                f"structure.{key}: the fill ends at {made.deck:g} m, which must be {LEAST_COVER:g} m or more above the extrados "
-                f"of span {i + 1}, {profile.crown:.4g} m at x = {place:.4g} m"
-            )
+    """A road below an extrados, or below where one springs."""
+    found = _below(made.keys, made.deck, list(enumerate(made.profiles)))
     highest = max(float(end[1]) for support in made.supports for end in support.seats)
     if not found and made.deck <= highest:
+        key = "cover" if made.keys.deck is None else "deck"
         found.append(f"structure.{key}: the fill ends at {made.deck:g} m, below the springings at {highest:.4g} m")
     return found
 
 
-def _of_walls(made: Layout) -> list[str]:
+def _below(keys: BridgeTable, deck: float, profiles: Sequence[tuple[int, Profile]]) -> list[str]:
+    """A road below the extrados of spans, by their numbers."""
+    key, lefts, found = "cover" if keys.deck is None else "deck", _lefts(keys), list[str]()
+    for i, profile in profiles:
+        if deck < profile.crown + LEAST_COVER:
+            highest = float(profile.extrados[int(np.argmax(profile.extrados[:, 1])), 0])
+            place = lefts[i] + highest - float(profile.intrados[0, 0])
+            found.append(
+                f"structure.{key}: the fill ends at {deck:g} m, which must be {LEAST_COVER:g} m or more above the extrados "
+                f"of span {i + 1}, {profile.crown:.4g} m at x = {place:.4g} m"
+            )
+    return found
+
+
+def _of_walls(keys: BridgeTable) -> list[str]:
     """Walls that leave no road between them."""
-    walls = made.keys.walls
+    walls = keys.walls
     if walls is None:
         return []
     found = []
-    if made.clear <= 0.0:
-        found.append(f"structure.walls.thickness: two of {walls.thickness:g} m leave no road on a width of {made.keys.width:g} m")
+    if 2.0 * walls.thickness >= keys.width:
+        found.append(f"structure.walls.thickness: two of {walls.thickness:g} m leave no road on a width of {keys.width:g} m")
     if walls.parapet_thickness is not None and walls.parapet_height is None:
         found.append("structure.walls.parapet_height: missing; it makes the parapets whose thickness is given")
     if walls.parapet_thickness is not None and walls.parapet_thickness > walls.thickness:

@@ -62,7 +62,15 @@ def voussoirs_of(span: SpanTable) -> int:
     rise = rise_of(span)
     length = math.hypot(span.span, 4.0 / math.sqrt(3.0) * rise)  # of a flat arc; of a semicircle 3 % too short
     half = max(4, round(0.5 * length / chord))
-    return min(2 * half, 400) if span.shape == "pointed" else min(2 * half + 1, 399)
+    return min(2 * half, 400, 2 * _most_to_the_apex(span)) if span.shape == "pointed" else min(2 * half + 1, 399)
+
+
+def _most_to_the_apex(span: SpanTable) -> int:
+    """How many voussoirs half a pointed arch may have, the last intrados, which the upright joint cuts short, half as long as others."""
+    radius = (0.25 * span.span**2 + rise_of(span) ** 2) / span.span
+    offset = radius - 0.5 * span.span
+    middle, inner = (math.acos(offset / r) for r in (radius + 0.5 * span.thickness, radius))
+    return max(2, int(0.5 * middle / (middle - inner)))
 
 
 def profile_of(span: SpanTable, left: float) -> Profile:

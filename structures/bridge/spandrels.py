@@ -68,11 +68,21 @@ class Half:
         return self.deck - max(count, 0) * self.course
 
     @property
+    def slopes(self) -> bool:
+        """Whether the top of its support is not level; the extrados beside it is then a flat one."""
+        return abs(self.top - float(self.corners[0, 1])) > SAME
+
+    @property
+    def over_slope(self) -> float:
+        """Up to where one stone levels such a top."""
+        return self.bed_over(max(self.top, float(self.corners[0, 1])))
+
+    @property
     def levels(self) -> list[float]:
         """Beds from the springing to the road."""
         start = float(self.corners[0, 1])
-        if abs(self.top - start) > SAME:
-            out = [self.bed_over(max(self.top, start))]
+        if self.slopes:
+            out = [min(self.over_slope, self.bed_over(float(self.corners[1, 1])))]
         else:
             out = [start]
             for height in self.corners[1 : self.flat + 1, 1]:
@@ -86,7 +96,7 @@ class Half:
     def columns(self) -> list[np.ndarray]:
         """Stones that level the chords of the flat part, and a top of the support that is not level, as polygons."""
         chords = [self.corners[k : k + 2] for k in range(self.flat, len(self.corners) - 1)]
-        if abs(self.top - self.corners[0, 1]) > SAME:
+        if self.slopes:
             chords.insert(0, np.array([[self.outer, self.top], self.corners[0]]))
         return [self._column(chord) for chord in chords]
 
@@ -109,8 +119,12 @@ class Half:
 
     def courses(self) -> list[Course]:
         """From the springing to the road, from the support to where each ends."""
-        beds = self.levels
-        return [Course(low, high, (self.outer, self.outer), self.end(low, high)) for low, high in pairwise(beds) if high - low > SAME]
+        found = list[Course]()
+        for low, high in pairwise(self.levels):
+            start = float(self.corners[0, 0]) if self.slopes and low < self.over_slope - SAME else self.outer
+            if high - low > SAME:
+                found.append(Course(low, high, (start, start), self.end(low, high)))
+        return found
 
 
 def pieces(layout: Layout) -> list[np.ndarray]:

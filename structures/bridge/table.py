@@ -72,7 +72,7 @@ class FillTable(Table):
     passive: float = Field(
         1.0 / 3.0, ge=0.0, le=1.0, description="share of Rankine's K_p that resists at most where the arch moves into the fill; 0: none"
     )
-    passive_shaken: float = Field(0.3, ge=0.0, le=1.0, description="the share under loads that shake or push: 0.3 by EN 1998-5, 5.4.1.1")
+    passive_shaken: float = Field(0.3, ge=0.0, le=1.0, description="the share under loads that shake or push")
     mobilised_at: Length = Field(0.02, description="displacement at which the share is reached, in runs; it grows linearly up to there")
 
 

@@ -149,6 +149,18 @@ def test_wings_and_parapets_stand_beside_abutments_of_both_kinds() -> None:
         ),
         ([SPAN, SPAN], {"piers": [{"width": 0.3}]}, ["structure.piers[0].width: pier1, from x = 6 to 6.3 m, must be wider"]),
         ([SPAN, SPAN], {"piers": [{}, {}]}, ["structure.piers: one for all, or one between each two of 2 spans, 1; got 2"]),
+        (
+            [SPAN, {**SPAN, "rise": 3.5, "start": 5.0}, {**SPAN, "start": 20.0}],
+            {"deck": 1.9, "width": 0.7, "walls": WALLS, "piers": []},
+            ["spans[1].rise: of a segmental span must be at most half the span", "structure.piers: one for all, or one between each two",
+             "spans[1].start: span 2 begins at x = 5 m", "extrados of span 1, 2 m at x = 3 m", "extrados of span 3, 2 m at x = 23 m",
+             "structure.walls.thickness: two of 0.4 m leave no road"],
+        ),
+        (
+            [{"span": 6.0, "shape": "pointed", "rise": 3.2, "thickness": 1.0, "voussoirs": 400}, {**SPAN, "start": 5.0}],
+            {},
+            ["spans[0].voussoirs: too many for the joint at the apex, got 400", "spans[1].start: span 2 begins at x = 5 m"],
+        ),
         ([SPAN], {"width": 0.7, "walls": WALLS}, ["structure.walls.thickness: two of 0.4 m leave no road"]),
     ],
 )  # fmt: skip
@@ -203,3 +215,16 @@ def test_two_bridges_side_by_side_keep_their_fill_in_place() -> None:
     x, y, z = next(b for b in one.blocks if b.name == "arch1.v1").mass_properties.centre
     assert masses[0] > 0.0
     assert centre == pytest.approx([-y, 50.0 + x, 1.0 + z])
+
+
+def test_spans_piers_walls_and_parapets_are_its_parts_by_name() -> None:
+    from structures.macro_elements.by_kind import macro_elements
+
+    bridge = made(
+        {**SPAN, "rings": 2}, SPAN, walls={**WALLS, "wing_length": 2.0, "parapet_height": 0.9}, piers=[{"height": 4.0}], cover=0.4
+    )
+    parts = {part.name: part for part in macro_elements("bridge", bridge.blocks)}
+    sides = [f"{what} {side}" for what in ("spandrel", "wing1", "wing2") for side in ("front", "back")]
+    assert set(parts) == {"span arch1", "span arch2", "pier1", *sides, "parapet_front", "parapet_back"}
+    rings = {bridge.blocks[b].group for b in parts["span arch1"].blocks}
+    assert rings == {"arch1_ring1", "arch1_ring2"}

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What skew and rings do to the load that a bridge bears, where statics says so without a program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from masonry_cd.app.limit_case import case_of
+from masonry_cd.app.scene import parse_scene
+from masonry_cd.app.scene_text import dump_toml
+
+SPAN = {"span": 5.0, "rise": 1.5, "thickness": 0.45, "voussoirs": 9}
+
+
+def factor(load: dict[str, Any], friction: Any, span: dict[str, Any] = SPAN, **keys: Any) -> float:
+    structure = {"kind": "bridge", "spans": [span], "width": 2.0, "fill": {"passive": 0.0}, **keys}
+    scene = {
+        "structure": structure,
+        "material": {"density": 2000.0, "friction": friction},
+        "loads": [load],
+        "limit": {"live": [0], "starts": 0},
+    }
+    analysis = case_of(parse_scene(dump_toml(scene), Path("bridge.toml"))).analysis
+    assert analysis.stands
+    return analysis.associated.factor
+
+
+@pytest.mark.parametrize("skew", [20.0, 45.0])
+def test_skew_changes_nothing_where_joints_do_not_slide(skew: float) -> None:
+    """Slanting by x' = x + y tan(skew) maps equilibrium under upright loads onto equilibrium, and hinge lines onto hinge lines."""
+    load = {"kind": "point", "block": "arch1.v3", "force": [0.0, 0.0, -1e4]}
+    assert factor(load, 3.0, skew=skew) == pytest.approx(factor(load, 3.0), rel=1e-5)
+
+
+def test_skew_lets_joints_slide_below_the_tangent_of_its_angle() -> None:
+    load = {"kind": "point", "block": "arch1.v3", "force": [0.0, 0.0, -1e4]}
+    assert factor(load, 0.5, skew=30.0) < 0.9 * factor(load, 0.5)
+
+
+def test_rings_bear_less_than_one_and_more_the_less_they_slide() -> None:
+    load = {"kind": "vehicle", "axles": [1e4], "position": 1.25, "across": "line"}
+    rings = {**SPAN, "rings": 2}
+    smooth, rough = (factor(load, {"default": 0.7, "arch1_ring1-arch1_ring2": mu}, rings) for mu in (0.05, 0.7))
+    one = factor(load, 0.7)
+    thin = factor(load, 0.7, {**SPAN, "thickness": 0.225}, cover=0.525)  # a ring alone under the road of both
+    assert thin < smooth < rough < one
