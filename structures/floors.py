@@ -49,39 +49,48 @@ ACROSS = 0.7071  # cosine of the angle between a span and the normal of a wall t
 class AnchorTable(Table):
     """The table ``anchors`` of a floor."""
 
-    spacing: Length = Field(1.5, description="of the anchors along each wall with a seat")
-    diameter: Length = Field(0.016, description="of their rods")
-    length: Length = Field(1.0, description="by which they reach into the floor")
-    plate: Length | None = Field(None, description="side of their square plates on the outer face of the wall")
-    modulus: Annotated[float, Unit("Pa")] = Field(MODULI["steel"], gt=0.0, description="Young's modulus")
-    yield_force: Annotated[float, Unit("N")] | None = Field(None, gt=0.0, description="at which one yields or pulls out; by default never")
-    damping: float = Field(0.02, ge=0.0, lt=1.0, description="share of the critical damping")
-    walls: tuple[str, ...] | None = Field(
-        None, strict=False, min_length=1, description="that it is tied to; on the others it rests; by default all in which it has seats"
-    )
+    spacing: Length = 1.5
+    """of the anchors along each wall with a seat"""
+    diameter: Length = 0.016
+    """of their rods"""
+    length: Length = 1.0
+    """by which they reach into the floor"""
+    plate: Length | None = None
+    """side of their square plates on the outer face of the wall"""
+    modulus: Annotated[float, Unit("Pa")] = Field(MODULI["steel"], gt=0.0)
+    """Young's modulus"""
+    yield_force: Annotated[float, Unit("N")] | None = Field(None, gt=0.0)
+    """at which one yields or pulls out; by default never"""
+    damping: float = Field(0.02, ge=0.0, lt=1.0)
+    """share of the critical damping"""
+    walls: tuple[str, ...] | None = Field(None, strict=False, min_length=1)
+    """that it is tied to; on the others it rests; by default all in which it has seats"""
 
 
 class FloorTable(Table):
     """One entry ``[[structure.floors]]``."""
 
-    height: Place = Field(description="z of its top")
+    height: Place
+    """z of its top"""
     thickness: Length = Field()
-    mass: ArealMass = Field(description="with what it carries, over its own plan")
-    walls: tuple[str, ...] = Field(strict=False, min_length=1, description="groups or blocks in which it has seats; * stands for anything")
-    inside: tuple[Place, Place] | None = Field(
-        None, strict=False, description="a point [x, y] of its room; by default the middle of the walls"
-    )
-    span: Annotated[float, Unit("degrees")] | None = Field(
-        None,
-        ge=-360.0,
-        le=360.0,
-        description="direction in which it spans, from the x axis; of the walls named only those across it then bear it",
-    )
-    strips: int = Field(1, ge=1, le=100, description="of a floor that is flexible in plan, side by side along its span; 1 for a rigid one")
-    bearing: Length = Field(0.2, description="depth of its seats in the walls")
-    gap: Height = Field(0.01, description="to walls that are not named")
-    anchors: AnchorTable | None = Field(None, description="which tie it to the walls, { spacing = 1.5, diameter = 0.016 }")
-    name: str | None = Field(None, max_length=80, description="of its block and group; by default floor1, floor2 ...")
+    mass: ArealMass
+    """with what it carries, over its own plan"""
+    walls: tuple[str, ...] = Field(strict=False, min_length=1)
+    """groups or blocks in which it has seats; * stands for anything"""
+    inside: tuple[Place, Place] | None = Field(None, strict=False)
+    """a point [x, y] of its room; by default the middle of the walls"""
+    span: Annotated[float, Unit("degrees")] | None = Field(None, ge=-360.0, le=360.0)
+    """direction in which it spans, from the x axis; of the walls named only those across it then bear it"""
+    strips: int = Field(1, ge=1, le=100)
+    """of a floor that is flexible in plan, side by side along its span; 1 for a rigid one"""
+    bearing: Length = 0.2
+    """depth of its seats in the walls"""
+    gap: Height = 0.01
+    """to walls that are not named"""
+    anchors: AnchorTable | None = None
+    """which tie it to the walls, { spacing = 1.5, diameter = 0.016 }"""
+    name: str | None = Field(None, max_length=80)
+    """of its block and group; by default floor1, floor2 ..."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -59,7 +59,7 @@ def _left(loop: np.ndarray, normal: np.ndarray, hidden: Sequence[np.ndarray]) ->
     """Convex pieces of what other faces in its plane leave of a face; itself where they lie beside it."""
     import shapely
 
-    from structures.building.polygons import convex_pieces, polygons
+    from structures.geometry.polygons import convex_pieces, polygons
 
     first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     first /= np.linalg.norm(first)

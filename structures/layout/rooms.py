@@ -56,7 +56,7 @@ class Plans:
     @classmethod
     def between(cls, blocks: Sequence[Block], bottom: float, top: float) -> Plans:
         """Of the free blocks between two heights [m]."""
-        from structures.building.polygons import plan_of
+        from structures.geometry.polygons import plan_of
 
         loops, owner = [], []
         for i, block in enumerate(blocks):
