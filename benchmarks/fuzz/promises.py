@@ -14,9 +14,7 @@ SECONDS = 30.0  # of processor time
 MEMORY = float(foreign.MEMORY)  # resident [B]: what a program that reads foreign files may take
 ERROR, WARNING = "masonry-cd: error: ", "masonry-cd: warning: "
 STOPPED = re.compile(r"masonry-cd: interrupted.*|masonry-cd: go on with: .*|.*finishing the step.*")
-FAULT = re.compile(
-    r"(walls?|legs|opening|vault|roof|columns|arcade|buttress) "
-)  # of a plan, whose faults are all said at once, a line each
+FAULT = re.compile(r"(walls?|legs|opening|vault|roof|columns|arcade|buttress) ")  # of a plan, all at once
 NOTES = re.compile(r"compiling.*|building .*")
 
 
