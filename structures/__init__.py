@@ -86,7 +86,7 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
 
         with size.limited(table.get(size.KEY, size.MOST)):
             blocks = in_pieces(blocks, table[FOUNDATIONS])
-    bars: list[Bar] = []
+    bars = list(made.ties) if isinstance(made, Made) else []
     if FLOORS in table:
         from structures.floors import with_floors
 

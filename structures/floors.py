@@ -127,7 +127,7 @@ class _Floor:
         if count == 1:
             return [Block(self.name, *self._prism(self.plan), density, self.name)]
         across = np.array([-self.span[1], self.span[0]])
-        at = np.linspace(*(edge(self.plan @ across) for edge in (np.min, np.max)), count + 1)
+        at = np.linspace(float((self.plan @ across).min()), float((self.plan @ across).max()), count + 1)
         strips = []
         for low, high in pairwise(at):
             upper = clip(self.plan, self.plan @ across - low, AT)
@@ -138,7 +138,8 @@ class _Floor:
         """Over a convex polygon (n, 2); a rectangle along the axes is a box."""
         bottom, top = self.keys.height - self.keys.thickness, self.keys.height
         if len(plan) == 4 and all(abs(side.normal).max() == 1.0 for side in self.sides) and self.keys.strips == 1:
-            return box((*plan.min(axis=0).tolist(), bottom), (*plan.max(axis=0).tolist(), top))
+            (x0, y0), (x1, y1) = plan.min(axis=0).tolist(), plan.max(axis=0).tolist()
+            return box((x0, y0, bottom), (x1, y1, top))
         return between(*(np.column_stack([plan, np.full(len(plan), z)]) for z in (bottom, top)))
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.fuzz import formats, study_texts, texts
+from benchmarks.fuzz import formats, plans, study_texts, texts
 
 BYTES, LINES, TOKENS, TOML, JSON, NPZ, HDF5, SET = "bytes", "lines", "tokens", "toml", "json", "npz", "hdf5", "set"
 
@@ -53,7 +53,7 @@ def subjects(nursery: Path) -> list[Subject]:
     found.append(
         Subject("block file JSON", RUN, "blocks.json", {"scene.toml": texts.scene().encode(), **blocks}, (JSON, JSON, TOKENS, BYTES), 8)
     )
-    return [*found, *_formats(nursery), *_meshes(nursery), *_solids(nursery), *_problems(nursery), *_former_runs(nursery)]
+    return [*found, *_plans(), *_formats(nursery), *_meshes(nursery), *_solids(nursery), *_problems(nursery), *_former_runs(nursery)]
 
 
 def _scenes(blocks: dict[str, bytes]) -> Iterator[Subject]:
@@ -65,6 +65,13 @@ def _scenes(blocks: dict[str, bytes]) -> Iterator[Subject]:
 def _structures() -> Iterator[Subject]:
     for name, text in texts.STRUCTURES.items():
         yield Subject(f"scene, {name}", BUILD, "scene.toml", {"scene.toml": text.encode()}, SCENE_CHANGES, 2)
+
+
+def _plans() -> Iterator[Subject]:
+    """Plans of buildings."""
+    for kind, name, files in plans.plans():
+        changes = (JSON, JSON, TOKENS, BYTES) if name.endswith("json") else TEXT_CHANGES
+        yield Subject(kind, BUILD, name, files, changes, 4, apart=not name.endswith("json"))
 
 
 def _studies(blocks: dict[str, bytes]) -> Iterator[Subject]:

@@ -14,6 +14,7 @@ SECONDS = 30.0  # of processor time
 MEMORY = float(foreign.MEMORY)  # resident [B]: what a program that reads foreign files may take
 ERROR, WARNING = "masonry-cd: error: ", "masonry-cd: warning: "
 STOPPED = re.compile(r"masonry-cd: interrupted.*|masonry-cd: go on with: .*|.*finishing the step.*")
+FAULT = re.compile(r"(walls?|legs|opening|vault|roof|columns|arcade|buttress) ")  # of a plan, all at once
 NOTES = re.compile(r"compiling.*|building .*")
 
 
@@ -64,7 +65,8 @@ def _of_lines(outcome: Outcome, lines: list[str]) -> str:
     if any(len(line) > LONGEST for line in [*lines, *outcome.stdout.split("\n")]):
         return "a line of more than 1000 characters"
     if outcome.code == 2:
-        return "" if len(lines) == 1 and lines[0].startswith(ERROR) else f"{len(lines)} lines for a refusal"
+        one = bool(lines) and lines[0].startswith(ERROR) and all(FAULT.match(line) for line in lines[1:])
+        return "" if one else f"{len(lines)} lines for a refusal"
     allowed = [line for line in lines if line.startswith(WARNING) or STOPPED.fullmatch(line)]
     if len(allowed) < len(lines):
         return "other lines on standard error"

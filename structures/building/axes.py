@@ -23,6 +23,7 @@ GENTLE = math.radians(25.0)  # an axis that bends by more turns a corner
 SHARPEST = math.radians(60.0)  # bend between two chords of an arc
 STEP = math.radians(15.0)  # of an arc to a facet, at most
 SAME = 1e-9  # lengths closer than this are one [m]
+DIGITS = 9  # of the height of a top [m]: beds have as many, and a top that rounding parts from its bed would leave a hair over it
 LEAST_CHORD = 1.2  # of a facet of an arc, in thicknesses
 JAMB = 0.12  # of a facet beside the head of its opening, at least [m]
 INNER = 0.12  # by how much of the thickness its inner face is shorter at each end
@@ -190,7 +191,7 @@ def _profile(keys: BuildingWallTable, length: float) -> tuple[tuple[float, float
     if (keys.height is None) == (keys.top is None):
         raise ValueError("give height, or top, the profile of its top" if keys.top is None else "give one of height and top")
     if keys.height is not None:
-        return ((0.0, keys.base + keys.height), (length, keys.base + keys.height))
+        return ((0.0, round(keys.base + keys.height, DIGITS)), (length, round(keys.base + keys.height, DIGITS)))
     assert keys.top is not None
     at = [s for s, _ in keys.top]
     for a, b in pairwise(at):
@@ -200,7 +201,7 @@ def _profile(keys: BuildingWallTable, length: float) -> tuple[tuple[float, float
         raise ValueError(f"its top has a place at {max(at, key=lambda s: abs(s - 0.5 * length)):g} m, its axis is {length:.4g} m long")
     if min(z for _, z in keys.top) < 0.0 or max(z for _, z in keys.top) <= 0.0:
         raise ValueError("its top comes down below its base")
-    return tuple((s, keys.base + z) for s, z in keys.top)
+    return tuple((s, round(keys.base + z, DIGITS)) for s, z in keys.top)
 
 
 def _bends(keys: BuildingWallTable) -> Iterator[Bend]:

@@ -17,7 +17,7 @@ from masonry_cd.foundation.errors import InputErrors
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
-from structures.building import columns, junctions, openings, vaults
+from structures.building import columns, junctions, openings, roofs, vaults
 from structures.building.added_walls import added
 from structures.building.axes import SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
@@ -30,6 +30,7 @@ from structures.building.table import BuildingTable, BuildingWallTable
 from structures.building.widths import NARROW
 from structures.geometry import polygons
 from structures.layout.pockets import with_pockets
+from structures.ties import Bar
 
 SLIVER = 0.1  # of the thickness of a vault: what it leaves of a stone that is thinner goes to another
 LEAST_SEAT = 0.02  # share of the footprint of a wall that something has to be under
@@ -45,8 +46,8 @@ class Walls:
     layings: list[Laying]  # of each leg
 
 
-def blocks_of(table: BuildingTable, density: float) -> list[Block]:
-    """The blocks of the walls of a building.
+def blocks_of(table: BuildingTable, density: float) -> tuple[list[Block], list[Bar]]:
+    """The blocks of a building without its base, and the tie beams of its roofs.
 
     Raises:
         InputErrors: all that is wrong with it, a line each.
@@ -56,8 +57,10 @@ def blocks_of(table: BuildingTable, density: float) -> list[Block]:
     table = table.model_copy(update={"walls": (*table.walls, *added(table, rows, faults))})
     walls = prepared(table, faults)
     over = vaults.vaults_of(walls.plan, table, faults) if walls is not None else []
+    roof, bars = roofs.roofs_of(walls.plan, table, faults) if walls is not None else ([], [])
     if walls is not None:
         _check_feet(walls.plan, rows, faults)
+        _check_columns(walls.plan, rows, faults)
     refuse(faults)
     assert walls is not None
     laid = joined([stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)])
@@ -67,7 +70,7 @@ def blocks_of(table: BuildingTable, density: float) -> list[Block]:
         thin = SLIVER * min(vault.keys.thickness for vault in over)
         blocks = with_pockets(blocks, [part for block in vaulted for part in block.convex_parts], thin)
     blocks += [block for row in rows for block in columns.blocks_of(row, table, density)]
-    return welded([*blocks, *vaulted])
+    return welded([*blocks, *vaulted, *roof]), bars
 
 
 def refuse(faults: Sequence[str]) -> None:
@@ -163,6 +166,17 @@ def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -> N
             faults.append(
                 f"wall {leg.keys.name}: nothing is under it at {vaults.place(leg.facets[0].start)}, where it begins at z = {leg.base:g} m"
             )
+
+
+def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -> None:
+    """No column stands in a wall."""
+    for row in rows:
+        for at in row.places:
+            shape, foot, top = Point(*at).buffer(0.5 * row.keys.size), row.keys.base, row.keys.base + row.keys.height
+            for leg in plan.legs:
+                overlap = min(top, max(z for _, z in leg.tops)) - max(foot, leg.base)
+                if overlap > SAME and vaults.footprint(plan, leg).intersection(shape).area > LEAST_SEAT * shape.area:
+                    faults.append(f"columns {row.name}: the one at {vaults.place(at)} stands in wall {leg.keys.name}")
 
 
 def _wall_blocks(walls: Walls, number: int, laid: Sequence[Stone], density: float) -> list[Block]:

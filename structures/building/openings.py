@@ -79,6 +79,9 @@ def _beyond(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> It
             *reversed([(left - margin, profile[0][1]), *profile, (right + margin, profile[-1][1])]),
         ]
     )
+    if low < leg.base - SAME:
+        yield f"with its ring it reaches down to z = {low:.4g} m, the wall begins at {leg.base:.4g} m"
+        return
     if not wall.buffer(1e-7).contains(frame.hull):
         top = min(z for _, z in profile)
         yield f"with its head it reaches up to z = {high:.4g} m, the wall there to {top:.4g} m"

@@ -212,8 +212,9 @@ def _is_sliver(shape: Polygon, laying: Laying) -> bool:
 
 
 def _both_clean(one: Piece, other: Piece) -> bool:
-    """Whether two stones of different courses have the whole thickness."""
-    return all(p.clean[0] - SAME <= p.shape.bounds[0] and p.shape.bounds[2] <= p.clean[1] + SAME for p in (one, other))
+    """Whether two stones of different courses have the whole thickness, each of them also in the course of the other."""
+    low, high = max(one.clean[0], other.clean[0]), min(one.clean[1], other.clean[1])
+    return all(low - SAME <= p.shape.bounds[0] and p.shape.bounds[2] <= high + SAME for p in (one, other))
 
 
 def _side(one: Polygon, other: Polygon) -> float:

@@ -13,9 +13,11 @@ from pydantic import Field
 
 from masonry_cd.foundation.units import Unit
 from structures.plans.keys import PlanKeys
-from structures.schema import Density, Height, Length, Place, Table
+from structures.schema import ArealMass, Density, Height, Length, Place, Table
 
-Point = Annotated[tuple[Place, Place], Field(strict=False)]
+FARTHEST = 1e5  # of a point of a plan from its origin [m]
+Coordinate = Annotated[Place, Field(ge=-FARTHEST, le=FARTHEST)]
+Point = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]
 Points = Annotated[tuple[Point, ...], Field(strict=False, min_length=1)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Bond = Literal["regular", "irregular", "rubble"]
@@ -62,7 +64,7 @@ class BuildingWallTable(Table):
         strict=False, min_length=2, description="points of the middle line; a piece may be an arc { to = [x, y], through = [x, y] }"
     )
     thickness: Length = Field(description="of the wall")
-    base: Place = Field(0.0, description="z of its foot")
+    base: Coordinate = Field(0.0, description="z of its foot")
     height: Length | None = Field(None, description="from the base to a level top")
     top: tuple[Point, ...] | None = Field(
         None, strict=False, min_length=2, description="or profile of the top, [s, z] each: distance along the axis and height over the base"
@@ -100,6 +102,20 @@ class BuildingVaultTable(Table):
     block_length: Length | None = Field(None, description="by default that of the building")
 
 
+class BuildingRoofTable(Table):
+    """One entry ``[[structure.roofs]]``: a pitched roof between two walls of one height, in pairs of rafters that thrust or are tied."""
+
+    name: Name | None = Field(None, description="of its blocks; by default roof1, roof2 ...; their group is roof")
+    walls: tuple[str, str] = Field(strict=False, description="that carry it, which are parallel and of one height")
+    rise: Length = Field(description="of the underside at the ridge, over the tops of the walls")
+    thickness: Length = Field(0.25, description="of the rafters with what lies on them")
+    mass: ArealMass = Field(description="over its plan")
+    spacing: Length = Field(1.5, description="of the pairs of rafters, each of which carries so much of the roof")
+    bearing: Length | None = Field(None, description="of the feet on the walls, from their inner faces; by default half the wall")
+    tied: bool = Field(False, description="whether tie beams join the feet of each pair; without them the roof thrusts on its walls")
+    tie: tuple[Length, Length] = Field((0.15, 0.15), strict=False, description="width and depth of a tie beam, of timber")
+
+
 class BuildingColumnTable(Table):
     """One entry ``[[structure.columns]]``."""
 
@@ -109,7 +125,7 @@ class BuildingColumnTable(Table):
     number: int | None = Field(None, ge=2, le=200, description="of columns in the row from at to to")
     section: Literal["round", "square"] = Field("round", description="in plan; a round one has twelve sides")
     size: Length = Field(0.6, description="diameter, or side")
-    base: Place = Field(0.0, description="z of its foot")
+    base: Coordinate = Field(0.0, description="z of its foot")
     height: Length = Field(description="with plinth and capital")
     drum: Length | None = Field(None, description="height of a stone; by default two courses")
     turned: Angle = Field(0.0, description="of a square section from the x axis")
@@ -157,6 +173,7 @@ class BuildingTable(PlanKeys):
     walls: tuple[BuildingWallTable, ...] = Field((), strict=False, description="[[structure.walls]] each")
     junctions: tuple[JunctionTable, ...] = Field((), strict=False, description="that differ from the others")
     vaults: tuple[BuildingVaultTable, ...] = Field((), strict=False, description="[[structure.vaults]] each")
+    roofs: tuple[BuildingRoofTable, ...] = Field((), strict=False, description="pitched roofs, [[structure.roofs]] each")
     columns: tuple[BuildingColumnTable, ...] = Field((), strict=False, description="columns and piers, [[structure.columns]] each")
     arcades: tuple[ArcadeTable, ...] = Field((), strict=False, description="[[structure.arcades]] each")
     buttresses: tuple[ButtressTable, ...] = Field((), strict=False, description="[[structure.buttresses]] each")

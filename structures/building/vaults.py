@@ -75,7 +75,7 @@ def vaults_of(plan: Plan, table: BuildingTable, faults: list[str]) -> list[Vault
     for k, keys in enumerate(table.vaults):
         name = keys.name or f"vault{k + 1}"
         try:
-            vault = Vault(keys, name, _bay(plan, keys))
+            vault = Vault(keys, name, bay_of(plan, keys))
             _carried(plan, vault)
             found.append(vault)
         except ValueError as fault:
@@ -102,7 +102,7 @@ def _placed(block: Block, vault: Vault) -> Block:
 # --- bays -----------------------------------------------------------------------------------------------------------------------------
 
 
-def _bay(plan: Plan, keys: BuildingVaultTable) -> Bay:
+def bay_of(plan: Plan, keys: BuildingVaultTable) -> Bay:
     """The bay of a vault.
 
     Raises:

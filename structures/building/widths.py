@@ -42,7 +42,8 @@ def fat_pieces(shape: Polygon) -> list[np.ndarray]:
     ring = polygons.loop(shape)
     if len(usual) == 1 or shape.interiors or len(_reflex(ring)) > MOST_REFLEX:
         return usual
-    return max(usual, _cut_up(ring), key=lambda pieces: min(least_width(piece) for piece in pieces))
+    better = _cut_up(ring, min(least_width(piece) for piece in usual))
+    return usual if better is None else better[1]
 
 
 def _reflex(ring: np.ndarray) -> list[int]:
@@ -52,20 +53,30 @@ def _reflex(ring: np.ndarray) -> list[int]:
     return np.flatnonzero(turn < -polygons.SAME * np.hypot(*before.T) * np.hypot(*after.T)).tolist()
 
 
-def _cut_up(ring: np.ndarray) -> list[np.ndarray]:
-    """The best of all ways to cut a loop from its first inner corner, and what remains in its turn."""
+def _cut_up(ring: np.ndarray, least: float) -> tuple[float, list[np.ndarray]] | None:
+    """The best of all ways to cut a loop from its first inner corner, and what remains in its turn: least width of a piece, and pieces.
+
+    None where all of them leave a piece that is no wider than ``least`` [m].
+    """
     inner = _reflex(ring)
     if not inner:
-        return [ring]
-    best: tuple[float, list[np.ndarray]] = (-1.0, [ring])
-    for one, other in _cuts(np.roll(ring, -inner[0], axis=0)):
-        if max(len(_reflex(one)), len(_reflex(other))) >= len(inner):
+        width = least_width(ring)
+        return (width, [ring]) if width > least else None
+    best = None
+    for halves in _cuts(np.roll(ring, -inner[0], axis=0)):
+        reflex = [len(_reflex(half)) for half in halves]
+        if max(reflex) >= len(inner):
             continue
-        pieces = _cut_up(one) + _cut_up(other)
-        width = min(least_width(piece) for piece in pieces)
-        if width > best[0]:
-            best = width, pieces
-    return best[1]
+        found = list[tuple[float, list[np.ndarray]]]()
+        for half in halves if reflex[0] <= reflex[1] else halves[::-1]:  # the plainer one first: it may be too narrow
+            cut = _cut_up(half, least)
+            if cut is None:
+                break
+            found.append(cut)
+        if len(found) == len(halves):
+            least = min(width for width, _ in found)
+            best = least, [piece for _, pieces in found for piece in pieces]
+    return best
 
 
 def _cuts(ring: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:

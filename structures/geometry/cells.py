@@ -123,30 +123,32 @@ def _first_of_each(normals: np.ndarray, offsets: np.ndarray) -> np.ndarray:
     return np.flatnonzero(same.argmax(axis=1) == np.arange(len(offsets)))
 
 
-def outside(part: Part, solid: Planes) -> list[Part] | None:
+def outside(part: Part, solid: Planes, first: np.ndarray) -> list[Part] | None:
     """What of a part lies outside a convex solid, in convex parts; None where they do not meet.
 
-    The plane that leaves the thickest parts comes first: a shallow pocket is cut off upright to the face that it is in, not along it.
+    The planes ``first`` (F,) bool cut before the others. Of these that comes first which leaves the thickest parts: a shallow pocket
+    is cut off upright to the face that it is in, not along it.
     """
     rest, beyond = part, list[Part]()
-    left = [(normal, float(offset)) for normal, offset in zip(*solid, strict=True)]
+    left = [(normal, float(offset), bool(early)) for normal, offset, early in zip(*solid, first, strict=True)]
     while True:
-        heights = [rest.corners @ normal - offset for normal, offset in left]
+        heights = [rest.corners @ normal - offset for normal, offset, _ in left]
         if any(h.min() > -ON for h in heights):
             return None
         left = [plane for plane, h in zip(left, heights, strict=True) if h.max() > ON]
         cuts = []
-        for k, plane in enumerate(left):
-            below, above = halves(rest.block, *plane)
+        for k, (normal, offset, early) in enumerate(left):
+            below, above = halves(rest.block, normal, offset)
             if below is None:
                 return None
             if above is not None:
-                cuts.append((Part.of(below), Part.of(above), k))
+                parts = Part.of(below), Part.of(above)
+                cuts.append((early, round(min(half.width for half in parts), 6), round(parts[0].width, 6), -k, parts))
         if not cuts:
             return beyond
-        rest, out, k = max(cuts, key=lambda cut: (round(min(cut[0].width, cut[1].width), 6), round(cut[0].width, 6)))
+        *_, k, (rest, out) = max(cuts, key=lambda cut: cut[:4])
         beyond.append(out)
-        del left[k]
+        del left[-k]
 
 
 def cut(parts: Iterable[Part], normals: np.ndarray, offsets: np.ndarray) -> list[Part]:

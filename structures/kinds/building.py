@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.foundation.errors import parse_table
-from masonry_cd.mechanics.model.blocks import Block
+from structures import Made
 from structures.building.table import BuildingTable as BuildingTable  # which structures.tables finds here
 from structures.geometry.checks import check
 from structures.layout import wall_plan
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from structures.plans.recognised import Left
 
 
-def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
+def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
     """Build a building on its base; the notes say what of its plan was assumed, and what was not understood.
 
     Raises:
@@ -34,10 +34,10 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     from structures.building import engine
 
     keys, plan = _opened(table, folder)
-    blocks = engine.blocks_of(keys, density)
+    blocks, bars = engine.blocks_of(keys, density)
     blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
     check(blocks)
-    return blocks, plan.notes
+    return Made(blocks, plan.notes, bars)
 
 
 def plan_tables(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], list[Left]]:

@@ -20,6 +20,7 @@ from structures.geometry.cells import AREA, Part, Planes, cut, joined, outside, 
 CRUMB = 0.02  # of a stone: a piece of it that is smaller goes to the stones beside it, where it would be loose
 SAME = 1e-6  # planes this close are one, their normals and their offsets [m]
 ON = 1e-7  # solids that reach less than this into a stone do not meet it [m]
+ROUNDS = 3  # in which slivers are given: what one stone has got may be a sliver that another one can take
 THICKER = 1.5  # a sliver goes to a neighbour where it becomes so many times as thick
 
 
@@ -60,10 +61,19 @@ def _left(block: Block, solids: Sequence[Planes]) -> list[Part] | None:
         return None
     whole = parts = _own_parts(block)
     for solid in solids:
-        pieces = [(part, outside(part, solid)) for part in parts]
+        between = _on_others(solid, [other for other in solids if other is not solid])
+        pieces = [(part, outside(part, solid, between)) for part in parts]
         if any(left is not None for _, left in pieces):
             parts = [one for part, left in pieces for one in ([part] if left is None else left)]
     return None if parts is whole else parts
+
+
+def _on_others(solid: Planes, others: Sequence[Planes]) -> np.ndarray:
+    """(F,) in which of its planes a solid lies on another one: beyond these that one's own faces cut, not those of the solid drawn on."""
+    own, found = np.column_stack(solid), np.zeros(len(solid[1]), dtype=bool)
+    for other in others:
+        found |= (np.abs(own[:, None] + np.column_stack(other)[None]).max(axis=2) < SAME).any(axis=1)
+    return found
 
 
 def _own_parts(block: Block) -> list[Part]:
@@ -109,22 +119,37 @@ class _Stones:
     def take(self, gift: _Gift) -> None:
         """Put a gift in the place of the part that it is joined to."""
         self.cut[gift.to] = joined([*(one for one in self.parts(gift.to) if one is not gift.instead), *gift.parts])
+        for part in gift.parts:
+            self.low[gift.to] = np.minimum(self.low[gift.to], part.box[0])
+            self.high[gift.to] = np.maximum(self.high[gift.to], part.box[1])
 
 
 def _give_slivers(blocks: Sequence[Block], cut: dict[int, list[Part]], thin: float) -> None:
     """Give slivers and crumbs of stones to those beside them, the thinnest first."""
     stones = _Stones(blocks, cut, {}, *(np.array([end(block.vertices, axis=0) for block in blocks]) for end in (np.min, np.max)))
-    for k, loose, part in sorted(_slivers(blocks, cut, thin), key=lambda item: (item[2].width, item[0])):
-        if part not in cut[k]:  # another one has been joined to it
-            continue
-        cut[k].remove(part)
-        for piece in _at_joints(part, [one for _, one in stones.beside(k, part)]):
-            gifts = [_gift(j, one, piece, thin) for j, one in stones.beside(k, piece)]
-            best = max(gifts, key=lambda gift: (gift.sound, 0.0 if gift.sound else gift.width, gift.contact), default=None)
-            if best is not None and (best.sound or loose or best.width > THICKER * piece.width):
-                stones.take(best)
-            else:
-                cut[k].append(piece)
+    for _ in range(ROUNDS):
+        found = sorted(_slivers(blocks, cut, thin), key=lambda item: (item[2].width, item[0]))
+        if not sum(_given(stones, *item, thin) for item in found):  # of all of them
+            return
+
+
+def _given(stones: _Stones, k: int, loose: bool, part: Part, thin: float) -> bool:
+    """Give a part of stone k, piece by piece, to those on which it lies where it gets thicker there; whether any was given."""
+    if part not in stones.cut[k]:  # another one has been joined to it
+        return False
+    stones.cut[k].remove(part)
+    kept = list[Part]()
+    pieces = _at_joints(part, [one for _, one in stones.beside(k, part)])
+    for piece in pieces:
+        gifts = [_gift(j, one, piece, thin) for j, one in stones.beside(k, piece)]
+        best = max(gifts, key=lambda gift: (gift.sound, 0.0 if gift.sound else gift.width, gift.contact), default=None)
+        if best is not None and (best.sound or loose or best.width > THICKER * piece.width):
+            stones.take(best)
+        else:
+            kept.append(piece)
+    given = len(kept) < len(pieces)
+    stones.cut[k] = joined([*stones.cut[k], *kept]) if given else [*stones.cut[k], part]
+    return given
 
 
 def _at_joints(part: Part, beside: Sequence[Part]) -> list[Part]:

@@ -15,6 +15,7 @@ from structures.macro_elements.element import AROUND, HINGES, OVERTURNING, Macro
 from structures.macro_elements.layout import Layout
 
 COURSE, COLUMN = re.compile(r"\d+$"), re.compile(r"c\d+$")  # second part of the name of a stone of a wall, and of a column
+RESTING = ("roof", "floor")  # groups that load walls and are no part by themselves
 END = 0.1  # share of the length of a wall that its end is
 LIKE = 0.9  # cosine of the angle between the faces of a stone that count as faces of its wall and the direction across that, at least
 ONE = 1e-3  # faces turned by less are alike [rad]
@@ -26,7 +27,8 @@ def parts(layout: Layout) -> list[MacroElement]:
     free = np.flatnonzero(~layout.fixed)
     by_wall: dict[str, list[int]] = {}
     for block in free.tolist():
-        by_wall.setdefault(str(layout.wall[block]), []).append(block)
+        if not str(layout.group[block]).startswith(RESTING):
+            by_wall.setdefault(str(layout.wall[block]), []).append(block)
     found, masonry = [], []
     for name, numbers in by_wall.items():
         own = np.array(numbers)

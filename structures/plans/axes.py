@@ -79,6 +79,7 @@ def walls_of(bands: Sequence[Band], ground: Any) -> list[Wall]:
         if k in used:
             continue
         walls.append(_wall(bands, ends, _chain(k, links, used)))
+    walls = [wall for wall in walls if wall.pieces]  # of what is so short that it ends where it begins none is left
     return sorted((_forward(wall) for wall in _set_back(walls)), key=_place)
 
 

@@ -20,7 +20,8 @@ from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity, to_piec
 MOST = 200_000  # entities of a plan: a drawing of a whole town has as many
 DEEPEST = 8  # inserts within inserts: what goes deeper inserts itself
 LONGEST = 300  # characters of a text that are read: a mark has thirty
-DAMAGED = (UnicodeDecodeError, ValueError, KeyError, IndexError, AttributeError, TypeError)  # what ezdxf raises of damaged files, too
+# What ezdxf raises of damaged files, beside errors of its own.
+DAMAGED = (ValueError, ArithmeticError, KeyError, IndexError, AttributeError, TypeError, StopIteration, RecursionError)
 LETTER = 0.8  # width of a letter over its height
 CHORD = 1e-3  # of the extent of an ellipse or a spline, by which its chords may be off
 
@@ -56,18 +57,19 @@ def read(path: Path) -> Answer:
 
 def _entities(drawn: Any, owner: str, layer: str, depth: int) -> Iterator[Entity]:
     """What a space or an insert holds; on layer 0 of an insert a thing lies on the insert's own layer."""
+    from ezdxf import DXFError
+
     for number, one in enumerate(drawn):
         handle = one.dxf.handle if not owner and one.dxf.handle else f"{owner}/{number}"
-        on = one.dxf.get("layer", "0")
+        on = str(one.dxf.layer) if one.dxf.hasattr("layer") else "0"
         on = layer if owner and on == "0" else on
         try:
-            found = list(_read_one(one, handle, str(on), owner))
-        except (ValueError, ArithmeticError, AttributeError, KeyError, IndexError, TypeError) as failure:
-            found = [_other(one, handle, str(on), owner, f"damaged: {failure}")]
-        yield from found
-        if one.dxftype() == "INSERT" and depth < DEEPEST:
-            for copy in one.multi_insert() if one.mcount > 1 else (one,):
-                yield from _entities(copy.virtual_entities(), handle, str(on), depth + 1)
+            yield from list(_read_one(one, handle, on, owner))
+            if one.dxftype() == "INSERT" and depth < DEEPEST:
+                for copy in one.multi_insert() if one.mcount > 1 else (one,):
+                    yield from _entities(copy.virtual_entities(), handle, on, depth + 1)
+        except DAMAGED + (DXFError,) as failure:
+            yield _other(one, handle, on, owner, f"damaged: {failure}")
 
 
 def _read_one(one: Any, handle: str, layer: str, owner: str) -> Iterator[Entity]:

@@ -139,7 +139,8 @@ def _walls(roles: _Roles, keys: PlanKeys, openings: Sequence[Drawn], name: str) 
 
 def _empty_inserts(roles: _Roles) -> list[Entity]:
     owners = {e.owner for e in (*roles.all(), *roles.unknown)}
-    return [e for e in roles.all() if e.kind == INSERT and e.handle not in owners]
+    said = {e.handle for e in roles.unknown}  # damaged
+    return [e for e in roles.all() if e.kind == INSERT and e.handle not in owners | said and e.owner not in roles.role_of]
 
 
 def _filling(one: Drawn) -> Any:

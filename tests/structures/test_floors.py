@@ -208,10 +208,9 @@ def out_of_square(**floor: Any) -> structures.Made:
         {"name": name, "axis": [OUT_OF_SQUARE[k], OUT_OF_SQUARE[(k + 1) % 4]], "thickness": 0.5, "height": 2.4}
         for k, name in enumerate(("a", "b", "c", "d"))
     ]
-    keys = {"kind": "building", "walls": walls, "block_length": 0.8, "course_height": 0.4}
-    return structures.make(
-        keys | {"floors": [{"height": 1.9, "thickness": 0.2, "mass": 300.0, "walls": ["a", "c"]} | floor]}, 2000.0, Path()
-    )
+    table = {"height": 1.9, "thickness": 0.2, "mass": 300.0, "walls": ["a", "c"]} | floor
+    keys = {"kind": "building", "walls": walls, "block_length": 0.8, "course_height": 0.4, "floors": [table]}
+    return structures.make(keys, 2000.0, Path())
 
 
 def test_a_floor_fills_a_room_whose_walls_are_out_of_square():

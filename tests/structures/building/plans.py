@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,9 @@ def volume_of_plan(walls: Walls) -> float:
     """Of the walls of a plan drawn out to the far faces at junctions, each counted once, less their openings [m3]."""
     legs = walls.plan.legs
     levels = sorted(
-        {z for leg in legs for z in (leg.base, *(z for _, z in leg.tops))} | {z for lay in walls.layings for z in lay.beds.tolist()}
+        {z for leg in legs for z in (leg.base, *(z for _, z in leg.tops))}
+        | {z for lay in walls.layings for z in lay.beds.tolist()}
+        | set(_heights_of_slopes(walls))
     )
     total = 0.0
     for low, high in pairwise(levels):
@@ -46,6 +48,21 @@ def volume_of_plan(walls: Walls) -> float:
     for (k, _), frames in walls.frames.items():
         total -= sum(frame.hole.area * (frame.depth or legs[k].thickness) for frame in frames)
     return total
+
+
+def _heights_of_slopes(walls: Walls) -> Iterator[float]:
+    """Where sloping tops pass over corners of plans, and of what two of these share: areas there change their course."""
+    legs, plan = walls.plan.legs, walls.plan
+    shapes = [
+        Polygon(facet.place(np.array(plan.shape(k, f).exterior.coords)[:-1]))
+        for k, leg in enumerate(legs)
+        for f, facet in enumerate(leg.facets)
+    ]
+    shared = [one.intersection(other) for one, other in combinations(shapes, 2) if one.intersects(other)]
+    points = np.concatenate([shapely.get_coordinates(shape) for shape in [*shapes, *shared]])
+    for leg in legs:
+        if len({z for _, z in leg.tops}) > 1:
+            yield from (leg.top(facet, float(s)) for facet in leg.facets for s in facet.local(points)[:, 0])
 
 
 def _area(walls: Walls, z: float) -> float:

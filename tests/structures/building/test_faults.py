@@ -30,6 +30,16 @@ CASES: dict[str, tuple[list[dict[str, Any]], dict[str, Any], str]] = {
         {},
         r"opening o1 of wall a at 3 m: with its head it reaches up to z = 2.5 m, the wall there to 2.4 m",
     ),
+    "rose below the base": (
+        [A | {"openings": [{"shape": "rose", "at": 3, "width": 1.0}]}],
+        {},
+        r"opening o1 of wall a at 3 m: with its ring it reaches down to z = -0\.\d+ m, the wall begins at 0 m",
+    ),
+    "column in a wall": (
+        [A],
+        {"columns": [{"at": [2.0, 0.2], "height": 2.0, "size": 0.4}]},
+        "columns column1: the one at x = 2 m, y = 0.2 m stands in wall a",
+    ),
     "opening beyond the wall": ([A | {"openings": [{"name": "door", "at": 7, "width": 1.0}]}], {}, "opening door of wall a: at 7 m"),
     "openings over each other": (
         [A | {"openings": [{"at": 3, "width": 1.0, "height": 1.5}, {"at": 3.6, "width": 1.0, "height": 1.5}]}],

@@ -114,5 +114,5 @@ def test_the_plans_of_the_examples_stand_as_they_are_drawn(name: str, walls: set
     assert {wall["name"] for wall in plan.tables["walls"]} == walls
     assert len(plan.left) == left
     keys = tomllib.loads((EXAMPLES / "plans" / f"{name}.toml").read_text())["structure"]
-    blocks, _ = build({"plan": f"{name}.dxf", **{k: keys[k] for k in ("block_length", "course_height")}}, 2000.0, EXAMPLES / "plans")
+    blocks = build({"plan": f"{name}.dxf", **{k: keys[k] for k in ("block_length", "course_height")}}, 2000.0, EXAMPLES / "plans").blocks
     assert {block.group for block in blocks} >= walls

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Plans by chance are built exactly or refused by walls and places; three rooms with floors and vaults, at all sizes of blocks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import random_plans
+from plans import free_volume, prepare, volume_of_plan, wall
+from solids import build
+from statics3d import assembled, can_stand, in_one_piece
+
+import structures
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model.blocks import Block
+from structures.geometry.cells import Part
+
+WALLS = [
+    wall("s", [[0, 0], [4, 0.3]], 0.5),
+    wall("e", [[4, 0.3], [3.8, 3.4]], 0.6),
+    wall("n", [[3.8, 3.4], [-0.2, 3.1]], 0.5, openings=[{"at": 2.0, "width": 0.8, "sill": 0.6, "height": 1.0, "shape": "segmental"}]),
+    wall("w", [[-0.2, 3.1], [0, 0]], 0.6),
+]
+ROOM = [wall("s", [[0, 0], [3.4, 0]]), wall("e", [[3.4, 0], [3.4, 3]]), wall("n", [[3.4, 3], [0, 3]]), wall("w", [[0, 3], [0, 0]])]
+VAULT = {"shape": "cross", "walls": ["s", "e", "n", "w"], "springing": 1.1, "rise": 0.9, "thickness": 0.2}
+FLOOR = {"height": 1.7, "thickness": 0.2, "mass": 300.0, "walls": ["s", "n"]}
+BACK = [wall("k", [[0, 3], [0, 5.6]], 0.5), wall("l", [[0, 5.6], [3.4, 5.6]], 0.5), wall("m", [[3.4, 5.6], [3.4, 3]], 0.5)]
+SEATS = [FLOOR | {"inside": [1.5, 1.5]}, FLOOR | {"inside": [1.5, 4.2], "height": 1.78, "walls": ["n", "l"]}]  # both cut into stones of n
+PLANS: dict[str, dict[str, Any]] = {
+    "floor": {"walls": WALLS, "floors": [FLOOR]},
+    "two floors": {"walls": ROOM + BACK, "floors": SEATS},
+    "vault": {"walls": ROOM, "vaults": [VAULT]},
+}
+LEAST_PART = 0.008  # width of a part [m]: elastic joints sink by some tenths of a millimetre, a tenth of it may pass
+
+
+def least_width(blocks: list[Block]) -> float:
+    """Of the convex parts of free blocks [m]."""
+    parts = [part for block in blocks if not block.fixed for part in block.convex_parts]
+    return min(Part.of(Block("", part.vertices, part.faces)).width for part in parts)
+
+
+@pytest.mark.parametrize(("name", "size", "bond", "seed"), [
+    ("floor", 0.5, "irregular", 0), ("floor", 1.2, "regular", 0), ("floor", 0.8, "rubble", 3), ("two floors", 0.6, "irregular", 1),
+    ("two floors", 1.0, "regular", 0), ("two floors", 0.75, "rubble", 2), ("vault", 0.6, "regular", 0), ("vault", 1.0, "irregular", 2),
+])  # fmt: skip
+def test_seats_and_pockets_leave_no_slivers_at_any_size_of_blocks(name: str, size: float, bond: str, seed: int) -> None:
+    keys = {"block_length": size, "course_height": 0.5 * size, "bond": bond, "seed": seed}
+    blocks = build("building", **PLANS[name], **keys)
+    assert in_one_piece(*assembled(blocks))
+    assert least_width(blocks) > LEAST_PART
+    taken = [block for block in blocks if block.group in ("vault1", "floor1", "floor2")]
+    plain = build("building", **{key: value for key, value in (PLANS[name] | keys).items() if key not in ("floors", "vaults")})
+    assert free_volume(plain) - free_volume(taken) < free_volume(blocks) - free_volume(taken) < free_volume(plain)
+
+
+@pytest.mark.parametrize("seed", [2, 5, 11, 14, 16, 35, 40])
+def test_a_plan_by_chance_is_built_exactly_or_refused_by_its_walls(seed: int) -> None:
+    keys = random_plans.plan(seed)
+    try:
+        blocks = build("building", **keys)
+    except InputError as refused:
+        assert all("wall" in line and "block " not in line for line in str(refused).splitlines())
+        return
+    assert free_volume(blocks) == pytest.approx(volume_of_plan(prepare(keys)), rel=1e-9)
+
+
+@pytest.mark.parametrize("tied", [False, True])
+def test_a_roof_thrusts_or_is_tied_and_weighs_what_it_says(tied: bool) -> None:
+    roofs = [{"walls": ["s", "n"], "rise": 0.8, "mass": 150.0, "tied": tied}]
+    made = structures.make({"kind": "building", "walls": ROOM, "roofs": roofs}, 2000.0, Path())
+    roof = [block for block in made.blocks if block.group == "roof"]
+    assert sum(block.density * block.mass_properties.volume for block in roof) == pytest.approx(150.0 * 2.8 * 3.0)
+    assert len(roof) == 4
+    assert len(made.ties) == (2 if tied else 0)
+    assert can_stand(made.blocks, 0.7)
+    assert np.ptp([block.vertices[:, 2].max() for block in roof]) < 1e-12
+
+
+@pytest.mark.parametrize(("roof", "said"), [
+    ({"walls": ["s", "x"]}, 'roof roof1: there is no wall "x"'),
+    ({"walls": ["s", "e"]}, "roof roof1: walls s and e are not parallel"),
+    ({"walls": ["s", "n"], "thickness": 0.1}, "roof roof1: its thickness must be at least 0.183 m for a bearing of 0.3 m, got 0.1"),
+    ({"walls": ["s", "n"], "bearing": 0.7}, "roof roof1: its bearing must be at most the thickness of its walls, 0.6 m, got 0.7"),
+])  # fmt: skip
+def test_what_is_wrong_with_a_roof_is_a_line(roof: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        build("building", walls=ROOM, roofs=[{"rise": 0.8, "mass": 150.0} | roof])

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drawings as they come: outlines without their flag, corners that do not quite meet, lines drawn twice, blocks within blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from drawings import Drawing
+
+from structures.plans.recognised import Recognised
+
+CORNERS = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0)]
+INNER = [(0.5, 0.5), (5.5, 0.5), (5.5, 3.5), (0.5, 3.5)]
+
+
+def outlines(drawing: Drawing) -> None:
+    drawing.outline(CORNERS)
+    drawing.outline(INNER)
+
+
+def without_flag(drawing: Drawing) -> None:
+    for points in (CORNERS, INNER):
+        drawing.space.add_lwpolyline([*points, points[0]], close=False, dxfattribs={"layer": "WALLS"})
+
+
+def gaps(drawing: Drawing) -> None:
+    """Every line ends 4 mm before its corner."""
+    for points in (CORNERS, INNER):
+        for (x, y), (u, v) in zip(points, [*points[1:], points[0]], strict=True):
+            a, b = 0.004 * (u > x) - 0.004 * (u < x), 0.004 * (v > y) - 0.004 * (v < y)
+            drawing.lines((x + a, y + b), (u - a, v - b))
+
+
+def twice(drawing: Drawing) -> None:
+    outlines(drawing)
+    for points in (CORNERS, INNER):
+        drawing.lines(*points, points[0])
+
+
+def nested(drawing: Drawing) -> None:
+    """The plan as a block in another block, drawn at half its size and turned by a quarter, and put back by the insert."""
+    inner = drawing.document.blocks.new("PLAN")
+    for points in (CORNERS, INNER):
+        inner.add_lwpolyline([(0.5 * y, -0.5 * x) for x, y in points], close=True, dxfattribs={"layer": "WALLS"})
+    outer = drawing.document.blocks.new("XREF")
+    outer.add_blockref("PLAN", (0, 0), dxfattribs={"layer": "WALLS"})
+    drawing.space.add_blockref("XREF", (0, 0), dxfattribs={"layer": "0", "xscale": 2.0, "yscale": 2.0, "rotation": 90.0})
+
+
+def paper(drawing: Drawing) -> None:
+    outlines(drawing)
+    drawing.document.paperspace().add_lwpolyline([(0, 0), (9, 0), (9, 9)], close=True, dxfattribs={"layer": "WALLS"})
+
+
+def walls_of(found: Recognised) -> list[tuple[tuple[float, float], ...]]:
+    return sorted(tuple(sorted(tuple(round(c, 2) + 0.0 for c in point) for point in wall["axis"])) for wall in found.tables["walls"])
+
+
+@pytest.mark.parametrize("draw", [without_flag, gaps, twice, nested, paper])
+def test_a_drawing_with_a_quirk_is_the_plan_that_it_shows(draw: Callable[[Drawing], None], tmp_path: Path) -> None:
+    plain, quirky = Drawing(), Drawing()
+    outlines(plain)
+    draw(quirky)
+    wanted, found = plain.plan(tmp_path), quirky.plan(tmp_path)
+    assert len(wanted.tables["walls"]) == 4
+    assert walls_of(found) == walls_of(wanted)
+    assert {wall["thickness"] for wall in found.tables["walls"]} == {0.5}
+
+
+def test_what_a_block_within_a_block_brings_is_read_and_not_listed(tmp_path: Path) -> None:
+    drawing = Drawing()
+    outlines(drawing)
+    leaf = drawing.document.blocks.new("LEAF")
+    leaf.add_lwpolyline([(0, 0), (0.9, 0), (0.9, 0.5), (0, 0.5)], close=True)
+    drawing.document.blocks.new("DOOR").add_blockref("LEAF", (0, 0))
+    drawing.space.add_blockref("DOOR", (2.0, 0.0), dxfattribs={"layer": "DOORS"})
+    drawing.space.add_blockref("GONE", (3.0, 0.0), dxfattribs={"layer": "DOORS"})
+    found = drawing.plan(tmp_path)
+    (opening,) = [opening for wall in found.tables["walls"] for opening in wall.get("openings", ())]
+    assert opening["width"] == pytest.approx(0.9)
+    assert [left.layer for left in found.left] == ["DOORS"]
