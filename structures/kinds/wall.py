@@ -2,7 +2,7 @@
 """Walls of coursed blocks: running bond, one leaf or several with through-stones, openings, gable.
 
 The wall stands on a fixed base at z = 0, centred on x = 0 and y = 0. Its courses adapt to the sills, springings and lintels of its
-openings (:mod:`structures.layout.coursing`, :mod:`structures.layout.openings`). A wall of several leaves is tied by through-stones: every
+openings (:mod:`structures.layout.wall_plan`, :mod:`structures.layout.openings`). A wall of several leaves is tied by through-stones: every
 third course (``through``) all leaves have the same joints and every third stone fills the whole thickness.
 
 A wall with a core has two outer leaves and between them stones, ``core = "solid"``, or rubble, ``core = "rubble"``: spheres that lie on one
