@@ -9,15 +9,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from structures import size
+from structures.layout.wall_plan import LEAST_COURSE, even
 
 SAME = 1e-9  # [m]
-LEAST_COURSE = 0.4  # height of the lowest course between two given levels, in courses
-UNEVEN = 0.25  # by how much the courses of rubble vary
 
 
 def beds(walls: Iterable[float], openings: Iterable[float], course: float, seed: int | None = None) -> np.ndarray:
@@ -38,18 +36,6 @@ def beds(walls: Iterable[float], openings: Iterable[float], course: float, seed:
         if low < z < high and min(abs(z - other) for other in kept) > LEAST_COURSE * course - SAME:
             kept.append(z)
     return even(sorted(kept), course, None if seed is None else np.random.default_rng(seed))
-
-
-def even(levels: Sequence[float], course: float, random: np.random.Generator | None = None) -> np.ndarray:
-    """Beds (N + 1,) of courses of nearly one height between levels, ascending; a generator makes them vary [m]."""
-    found = [levels[0]]
-    for a, b in pairwise(levels):
-        count = max(1, round((b - a) / course))
-        rise = (b - a) * np.arange(1, count) / count
-        if random is not None:
-            rise += (b - a) * UNEVEN / count * (random.random(count - 1) - 0.5)
-        found += [*(a + rise).tolist(), b]
-    return np.array(found)
 
 
 def course_range(levels: Sequence[float] | np.ndarray, low: float, high: float) -> range:

@@ -8,7 +8,6 @@ n-th stone there is a through-stone. Leaves beside a core have one set of joints
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -21,20 +20,6 @@ from structures.building.polygons import loop
 from structures.building.slivers import Stone
 from structures.building.stones import Part, across
 from structures.layout.wall_plan import CORE
-
-
-@dataclass(frozen=True, eq=False)
-class Leaves:
-    """The leaves of a wall."""
-
-    bounds: np.ndarray  # (L + 1,) n between which they lie [m]
-    through: int = 3  # every through-th stone of every through-th course reaches through all of them; 0: none
-    core: bool = False  # the middle one of three is a core
-    hollow: bool = False  # which is left out
-
-    def ties(self, course: int) -> bool:
-        """Whether a course, counted from the foot, has through-stones."""
-        return self.through > 0 and course % self.through == self.through - 1
 
 
 def stones(plan: Plan, number: int, laying: Laying, frames: Sequence[Frame]) -> Iterator[Stone]:

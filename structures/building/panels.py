@@ -13,7 +13,7 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -26,14 +26,25 @@ from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.table import Bond
 
-if TYPE_CHECKING:
-    from structures.building.leaves import Leaves
-
 LEAST_UNIT = 0.35  # between a head joint and the end of its stretch, in blocks
 LEAST_BOND = 0.12  # between head joints of successive courses, in blocks
 THIN = 0.3  # a stone lower than this of a course is joined to another one
 SHORT = 0.15  # and one shorter than this of a block
 JITTER = {"regular": 0.0, "irregular": 0.22, "rubble": 0.32}  # by how much of a block head joints are moved at most
+
+
+@dataclass(frozen=True, eq=False)
+class Leaves:
+    """The leaves of a wall, see :mod:`structures.building.leaves`."""
+
+    bounds: np.ndarray  # (L + 1,) n between which they lie [m]
+    through: int = 3  # every through-th stone of every through-th course reaches through all of them; 0: none
+    core: bool = False  # the middle one of three is a core
+    hollow: bool = False  # which is left out
+
+    def ties(self, course: int) -> bool:
+        """Whether a course, counted from the foot, has through-stones."""
+        return self.through > 0 and course % self.through == self.through - 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from shapely.geometry import Polygon
@@ -20,19 +21,28 @@ from structures.building.engine import Walls, blocks_of_walls, refuse
 from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.junctions import Junction, Pair
-from structures.building.leaves import Leaves
-from structures.building.panels import Band, Laying, stretches
+from structures.building.panels import Band, Laying, Leaves, stretches
 from structures.building.polygons import box
-from structures.building.table import BuildingTable, BuildingWallTable, WallOpeningTable
+from structures.building.table import BuildingTable, WallOpeningTable
 from structures.layout.openings import Closing, close
 from structures.layout.wall_plan import Wall
 
 LEAST_JAMB = 0.2  # between an opening and the end of its stretch of a course, in blocks
 
 
-def blocks_of(walls: Sequence[Wall], beds: Sequence[float], unit: float, density: float, bonded: bool) -> list[Block]:
-    """See :func:`structures.layout.wall_plan.build`."""
-    table = BuildingTable(walls=tuple(_table(wall) for wall in walls))
+def build(walls: Sequence[Wall], beds: Sequence[float], unit: float, density: float, bonded: bool = True) -> list[Block]:
+    """The blocks of all walls, ``NAME.COURSE.NUMBER``, voussoirs and lintels ``NAME.oOPENING.NUMBER``.
+
+    Args:
+        beds: from :func:`structures.layout.wall_plan.levels` [m].
+        unit: length of a block [m].
+        density: [kg/m3].
+        bonded: False makes straight joints where walls meet.
+
+    Raises:
+        InputError: an opening that does not lie inside its wall, or walls that cannot meet as they do.
+    """
+    table = BuildingTable.model_validate({"walls": [_table(wall) for wall in walls]})
     faults: list[str] = []
     legs = [leg for k, keys in enumerate(table.walls) for leg in legs_of(k, keys)]
     plan = Plan(legs, [_in_turns(junction, walls, bonded) for junction in junctions.find(legs, table, faults)])
@@ -42,14 +52,12 @@ def blocks_of(walls: Sequence[Wall], beds: Sequence[float], unit: float, density
     return blocks_of_walls(Walls(table, plan, frames, layings), density)
 
 
-def _table(wall: Wall) -> BuildingWallTable:
+def _table(wall: Wall) -> dict[str, Any]:
     """A wall by the middle line of its plan."""
     middle = 0.5 * (wall.near + wall.far)
     axis = [(s, middle) if wall.axis == 0 else (middle, s) for s in (wall.start, wall.end)]
     profile = [(s - wall.start, z - wall.foot) for s, z in wall.profile]
-    return BuildingWallTable.model_validate(
-        {"name": wall.name, "group": wall.group, "axis": axis, "thickness": wall.far - wall.near, "base": wall.foot, "top": profile}
-    )
+    return {"name": wall.name, "group": wall.group, "axis": axis, "thickness": wall.far - wall.near, "base": wall.foot, "top": profile}
 
 
 def _in_turns(junction: Junction, walls: Sequence[Wall], bonded: bool) -> Junction:
@@ -114,7 +122,7 @@ def _hull(closing: Closing, beds: np.ndarray, start: float) -> Polygon:
 def _frame(hull: Polygon, pieces: Sequence[tuple[str, np.ndarray]] = ()) -> Frame:
     """A frame that keeps to the courses."""
     left, low, right, high = hull.bounds
-    keys = WallOpeningTable(at=max(0.0, 0.5 * (left + right)), width=right - left, sill=0.0, height=high - low)
+    keys = WallOpeningTable.model_validate({"at": 0.5 * (left + right), "width": right - left, "height": high - low})
     return Frame(keys, "", hull, tuple(pieces), hull, ())
 
 

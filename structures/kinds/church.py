@@ -34,6 +34,8 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     Raises:
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
+    from structures.building import square_plan
+
     keys = with_defaults(parse_table(ChurchTable, table, "structure"))
     _fits(keys)
     size.within(_estimate(keys), "gable" if (keys.gable or 0.0) > 10.0 * keys.height else "block_length")
@@ -41,7 +43,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     walls = church_parts.walls(church)
     beds = beds_of(church, walls)
     walls, apse = church_parts.with_apse(church, walls, beds, density)
-    blocks = wall_plan.build(walls, beds, church.unit, density, keys.bonded) + apse
+    blocks = square_plan.build(walls, beds, church.unit, density, keys.bonded) + apse
     if keys.aisles:
         blocks += church_parts.columns(church, density)
     if keys.roof == "timber":

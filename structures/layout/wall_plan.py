@@ -11,17 +11,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
-from structures.building.beds import LEAST_COURSE, even
 from structures.geometry.prism import box
 from structures.layout.openings import Opening, breaks, haunch_break
 
 CORE = "core"  # group of the middle one of three leaves
+LEAST_COURSE = 0.4  # height of the lowest course between two given levels, in courses
+UNEVEN = 0.25  # by how much the courses of rubble vary
 SAME = 1e-9  # lengths closer than this are one [m]
 AROUND = 1.5  # of the height: how far the ground reaches around a structure
 
@@ -102,18 +104,16 @@ def _divided(fixed: Sequence[tuple[float, str]], course: float) -> list[float]:
     return [float(z) for z in even([z for z, _ in kept], course)]
 
 
-def build(walls: Sequence[Wall], beds: Sequence[float], unit: float, density: float, bonded: bool = True) -> list[Block]:
-    """The blocks of all walls, ``NAME.COURSE.NUMBER``, voussoirs and lintels ``NAME.oOPENING.NUMBER``.
-
-    Args:
-        beds: from :func:`levels` [m].
-        unit: length of a block [m].
-        density: [kg/m3].
-        bonded: False makes straight joints where walls meet.
-    """
-    from structures.building import square_plan
-
-    return square_plan.blocks_of(walls, beds, unit, density, bonded)
+def even(levels: Sequence[float], course: float, random: np.random.Generator | None = None) -> np.ndarray:
+    """Beds (N + 1,) of courses of nearly one height between levels, ascending; a generator makes them vary [m]."""
+    found = [levels[0]]
+    for a, b in pairwise(levels):
+        count = max(1, round((b - a) / course))
+        rise = (b - a) * np.arange(1, count) / count
+        if random is not None:
+            rise += (b - a) * UNEVEN / count * (random.random(count - 1) - 0.5)
+        found += [*(a + rise).tolist(), b]
+    return np.array(found)
 
 
 def ground(blocks: Sequence[Block], depth: float, density: float) -> Block:

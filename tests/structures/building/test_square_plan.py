@@ -8,6 +8,7 @@ import pytest
 from solids import build, free_volume
 
 from masonry_cd.mechanics.model.blocks import Block
+from structures.building import square_plan
 from structures.layout import wall_plan
 
 THICK, UNIT, COURSE = 0.5, 0.8, 0.25
@@ -18,7 +19,7 @@ def corner(leaves: int = 1, bonded: bool = True) -> list[Block]:
     along = wall_plan.Wall("along", "along", 0, 0.0, 4.0, 0.0, THICK, 0.0, 2.0, leaves=leaves)
     across = wall_plan.Wall("across", "across", 1, 0.0, 3.0, 0.0, THICK, 0.0, 2.0, leaves=leaves)
     walls = [along, across]
-    return wall_plan.build(walls, wall_plan.levels(walls, COURSE), UNIT, 2000.0, bonded)
+    return square_plan.build(walls, wall_plan.levels(walls, COURSE), UNIT, 2000.0, bonded)
 
 
 def test_stones_on_a_corner_reach_beyond_the_other_wall_and_take_turns() -> None:
