@@ -76,7 +76,7 @@ class Plan:
         """The arms of a facet at which it lies over another wall in a course between two heights, and interlocks with it."""
         for junction, pair, own, other in self.arms(leg, facet):
             legs = self.order(junction, course, low, high)
-            if pair.bond == "bonded" and leg in legs and other.leg in legs and legs.index(leg) < legs.index(other.leg):
+            if pair.bond != "butt" and leg in legs and other.leg in legs and legs.index(leg) < legs.index(other.leg):
                 yield own
 
 

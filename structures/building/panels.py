@@ -24,6 +24,7 @@ from structures.building.axes import SAME, Facet, Leg
 from structures.building.beds import course_range
 from structures.building.footprints import Plan
 from structures.building.frames import Frame
+from structures.building.junctions import Arm
 from structures.building.table import Bond
 
 LEAST_UNIT = 0.35  # between a head joint and the end of its stretch, in blocks
@@ -125,17 +126,18 @@ def stretches(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[
     low, high = float(laying.beds[course]), float(laying.beds[course + 1])
     hulls = [frame.hull for frame in frames if frame.hull.bounds[1] < high - SAME and frame.hull.bounds[3] > low + SAME]
     hulls = [_on_beds(hull, low, high) for hull in hulls]
-    corners = [(arm.low, arm.high) for arm in plan.first_at(number, f, course, low, high)] if laying.keyed else []
+    first = list(plan.first_at(number, f, course, low, high))
     for area in sorted(plan.owned(number, f, course, low, high), key=lambda shape: shape.bounds[0]):
         region = _region(leg, facet, area, low, high, hulls)
         if region is None:
             continue
         clean = polygons.clean_stretch(area, 0.5 * leg.thickness)
-        if not laying.keyed:
-            yield Stretch(area, clean, region, Band(clean[0], clean[0], clean[1], clean[1]), bool(hulls))
-            continue
-        for part in polygons.polygons(region):
-            yield Stretch(area, clean, part, _bonded(_band(part, low, high), corners, laying.unit))
+        if laying.keyed:
+            bands = [(part, _band(part, low, high)) for part in polygons.polygons(region)]
+        else:
+            bands = [(region, Band(clean[0], clean[0], clean[1], clean[1]))]
+        for part, band in bands:
+            yield Stretch(area, clean, part, _bonded(band, first, laying.unit), bool(hulls) and not laying.keyed)
 
 
 def _band(part: Polygon, low: float, high: float) -> Band:
@@ -145,14 +147,13 @@ def _band(part: Polygon, low: float, high: float) -> Band:
     return Band(*(float(s) for s in (lower.min(), upper.min(), lower.max(), upper.max())))
 
 
-def _bonded(band: Band, corners: Sequence[tuple[float, float]], unit: float) -> Band:
-    """A band whose end stones reach beyond the walls that they lie over at corners, s of which are given [m]."""
-    for low, high in corners:
-        reach = high - low + LEAST_UNIT * unit
-        if abs(band.left0 - low) < SAME:
-            band = band._replace(bond_left=reach)
-        if abs(band.right0 - high) < SAME:
-            band = band._replace(bond_right=reach)
+def _bonded(band: Band, first: Sequence[Arm], unit: float) -> Band:
+    """A band whose end stones reach beyond the walls that they lie over where it ends."""
+    for arm in first:
+        if abs(band.left0 - arm.low) < SAME or (arm.end < 0 and band.left0 < arm.high):
+            band = band._replace(bond_left=arm.high - band.left0 + LEAST_UNIT * unit)
+        if abs(band.right0 - arm.high) < SAME or (arm.end > 0 and band.right0 > arm.low):
+            band = band._replace(bond_right=band.right0 - arm.low + LEAST_UNIT * unit)
     return band
 
 
