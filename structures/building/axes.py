@@ -91,6 +91,7 @@ class Leg:
     keys: BuildingWallTable
     facets: tuple[Facet, ...]
     closed: bool = False  # its last facet goes on in its first
+    length: float = math.inf  # of the axis of its wall [m]
     tops: tuple[tuple[float, float], ...] = field(default=())  # distance along the axis, z, of the profile of its top [m]
 
     @property
@@ -103,12 +104,21 @@ class Leg:
         """z of the foot [m]."""
         return self.keys.base
 
-    def top(self, facet: Facet, s: float, beyond: bool = True) -> float:
-        """z of the top over a place of one of its facets [m], at a step that beyond or before it; outside its ends the profile is level."""
-        at, z = (np.array(column) for column in zip(*self.tops, strict=True))
-        here = facet.at_of(s)
-        step = np.flatnonzero(np.abs(at - here) < SAME)
-        return float(z[step[-1 if beyond else 0]] if len(step) else np.interp(here, at, z))
+    def top(self, facet: Facet, s: float, after: bool = True) -> float:
+        """z of the top over a place of one of its facets [m], at a step that after or before it.
+
+        Beyond the ends of the axis, up to the far faces of the walls there, a top that falls goes on falling, one that rises ends level.
+        """
+        at, z = zip(*self.tops, strict=True)
+        there = facet.at_of(s)
+        step = [k for k, place in enumerate(at) if abs(place - there) < SAME]
+        level = z[step[-1 if after else 0]] if step else float(np.interp(there, at, z))
+        for end, inner, beyond in ((0, 1, there - at[0]), (-1, -2, at[-1] - there)):
+            run = abs(at[inner] - at[end])
+            ends = abs(at[end] - (0.0, self.length)[end]) < 1e-6
+            if beyond < 0.0 and ends and run > 1e-6 and z[inner] > z[end]:
+                level = max(self.base, z[end] + beyond * (z[inner] - z[end]) / run)
+        return level
 
     def tops_between(self, facet: Facet, low: float, high: float) -> list[tuple[float, float]]:
         """s, z of the profile between two places of a facet, both of them included [m]."""
@@ -116,7 +126,7 @@ class Leg:
             return [(low, self.tops[0][1]), (high, self.tops[0][1])]
         inner = [(facet.s_of(at), z) for at, z in self.tops]
         inner = [(s, z) for s, z in inner if low + SAME < s < high - SAME]
-        return [(low, self.top(facet, low)), *inner, (high, self.top(facet, high, beyond=False))]
+        return [(low, self.top(facet, low)), *inner, (high, self.top(facet, high, after=False))]
 
 
 def legs_of(number: int, keys: BuildingWallTable) -> list[Leg]:
@@ -140,8 +150,8 @@ def legs_of(number: int, keys: BuildingWallTable) -> list[Leg]:
     gentle = [abs(turn) <= (SHARPEST if c else GENTLE) for turn, c in zip(turns, curved, strict=False)]
     chains = _chains(facets, [turn if g else None for turn, g in zip(turns, gentle, strict=True)], closed)
     if closed and len(chains) == 1 and gentle[-1]:
-        return [Leg(number, 0, keys, chains[0], True, tops)]
-    return [Leg(number, k, keys, chain, False, tops) for k, chain in enumerate(chains)]
+        return [Leg(number, 0, keys, chains[0], True, bends[-1].length, tops)]
+    return [Leg(number, k, keys, chain, False, bends[-1].length, tops) for k, chain in enumerate(chains)]
 
 
 def place(point: np.ndarray) -> str:

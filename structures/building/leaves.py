@@ -16,9 +16,9 @@ from structures.building.axes import SAME, Leg
 from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay, running
-from structures.building.polygons import loop
 from structures.building.slivers import Stone
 from structures.building.stones import Part, across
+from structures.geometry.polygons import loop
 from structures.layout.wall_plan import CORE
 
 

@@ -19,13 +19,13 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, Polygon
 
-from structures.building import polygons
 from structures.building.axes import SAME, Facet, Leg
 from structures.building.beds import course_range
 from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.junctions import Arm
 from structures.building.table import Bond
+from structures.geometry import polygons
 
 LEAST_UNIT = 0.35  # between a head joint and the end of its stretch, in blocks
 LEAST_BOND = 0.12  # between head joints of successive courses, in blocks

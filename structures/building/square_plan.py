@@ -22,8 +22,8 @@ from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.junctions import Junction, Pair
 from structures.building.panels import Band, Laying, Leaves, stretches
-from structures.building.polygons import box
 from structures.building.table import BuildingTable, WallOpeningTable
+from structures.geometry.polygons import box
 from structures.layout.openings import Closing, close
 from structures.layout.wall_plan import Wall
 

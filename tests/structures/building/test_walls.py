@@ -129,7 +129,7 @@ def test_corner_stones_of_bonded_walls_reach_beyond_the_other_wall(thickness: fl
     """Or else an upright joint would run along its face from bottom to top."""
     axes = {"along": [[0.0, 0.0], [4.0, 0.0]], "across": [[0.0, 0.0], [0.0, 4.0]]}
     blocks = build("building", walls=[wall(name, axis, thickness) for name, axis in axes.items()], block_length=0.6, course_height=0.3)
-    reached = {name: 0 for name in axes}
+    reached = dict.fromkeys(axes, 0)
     for block in blocks:
         low, high = block.vertices.min(axis=0), block.vertices.max(axis=0)
         name = block.name.split(".")[0]
@@ -137,3 +137,12 @@ def test_corner_stones_of_bonded_walls_reach_beyond_the_other_wall(thickness: fl
             assert high[list(axes).index(name)] >= 0.5 * thickness + 0.35 * 0.6 - 1e-9
             reached[name] += 1
     assert reached == {"along": 4, "across": 4}
+
+
+def test_a_gable_goes_on_falling_to_the_far_faces_of_the_walls_at_its_ends_and_a_shed_ends_level() -> None:
+    gable = wall("gable", [[0, 0], [4, 0]], top=[[0, 2.4], [2, 3.4], [4, 2.4]])
+    legs = prepare({"walls": [gable, wall("b", [[0, 0], [0, 3]], 0.5, 2.0)]}).plan.legs
+    assert legs[0].top(legs[0].facets[0], -0.25) == pytest.approx(2.4 - 0.25 * 0.5)
+    shed = prepare({"walls": [wall("shed", [[0, 0], [4, 0]], top=[[0, 2.4], [4, 3.4]])]}).plan.legs[0]
+    assert shed.top(shed.facets[0], -0.2) == pytest.approx(2.35)
+    assert shed.top(shed.facets[0], 4.2) == 3.4
