@@ -16,6 +16,7 @@ import numpy as np
 
 import structures
 from masonry_cd.mechanics.model.blocks import Block
+from structures.building import square_plan
 from structures.geometry.prism import box
 from structures.layout import wall_plan
 
@@ -55,7 +56,7 @@ def corner(bonded: bool = True) -> list[Block]:
         wall_plan.Wall("along", "along", 0, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
         wall_plan.Wall("across", "across", 1, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
     ]
-    blocks = wall_plan.build(walls, wall_plan.levels(walls, COURSE), 2.0 * COURSE, DENSITY, bonded)
+    blocks = square_plan.build(walls, wall_plan.levels(walls, COURSE), 2.0 * COURSE, DENSITY, bonded)
     return [*blocks, wall_plan.ground(blocks, COURSE, DENSITY)]
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -47,17 +48,17 @@ class Facet:
     cuts: tuple[float, float] = (0.0, 0.0)  # n times this is by how much s of its start, and of its end, exceeds that of the axis
     open: tuple[bool, bool] = (True, True)  # whether the leg ends at its start, and at its end
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Of its chord [m]."""
         return float(np.hypot(*(self.end - self.start)))
 
-    @property
+    @cached_property
     def along(self) -> np.ndarray:
         """Unit vector (2,) of s."""
         return np.asarray((self.end - self.start) / self.length)
 
-    @property
+    @cached_property
     def left(self) -> np.ndarray:
         """Unit vector (2,) of n."""
         x, y = self.along
@@ -104,14 +105,15 @@ class Leg:
         """z of the foot [m]."""
         return self.keys.base
 
-    def top(self, facet: Facet, s: float) -> float:
-        """z of the top over a place of one of its facets [m].
+    def top(self, facet: Facet, s: float, after: bool = True) -> float:
+        """z of the top over a place of one of its facets [m], at a step that after or before it.
 
         Beyond the ends of the axis, up to the far faces of the walls there, a top that falls goes on falling, one that rises ends level.
         """
         at, z = zip(*self.tops, strict=True)
         there = facet.at_of(s)
-        level = float(np.interp(there, at, z))
+        step = [k for k, place in enumerate(at) if abs(place - there) < SAME]
+        level = z[step[-1 if after else 0]] if step else float(np.interp(there, at, z))
         for end, inner, beyond in ((0, 1, there - at[0]), (-1, -2, at[-1] - there)):
             run = abs(at[inner] - at[end])
             ends = abs(at[end] - (0.0, self.length)[end]) < 1e-6
@@ -121,9 +123,11 @@ class Leg:
 
     def tops_between(self, facet: Facet, low: float, high: float) -> list[tuple[float, float]]:
         """s, z of the profile between two places of a facet, both of them included [m]."""
+        if len(self.tops) == 2 and self.tops[0][1] == self.tops[1][1]:
+            return [(low, self.tops[0][1]), (high, self.tops[0][1])]
         inner = [(facet.s_of(at), z) for at, z in self.tops]
         inner = [(s, z) for s, z in inner if low + SAME < s < high - SAME]
-        return [(low, self.top(facet, low)), *inner, (high, self.top(facet, high))]
+        return [(low, self.top(facet, low)), *inner, (high, self.top(facet, high, after=False))]
 
 
 def legs_of(number: int, keys: BuildingWallTable) -> list[Leg]:

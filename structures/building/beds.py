@@ -9,15 +9,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from structures import size
-from structures.layout.coursing import LEAST_COURSE
+from structures.layout.wall_plan import LEAST_COURSE, even
 
 SAME = 1e-9  # [m]
-UNEVEN = 0.25  # by how much the courses of rubble vary
 
 
 def beds(walls: Iterable[float], openings: Iterable[float], course: float, seed: int | None = None) -> np.ndarray:
@@ -37,15 +35,7 @@ def beds(walls: Iterable[float], openings: Iterable[float], course: float, seed:
     for z in ordered:
         if low < z < high and min(abs(z - other) for other in kept) > LEAST_COURSE * course - SAME:
             kept.append(z)
-    random = None if seed is None else np.random.default_rng(seed)
-    found = [low]
-    for a, b in pairwise(sorted(kept)):
-        count = max(1, round((b - a) / course))
-        inner = np.arange(1, count) / count
-        if random is not None:
-            inner = inner + UNEVEN / count * (random.random(count - 1) - 0.5)
-        found += [*(a + (b - a) * inner).tolist(), b]
-    return np.array(found)
+    return even(sorted(kept), course, None if seed is None else np.random.default_rng(seed))
 
 
 def course_range(levels: Sequence[float] | np.ndarray, low: float, high: float) -> range:

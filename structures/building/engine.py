@@ -17,7 +17,7 @@ from masonry_cd.foundation.errors import InputErrors
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
-from structures.building import columns, junctions, openings, roofs, vaults
+from structures.building import columns, junctions, leaves, openings, roofs, vaults
 from structures.building.added_walls import added
 from structures.building.axes import SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
@@ -64,13 +64,18 @@ def blocks_of(table: BuildingTable, density: float) -> tuple[list[Block], list[B
     refuse(faults)
     assert walls is not None
     laid = joined([stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)])
-    blocks = [block for number in range(len(table.walls)) for block in _wall_blocks(walls, number, laid, density)]
+    blocks = _all_blocks(walls, laid, density)
     vaulted = [block for vault in over for block in vaults.blocks_of(vault, table.block_length, density)]
     if vaulted:
         thin = SLIVER * min(vault.keys.thickness for vault in over)
         blocks = with_pockets(blocks, [part for block in vaulted for part in block.convex_parts], thin)
     blocks += [block for row in rows for block in columns.blocks_of(row, table, density)]
     return welded([*blocks, *vaulted, *roof]), bars
+
+
+def blocks_of_walls(walls: Walls, density: float) -> list[Block]:
+    """The blocks of walls that are square to each other, of which no corner leaves slivers."""
+    return _all_blocks(walls, [stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)], density)
 
 
 def refuse(faults: Sequence[str]) -> None:
@@ -179,15 +184,22 @@ def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -
                     faults.append(f"columns {row.name}: the one at {vaults.place(at)} stands in wall {leg.keys.name}")
 
 
+def _all_blocks(walls: Walls, laid: Sequence[Stone], density: float) -> list[Block]:
+    """The blocks of all walls, one after the other."""
+    by_wall: dict[int, list[Stone]] = {}
+    for one in laid:
+        by_wall.setdefault(walls.plan.legs[one.leg].wall, []).append(one)
+    return [block for k in range(len(walls.table.walls)) for block in _wall_blocks(walls, k, by_wall.get(k, []), density)]
+
+
 def _wall_blocks(walls: Walls, number: int, laid: Sequence[Stone], density: float) -> list[Block]:
-    """The blocks of one wall: stones by course, then those of its openings."""
+    """The blocks of one wall from its stones: by course, then those of its openings."""
     keys = walls.table.walls[number]
     own = density_of(keys, density)
     group = keys.group or keys.name
-    stones: dict[int, list[Sequence[Part]]] = {}
+    stones: dict[int, list[Stone]] = {}
     for one in laid:
-        if walls.plan.legs[one.leg].wall == number:
-            stones.setdefault(one.course, []).append(one.parts)
+        stones.setdefault(one.course, []).append(one)
     around: list[Block] = []
     opened = 0
     for k, leg in enumerate(walls.plan.legs):
@@ -199,8 +211,8 @@ def _wall_blocks(walls: Walls, number: int, laid: Sequence[Stone], density: floa
                 around += _frame_blocks(frame, leg, facet, f"{keys.name}.o{opened}", own, group, walls.layings[k])
     found = []
     for course in sorted(stones):
-        for i, parts in enumerate(stones[course], start=1):
-            found.append(stone(f"{keys.name}.{course + 1}.{i}", parts, own, group))
+        for i, one in enumerate(stones[course], start=1):
+            found.append(stone(f"{keys.name}.{course + 1}.{one.label or i}", one.parts, own, one.group or group))
     return found + around
 
 
@@ -215,12 +227,15 @@ def density_of(keys: BuildingWallTable, density: float) -> float:
 
 def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[Stone]:
     """The stones of a leg; in odd courses they turn round the bends."""
+    laying = walls.layings[number]
+    if laying.leaves is not None:
+        return list(leaves.stones(walls.plan, number, laying, walls.frames.get((number, 0), [])))
     found: list[tuple[int, list[Part]]] = []
     before: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the next facet
     first: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the first facet
     for f, facet in enumerate(leg.facets):
         ends: dict[int, tuple[int, Piece]] = {}
-        for piece in lay(walls.plan, number, f, walls.layings[number], walls.frames.get((number, f), [])):
+        for piece in lay(walls.plan, number, f, laying, walls.frames.get((number, f), [])):
             parts = parts_of(piece, facet, leg.thickness)
             at = len(found)
             if piece.mitre[0] and piece.course in before and _turns(before[piece.course][1], piece):

@@ -10,7 +10,7 @@ that slopes within it there, is never first.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -34,6 +34,7 @@ class Plan:
     junctions: Sequence[Junction]
     shapes: dict[tuple[int, int], Polygon] = field(default_factory=dict)  # of leg and facet, drawn out to far faces; s, n [m]
     areas: dict[tuple[int, int, frozenset[int]], list[Polygon]] = field(default_factory=dict)  # what other legs leave of it
+    orders: dict[tuple[Junction, int, float, float], list[int]] = field(default_factory=dict)  # by junction, course and heights
 
     def shape(self, leg: int, facet: int) -> Polygon:
         """What a facet would fill in plan if it came first everywhere; s, n [m]."""
@@ -57,12 +58,26 @@ class Plan:
         before = frozenset(
             other
             for junction in {id(j): j for j, *_ in self.arms(leg, facet)}.values()
-            for other in _before(order(self, junction, course, low, high), leg)
+            for other in _before(self.order(junction, course, low, high), leg)
         )
         key = leg, facet, before
         if key not in self.areas:
             self.areas[key] = _left_of(self, leg, facet, before)
         return self.areas[key]
+
+    def order(self, junction: Junction, course: int, low: float, high: float) -> list[int]:
+        """See :func:`order`."""
+        key = junction, course, low, high
+        if key not in self.orders:
+            self.orders[key] = order(self, *key)
+        return self.orders[key]
+
+    def first_at(self, leg: int, facet: int, course: int, low: float, high: float) -> Iterator[Arm]:
+        """The arms of a facet at which it lies over another wall in a course between two heights, and interlocks with it."""
+        for junction, pair, own, other in self.arms(leg, facet):
+            legs = self.order(junction, course, low, high)
+            if pair.bond != "butt" and leg in legs and other.leg in legs and legs.index(leg) < legs.index(other.leg):
+                yield own
 
 
 def stands(plan: Plan, arm: Arm, low: float, high: float) -> float:

@@ -22,7 +22,7 @@ from shapely.geometry import Polygon
 
 from masonry_cd.foundation import libm
 from structures.building.table import WallOpeningTable
-from structures.layout.openings import SKEW
+from structures.layout.openings import flat_arch, natural_bearing, natural_ring, voussoir_width
 
 LEAST_MEASURE = 1e-2  # of a width or a ring [m]
 SLENDER = 0.6  # width of a voussoir on the intrados, in thicknesses of the ring
@@ -120,10 +120,10 @@ def _with_defaults(keys: WallOpeningTable, around: Around) -> WallOpeningTable:
         if new["height"] < new["rise"] * (1.0 - 1e-9):
             raise ValueError(f"its height must be at least the rise of its head, {new['rise']:.4g} m, got {new['height']:g}")
     if arched or shape == "rose":
-        new["ring"] = keys.ring or max(0.2 * width, min(0.8 * around.course, 0.35 * width))
+        new["ring"] = keys.ring or natural_ring(width, around.course)
     elif keys.ring is None:
         new["lintel"] = keys.lintel or around.course
-        new["bearing"] = keys.bearing or max(around.unit / 3.0, 0.15 * width)
+        new["bearing"] = keys.bearing or natural_bearing(width, around.unit)
     if shape == "niche":
         new["depth"] = keys.depth or around.thickness / 3.0
         if new["depth"] > 0.8 * around.thickness:
@@ -143,13 +143,8 @@ def _straight(keys: WallOpeningTable, name: str, box: np.ndarray) -> Frame:
         a, b, high = left - keys.bearing, right + keys.bearing, top + keys.lintel
         piece = np.array([(a, top), (b, top), (b, high), (a, high)])
         return _framed(keys, name, Polygon(box), (("lintel", piece),), (sill, top, high))
-    wide, high = keys.ring * math.tan(SKEW), top + keys.ring
-    share = np.linspace(0.0, 1.0, _odd((right - left) / (SLENDER * keys.ring)) + 1)
-    inner, outer = left + (right - left) * share, left - wide + (right - left + 2.0 * wide) * share
-    pieces = tuple(
-        ("voussoir", np.array([(inner[k], top), (inner[k + 1], top), (outer[k + 1], high), (outer[k], high)]))
-        for k in range(len(share) - 1)
-    )
+    high, count = top + keys.ring, _odd((right - left) / (SLENDER * keys.ring))
+    pieces = tuple(flat_arch(0.5 * (left + right), 0.5 * (right - left), (top, high), count))
     return _framed(keys, name, Polygon(box), pieces, (sill, top, high))
 
 
@@ -157,7 +152,7 @@ def _rose(keys: WallOpeningTable, name: str, s: float, z: float, course: float) 
     """A whole circle of voussoirs."""
     assert keys.ring is not None
     radius = 0.5 * keys.width
-    count = max(8, 2 * round(math.pi * radius / _target(keys.ring, course)))
+    count = max(8, 2 * round(math.pi * radius / voussoir_width(keys.ring, course)))
     angles = 2.0 * math.pi * (np.arange(count) + 0.5) / count
     unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
     inner, outer = [s, z] + radius * unit, [s, z] + (radius + keys.ring) * unit
@@ -172,7 +167,7 @@ def _profiles(keys: WallOpeningTable, course: float) -> tuple[np.ndarray, np.nda
     if keys.shape == "pointed":  # each side is an arc about a point on the springing line
         radius = (half**2 + rise**2) / (2.0 * half)
         centre, end = half - radius, math.atan2(rise, radius - half)
-        count = max(2, round(end * radius / _target(ring, course)))
+        count = max(2, round(end * radius / voussoir_width(ring, course)))
         angles = end * np.arange(count + 1) / count
         unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
         inner, outer = ([centre, 0.0] + r * unit for r in (radius, radius + ring))
@@ -182,17 +177,12 @@ def _profiles(keys: WallOpeningTable, course: float) -> tuple[np.ndarray, np.nda
     radius = (half**2 + rise**2) / (2.0 * rise)
     start = math.asin(min(1.0, (radius - rise) / radius))
     start = start if start > 1e-6 else 0.0
-    count = max(_odd((math.pi - 2.0 * start) * radius / _target(ring, course)), LEAST_ROUND if start == 0.0 else 3)
+    count = max(_odd((math.pi - 2.0 * start) * radius / voussoir_width(ring, course)), LEAST_ROUND if start == 0.0 else 3)
     angles = start + (math.pi - 2.0 * start) * np.arange(count + 1) / count
     unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
     unit[-1] = unit[0] * [-1.0, 1.0]
     middle = np.array([0.0, rise - radius])
     return middle + radius * unit, middle + (radius + ring) * unit
-
-
-def _target(ring: float, course: float) -> float:
-    """Width of a voussoir on the intrados [m]."""
-    return max(SLENDER * ring, min(0.8 * course, 1.2 * ring))
 
 
 def _odd(wanted: float) -> int:

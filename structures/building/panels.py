@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -22,13 +23,29 @@ from structures.building.axes import SAME, Facet, Leg
 from structures.building.beds import course_range
 from structures.building.footprints import Plan
 from structures.building.frames import Frame
+from structures.building.junctions import Arm
 from structures.building.table import Bond
 from structures.geometry import polygons
-from structures.layout.coursing import LEAST_BOND, LEAST_UNIT
 
+LEAST_UNIT = 0.35  # between a head joint and the end of its stretch, in blocks
+LEAST_BOND = 0.12  # between head joints of successive courses, in blocks
 THIN = 0.3  # a stone lower than this of a course is joined to another one
 SHORT = 0.15  # and one shorter than this of a block
 JITTER = {"regular": 0.0, "irregular": 0.22, "rubble": 0.32}  # by how much of a block head joints are moved at most
+
+
+@dataclass(frozen=True, eq=False)
+class Leaves:
+    """The leaves of a wall, see :mod:`structures.building.leaves`."""
+
+    bounds: np.ndarray  # (L + 1,) n between which they lie [m]
+    through: int = 3  # every through-th stone of every through-th course reaches through all of them; 0: none
+    core: bool = False  # the middle one of three is a core
+    hollow: bool = False  # which is left out
+
+    def ties(self, course: int) -> bool:
+        """Whether a course, counted from the foot, has through-stones."""
+        return self.through > 0 and course % self.through == self.through - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +55,33 @@ class Laying:
     beds: np.ndarray  # heights (N + 1,) [m]
     course: float  # height aimed at [m]
     unit: float  # length of a block [m]
-    bond: Bond
-    seed: int
+    bond: Bond = "regular"
+    seed: int = 0
+    anchor: float = 0.0  # s at which the bond begins [m]
+    keyed: bool = False  # its openings leave trapezoids of every course
+    leaves: Leaves | None = None  # through the thickness, where there are several
+
+
+class Band(NamedTuple):
+    """A stretch of a course: s of its ends at the lower and at the upper bed, and how long its end stones must be at least [m]."""
+
+    left0: float
+    left1: float
+    right0: float
+    right1: float
+    bond_left: float = 0.0
+    bond_right: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """What a facet fills of a course in one place."""
+
+    area: Polygon  # in plan, s, n [m]
+    clean: tuple[float, float]  # s between which that has the whole thickness [m]
+    region: Polygon  # in its face, s, z [m]
+    band: Band  # between whose ends its head joints lie
+    cut: bool = False  # by a frame that does not keep to the courses
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,30 +95,66 @@ class Piece:
     mitre: tuple[bool, bool] = (False, False)  # whether it reaches the facet before, and the one after
 
 
-def lay(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame]) -> list[Piece]:
+def running(course: int) -> float:
+    """By how much of a block a course is shifted along its wall: half of one in every other."""
+    return 0.5 * (course % 2)
+
+
+def lay(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame], shift: Callable[[int], float] = running) -> list[Piece]:
     """The stones of a facet, without those of its frames."""
     leg = plan.legs[number]
     facet = leg.facets[f]
+    courses = course_range(laying.beds, leg.base, max(z for _, z in leg.tops))
+    rows = {course: list(stretches(plan, number, f, laying, frames, course)) for course in courses}
     pieces: list[Piece] = []
     below: list[float] = []
-    for course in course_range(laying.beds, leg.base, max(z for _, z in leg.tops)):
-        low, high = float(laying.beds[course]), float(laying.beds[course + 1])
-        hulls = [frame.hull for frame in frames if frame.hull.bounds[1] < high - SAME and frame.hull.bounds[3] > low + SAME]
-        hulls = [_on_beds(hull, low, high) for hull in hulls]
+    for course, row in rows.items():
+        above = [s for stretch in rows.get(course + 1, []) for s in (stretch.band.left0, stretch.band.right0)]
         heads: list[float] = []
-        for area in plan.owned(number, f, course, low, high):
-            region = _region(leg, facet, area, low, high, hulls)
-            if region is None:
-                continue
-            clean = polygons.clean_stretch(area, 0.5 * leg.thickness)
-            left, _, right, _ = region.bounds
-            end = 0.5 * LEAST_UNIT * laying.unit
-            own = [s for s in _heads(leg, facet, clean, laying, course, below) if left + end < s < right - end]
-            own = _clear_of(own, region, laying, high - low) if hulls else own
+        for stretch in row:
+            own = _heads(leg, facet, stretch, laying, (course, shift(course)), [*below, *above])
             heads += own
-            pieces += _stones(facet, area, region, clean, own, course)
-        below = heads
-    return _without_slivers(pieces, laying)
+            pieces += _stones(facet, stretch, own, course)
+        below = heads + [s for stretch in row for s in (stretch.band.left1, stretch.band.right1)]
+    return pieces if laying.keyed else _without_slivers(pieces, laying)
+
+
+def stretches(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame], course: int) -> Iterator[Stretch]:
+    """What a facet fills of a course, from its start on."""
+    leg = plan.legs[number]
+    facet = leg.facets[f]
+    low, high = float(laying.beds[course]), float(laying.beds[course + 1])
+    hulls = [frame.hull for frame in frames if frame.hull.bounds[1] < high - SAME and frame.hull.bounds[3] > low + SAME]
+    hulls = [_on_beds(hull, low, high) for hull in hulls]
+    first = list(plan.first_at(number, f, course, low, high))
+    for area in sorted(plan.owned(number, f, course, low, high), key=lambda shape: shape.bounds[0]):
+        region = _region(leg, facet, area, low, high, hulls)
+        if region is None:
+            continue
+        clean = polygons.clean_stretch(area, 0.5 * leg.thickness)
+        if laying.keyed:
+            bands = [(part, _band(part, low, high)) for part in polygons.polygons(region)]
+        else:
+            bands = [(region, Band(clean[0], clean[0], clean[1], clean[1]))]
+        for part, band in bands:
+            yield Stretch(area, clean, part, _bonded(band, first, laying.unit), bool(hulls) and not laying.keyed)
+
+
+def _band(part: Polygon, low: float, high: float) -> Band:
+    """The ends of a trapezoid between two beds."""
+    s, z = polygons.loop(part).T
+    lower, upper = s[np.abs(z - low) < SAME], s[np.abs(z - high) < SAME]
+    return Band(*(float(s) for s in (lower.min(), upper.min(), lower.max(), upper.max())))
+
+
+def _bonded(band: Band, first: Sequence[Arm], unit: float) -> Band:
+    """A band whose end stones reach beyond the walls that they lie over where it ends."""
+    for arm in first:
+        if abs(band.left0 - arm.low) < SAME or (arm.end < 0 and band.left0 < arm.high):
+            band = band._replace(bond_left=arm.high - band.left0 + LEAST_UNIT * unit)
+        if abs(band.right0 - arm.high) < SAME or (arm.end > 0 and band.right0 > arm.low):
+            band = band._replace(bond_right=band.right0 - arm.low + LEAST_UNIT * unit)
+    return band
 
 
 def _on_beds(hull: Polygon, low: float, high: float) -> Polygon:
@@ -106,46 +184,52 @@ def _region(leg: Leg, facet: Facet, area: Polygon, low: float, high: float, hull
     return region if region.area > polygons.LEAST_AREA else None
 
 
-def _heads(leg: Leg, facet: Facet, clean: tuple[float, float], laying: Laying, course: int, below: Sequence[float]) -> list[float]:
-    """s of the head joints of a course between the ends of its footprint."""
+def _heads(leg: Leg, facet: Facet, stretch: Stretch, laying: Laying, at: tuple[int, float], taken: Sequence[float]) -> list[float]:
+    """s of the head joints of a stretch of a course, given by its number and its shift in blocks, beside those of its neighbours."""
+    (course, shift), band = at, stretch.band
     least = LEAST_UNIT * laying.unit
-    low, high = clean[0] + least, clean[1] - least
-    if high < low:
+    low, high = max(band.left0, band.left1) + max(least, band.bond_left), min(band.right0, band.right1) - max(least, band.bond_right)
+    if high < low - SAME:
         return []
     chained = not all(facet.open)  # facets of a bent wall have their bond each for itself
     unit = facet.length / max(1, round(facet.length / laying.unit)) if chained else laying.unit
-    shift = 0.5 * (course % 2)
-    first, last = math.ceil((low - SAME) / unit - shift), math.floor((high + SAME) / unit - shift)
-    heads = [(k + shift) * unit for k in range(first, last + 1)]
-    if not heads and clean[1] - clean[0] > 1.6 * unit:
-        heads = [0.5 * (low + high)]
+    start = laying.anchor + shift * unit
+    first, last = math.ceil((low - start - SAME) / unit), math.floor((high - start + SAME) / unit)
+    heads = [start + k * unit for k in range(first, last + 1)]
+    if not heads and min(band.right0 - band.left0, band.right1 - band.left1) > 1.6 * unit:
+        heads = [min(max(0.5 * (low + high), low), high)]
     jitter = JITTER[laying.bond] * unit
     if jitter and heads:
         random = np.random.default_rng([laying.seed, zlib.crc32(leg.keys.name.encode()), leg.number, course, first + 10**6])
         heads = (np.array(heads) + jitter * (2.0 * random.random(len(heads)) - 1.0)).tolist()
-        heads = [min(max(_apart(x, below, LEAST_BOND * unit), low), high) for x in heads]
-    return heads
+    if laying.keyed or jitter:
+        heads = [_cleared(min(max(s, low), high), taken, LEAST_BOND * unit, (low, high)) for s in heads]
+    return _clear_of(heads, stretch, least, THIN * float(laying.beds[course + 1] - laying.beds[course]))
 
 
-def _apart(x: float, taken: Sequence[float], least: float) -> float:
-    """A joint moved so far from one of the course below that the stones overlap."""
-    near = min(taken, key=lambda t: abs(t - x), default=math.inf)
-    return x if abs(near - x) >= least else near + math.copysign(least, x - near)
+def _cleared(s: float, taken: Sequence[float], least: float, ends: tuple[float, float]) -> float:
+    """A head joint that nearly meets one of the next course, moved to the least distance from it where there is space for that."""
+    near = [t for t in taken if abs(t - s) < least - SAME]
+    moved = [m for t in near for m in (t - least, t + least) if ends[0] <= m <= ends[1]]
+    free = [m for m in moved if all(abs(m - t) >= least - SAME for t in taken)]
+    return min(free or [s], key=lambda m: abs(m - s))
 
 
-def _clear_of(heads: Sequence[float], region: Polygon, laying: Laying, height: float) -> list[float]:
-    """The head joints that are clear of jambs, and of thin places over crowns."""
-    least = LEAST_UNIT * laying.unit
+def _clear_of(heads: Sequence[float], stretch: Stretch, least: float, thin: float) -> list[float]:
+    """The head joints that are clear of ends, and of jambs and thin places over crowns where an opening cuts the course."""
+    left, _, right, _ = stretch.region.bounds
 
     def clear(s: float) -> float:
         line = LineString([(s, -polygons.FAR), (s, polygons.FAR)])
-        return float(region.intersection(line).length)
+        return float(stretch.region.intersection(line).length)
 
-    return [s for s in heads if min(clear(s - least), clear(s), clear(s + least)) > THIN * height]
+    heads = [s for s in heads if left + 0.5 * least < s < right - 0.5 * least]
+    return [s for s in heads if not stretch.cut or min(clear(s - least), clear(s), clear(s + least)) > thin]
 
 
-def _stones(facet: Facet, area: Polygon, region: Polygon, clean: tuple[float, float], heads: Sequence[float], course: int) -> list[Piece]:
-    """The region of a course cut at its head joints."""
+def _stones(facet: Facet, stretch: Stretch, heads: Sequence[float], course: int) -> list[Piece]:
+    """A stretch of a course cut at its head joints."""
+    area, region = stretch.area, stretch.region
     left, low, right, high = region.bounds
     level = polygons.is_rectangle(region)
     first = not facet.open[0] and left < 0.5 * facet.length and _touches(area, facet, 0)
@@ -155,7 +239,7 @@ def _stones(facet: Facet, area: Polygon, region: Polygon, clean: tuple[float, fl
         parts = [polygons.box(a, b, low, high)] if level else _cut(region, a, b)
         for part in parts:
             ends = part.bounds[0] < left + SAME, part.bounds[2] > right - SAME
-            found.append(Piece(course, part, area, clean, (first and ends[0], last and ends[1])))
+            found.append(Piece(course, part, area, stretch.clean, (first and ends[0], last and ends[1])))
     return found
 
 

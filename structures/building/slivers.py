@@ -33,6 +33,8 @@ class Stone:
     course: int
     parts: tuple[Part, ...]
     narrow: float  # what of its wall is a sliver [m]
+    label: str = ""  # in its course; by default its number
+    group: str = ""  # by default that of its wall
 
     @property
     def heights(self) -> tuple[float, float]:

@@ -37,6 +37,9 @@ def least_width(ring: np.ndarray) -> float:
 
 def fat_pieces(shape: Polygon) -> list[np.ndarray]:
     """Convex polygons (n, 2) that fill one, the narrowest of them as wide as cuts from its inner corners can make it."""
+    if len(shape.exterior.coords) == 5 and polygons.is_rectangle(shape):
+        left, low, right, high = shape.bounds
+        return [np.array([(left, low), (right, low), (right, high), (left, high)])]
     usual = polygons.convex_pieces(shape)
     usual = [piece for piece in usual if least_width(piece) > TOUCH] or usual  # triangles along a straight side are flat
     ring = polygons.loop(shape)

@@ -101,6 +101,9 @@ def _is_convex(ring: np.ndarray) -> bool:
 
 def clean_stretch(shape: Polygon, half: float) -> tuple[float, float]:
     """The longest stretch s of a footprint in which it has the whole thickness [m]; its middle twice where there is none."""
+    left, low, right, high = shape.bounds
+    if is_rectangle(shape) and high - low > 2.0 * half - 1e-7:
+        return left, right
     ring = loop(shape)
     events = np.unique(np.round(ring[:, 0], 9))
     best, start = (float(events[:2].mean()), float(events[:2].mean())), None

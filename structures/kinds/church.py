@@ -25,6 +25,8 @@ from structures.kinds import church_parts
 from structures.kinds.church_table import ChurchTable
 from structures.layout import wall_plan
 
+LEAST_DEPTH = 0.15  # of a buttress beyond its wall: one that juts out less is no wall of its own [m]
+
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
     """Build a church on its ground.
@@ -32,6 +34,8 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     Raises:
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
+    from structures.building import square_plan
+
     keys = with_defaults(parse_table(ChurchTable, table, "structure"))
     _fits(keys)
     size.within(_estimate(keys), "gable" if (keys.gable or 0.0) > 10.0 * keys.height else "block_length")
@@ -39,7 +43,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     walls = church_parts.walls(church)
     beds = beds_of(church, walls)
     walls, apse = church_parts.with_apse(church, walls, beds, density)
-    blocks = wall_plan.build(walls, beds, church.unit, density, keys.bonded) + apse
+    blocks = square_plan.build(walls, beds, church.unit, density, keys.bonded) + apse
     if keys.aisles:
         blocks += church_parts.columns(church, density)
     if keys.roof == "timber":
@@ -120,5 +124,7 @@ def _fits(keys: ChurchTable) -> None:
         raise InputError(f"structure.windows: must be at most {int((keys.length - 2.0 * t) / bay)} of this width, got {keys.windows}")
     if keys.tower and keys.tower_height < 1.2 * keys.height:
         raise InputError(f"structure.tower_height: must be at least 1.2 of the height, {1.2 * keys.height:g} m, got {keys.tower_height:g}")
+    if keys.buttress_depth is not None and keys.buttress_depth < LEAST_DEPTH:
+        raise InputError(f"structure.buttress_depth: must be at least {LEAST_DEPTH:g} m, got {keys.buttress_depth:g}")
     if keys.tower and keys.tower_side < 2.5 * t:
         raise InputError(f"structure.tower_side: must be at least 2.5 thicknesses, {2.5 * t:g} m, got {keys.tower_side:g}")

@@ -20,7 +20,7 @@ from structures.kinds.church_table import ChurchTable
 from structures.layout import rings
 from structures.layout.arch_profiles import ring as circle
 from structures.layout.columns import ColumnTable, column
-from structures.layout.openings import Opening
+from structures.layout.openings import Opening, natural_ring
 from structures.layout.vault_courses import barrel
 from structures.layout.wall_plan import Wall
 
@@ -100,7 +100,7 @@ class Church:
         """A round-headed opening whose sill and springing lie on whole courses."""
         low = self.level(sill)
         springing = max(self.level(sill + height - 0.5 * width), low + self.course)
-        ring = depth or max(0.2 * width, min(0.8 * self.course, 0.35 * width))
+        ring = depth or natural_ring(width, self.course)
         return Opening(f"structure.{key}_", centre, width, low, springing - low + 0.5 * width, "round", ring, 0.5 * width)
 
 

@@ -57,12 +57,14 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     Raises:
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
+    from structures.building import square_plan
+
     keys = parse_table(TowerTable, table, "structure")
     unit = keys.unit_length or 2.0 * keys.course_height
     around = 2.0 * (keys.side + (keys.side_y or keys.side))
     size.within(around / unit * (keys.height / keys.course_height) * keys.leaves, "course_height")
     walls = elevations(keys)
-    blocks = wall_plan.build(walls, wall_plan.levels(walls, keys.course_height), unit, density, keys.bonded)
+    blocks = square_plan.build(walls, wall_plan.levels(walls, keys.course_height), unit, density, keys.bonded)
     blocks.append(wall_plan.ground(blocks, keys.base_depth or keys.course_height, density))
     if keys.inclination:
         blocks = inclined(blocks, math.radians(keys.inclination))

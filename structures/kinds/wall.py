@@ -2,7 +2,7 @@
 """Walls of coursed blocks: running bond, one leaf or several with through-stones, openings, gable.
 
 The wall stands on a fixed base at z = 0, centred on x = 0 and y = 0. Its courses adapt to the sills, springings and lintels of its
-openings (:mod:`structures.layout.coursing`, :mod:`structures.layout.openings`). A wall of several leaves is tied by through-stones: every
+openings (:mod:`structures.layout.wall_plan`, :mod:`structures.layout.openings`). A wall of several leaves is tied by through-stones: every
 third course (``through``) all leaves have the same joints and every third stone fills the whole thickness.
 
 A wall with a core has two outer leaves and between them stones, ``core = "solid"``, or rubble, ``core = "rubble"``: spheres that lie on one
@@ -65,12 +65,14 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     Raises:
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
+    from structures.building import square_plan
+
     keys = parse_table(WallTable, table, "structure")
     wall = elevation(keys)
     unit = keys.unit_length or 2.0 * keys.course_height
     size.within(keys.length / unit * ((keys.height + 0.5 * keys.gable) / keys.course_height) * wall.leaves, "course_height")
     beds = wall_plan.levels([wall], keys.course_height)
-    blocks = wall_plan.build([wall], beds, unit, density)
+    blocks = square_plan.build([wall], beds, unit, density)
     if wall.core is not None:
         own = keys.core_density or density
         blocks = [replace(block, density=own) if block.group == wall_plan.CORE else block for block in blocks]

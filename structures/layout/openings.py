@@ -128,17 +128,32 @@ def opening_of(table: OpeningTable, key: str, course: float, unit: float, foot: 
     depth = table.depth or _natural_depth(table.head, table.width, rise, course)
     bearing = 0.0
     if table.head == "lintel":
-        bearing = table.bearing or max(unit / 3.0, 0.15 * table.width)
+        bearing = table.bearing or natural_bearing(table.width, unit)
     elif table.bearing is not None:
         raise InputError(f'{key}bearing: belongs to a lintel, this head is "{table.head}"')
     middle = table.centre if centre is None else centre
     return Opening(key, middle, table.width, foot + table.sill, table.height, table.head, depth, rise, bearing)
 
 
+def natural_bearing(width: float, unit: float) -> float:
+    """Of a lintel on each jamb [m]."""
+    return max(unit / 3.0, 0.15 * width)
+
+
+def natural_ring(width: float, course: float) -> float:
+    """Thickness of the voussoirs of a round arch: a fifth of its span, for a small one up to a course [m]."""
+    return max(0.2 * width, min(0.8 * course, 0.35 * width))
+
+
+def voussoir_width(ring: float, course: float) -> float:
+    """Aimed at [m]."""
+    return max(0.6 * ring, min(0.8 * course, 1.2 * ring))
+
+
 def _natural_depth(head: HeadShape, width: float, rise: float, course: float) -> float:
     """A lintel or a flat arch of one course; a round arch of a fifth of its span; a skewback of whole courses."""
     if head == "round":
-        return max(0.2 * width, min(0.8 * course, 0.35 * width))
+        return natural_ring(width, course)
     if head != "segmental":
         return course
     inner = (width**2 / 4.0 + rise**2) / (2.0 * rise)
@@ -225,14 +240,17 @@ def _lintel(opening: Opening, beds: np.ndarray, springing: int, edges: dict[int,
 def _flat(opening: Opening, beds: np.ndarray, springing: int, edges: dict[int, tuple[float, float]]) -> Closing:
     top = _index(beds, opening.skewback)
     half, low, high = 0.5 * opening.width, beds[springing], beds[top]
-    wide = half + opening.depth * math.tan(SKEW)
-    at = np.interp(beds[springing : top + 1], [low, high], [half, wide])
+    at = np.interp(beds[springing : top + 1], [low, high], [half, half + opening.depth * math.tan(SKEW)])
     edges |= {springing + i: (float(at[i]), float(at[i + 1])) for i in range(top - springing)}
     count = _odd_count(opening, opening.width / (0.6 * opening.depth))
+    return Closing(opening, edges, flat_arch(opening.centre, half, (float(low), float(high)), count))
+
+
+def flat_arch(centre: float, half: float, heights: tuple[float, float], count: int) -> list[tuple[str, np.ndarray]]:
+    """The voussoirs of a flat arch between skewbacks over a half-width, between two heights [m]."""
     share = (2.0 * np.arange(count + 1) - count) / count  # -1 to 1, symmetric to the bit
-    inner = np.stack([opening.centre + half * share, np.full(count + 1, low)], axis=1)
-    outer = np.stack([opening.centre + wide * share, np.full(count + 1, high)], axis=1)
-    return Closing(opening, edges, _quads(inner, outer))
+    wide = half + (heights[1] - heights[0]) * math.tan(SKEW)
+    return _quads(*(np.stack([centre + h * share, np.full(count + 1, z)], axis=1) for h, z in zip((half, wide), heights, strict=True)))
 
 
 def _quads(inner: np.ndarray, outer: np.ndarray) -> list[tuple[str, np.ndarray]]:
@@ -241,8 +259,7 @@ def _quads(inner: np.ndarray, outer: np.ndarray) -> list[tuple[str, np.ndarray]]
 
 
 def _arch(opening: Opening, beds: np.ndarray, springing: int, edges: dict[int, tuple[float, float]], course: float) -> Closing:
-    target = max(0.6 * opening.depth, min(0.8 * course, 1.2 * opening.depth))
-    angles, haunch = _corners(opening, beds, target)
+    angles, haunch = _corners(opening, beds, voussoir_width(opening.depth, course))
     unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
     if opening.start == 0.0:
         unit[0] = (1.0, 0.0)

@@ -180,6 +180,7 @@ def test_any_block_length_makes_a_sound_church(length: float) -> None:
         ({"aisles": True, "aisle_height": 8.0}, "structure.aisle_height: must be at most 0.7 of the height, 7 m, got 8"),
         ({"windows": 14}, "structure.windows: must be at most"),
         ({"buttresses": 4}, "structure.buttresses: must be 3, one between every two windows, or 0, got 4"),
+        ({"buttresses": 3, "buttress_depth": 0.05}, "structure.buttress_depth: must be at least 0.15 m, got 0.05"),
         ({"vault_thickness": 0.5}, 'structure.vault_thickness: belongs to roof = "vault"'),
         ({"aisles": True, "bays": 20}, "structure.bays: must be at most"),
         ({"block_length": 4.0}, "structure.block_length: must be at most a third of the width, 3 m, got 4"),

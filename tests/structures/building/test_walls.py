@@ -124,6 +124,21 @@ def test_equal_seeds_give_equal_blocks_and_corners_agree_to_the_bit() -> None:
     assert apart.min() > 1e-6
 
 
+@pytest.mark.parametrize("thickness", [0.4, 0.6, 0.9])
+def test_corner_stones_of_bonded_walls_reach_beyond_the_other_wall(thickness: float) -> None:
+    """Or else an upright joint would run along its face from bottom to top."""
+    axes = {"along": [[0.0, 0.0], [4.0, 0.0]], "across": [[0.0, 0.0], [0.0, 4.0]]}
+    blocks = build("building", walls=[wall(name, axis, thickness) for name, axis in axes.items()], block_length=0.6, course_height=0.3)
+    reached = dict.fromkeys(axes, 0)
+    for block in blocks:
+        low, high = block.vertices.min(axis=0), block.vertices.max(axis=0)
+        name = block.name.split(".")[0]
+        if name in axes and np.abs(low[:2] + 0.5 * thickness).max() < 1e-9:
+            assert high[list(axes).index(name)] >= 0.5 * thickness + 0.35 * 0.6 - 1e-9
+            reached[name] += 1
+    assert reached == {"along": 4, "across": 4}
+
+
 def test_a_gable_goes_on_falling_to_the_far_faces_of_the_walls_at_its_ends_and_a_shed_ends_level() -> None:
     gable = wall("gable", [[0, 0], [4, 0]], top=[[0, 2.4], [2, 3.4], [4, 2.4]])
     legs = prepare({"walls": [gable, wall("b", [[0, 0], [0, 3]], 0.5, 2.0)]}).plan.legs
