@@ -46,14 +46,19 @@ SCENE_CHANGES = (TOML, TOML, TOML, TOKENS, LINES, BYTES)
 TEXT_CHANGES = (TOKENS, TOKENS, LINES, BYTES)
 
 
-def subjects(nursery: Path) -> list[Subject]:
-    """All of them; what has to be made by the program or by a library is made in a folder."""
+def subjects(nursery: Path, kind: str = "") -> list[Subject]:
+    """All of them; what has to be made by the program or by a library is made in a folder, where a kind that is asked for needs it."""
     blocks = {"blocks.json": texts.blocks()}
     found = [*_scenes(blocks), *_structures(), *_studies(blocks), *_records(blocks), *_measured(blocks), _set_texts(blocks)]
     found.append(
         Subject("block file JSON", RUN, "blocks.json", {"scene.toml": texts.scene().encode(), **blocks}, (JSON, JSON, TOKENS, BYTES), 8)
     )
-    return [*found, *_plans(), *_formats(nursery), *_meshes(nursery), *_solids(nursery), *_problems(nursery), *_former_runs(nursery)]
+    found += [*_plans(), *_formats(nursery)]
+    makers = {"block file": (_meshes,), "solid": (_solids,), "friction problem": (_problems,), "summary": (_problems, _former_runs)}
+    asked = [begin for begin in makers if kind.startswith(begin)] or ([] if kind.startswith("record") else [*makers])
+    for make in dict.fromkeys(one for begin in asked for one in makers[begin]):
+        found += make(nursery)
+    return found
 
 
 def _scenes(blocks: dict[str, bytes]) -> Iterator[Subject]:
@@ -116,7 +121,7 @@ def _meshes(nursery: Path) -> Iterator[Subject]:
     """The blocks of the scene in the formats of meshes, as the program writes them."""
     (nursery / "scene.toml").write_text(texts.scene())
     (nursery / "blocks.json").write_bytes(texts.blocks())
-    formats = [word for name in ("obj", "stl", "vtu", "vtm") for word in ("--format", name)]
+    formats = [word for name in ("obj", "stl", "vtu", "vtm", "vtkhdf") for word in ("--format", name)]
     _made(nursery, "-m", "masonry_cd", "build", "scene.toml", "-o", "meshes", "--no-picture", *formats)
     ascii_stl = "import trimesh; m = trimesh.load('meshes/blocks.stl'); open('meshes/text.stl', 'w').write(m.export(file_type='stl_ascii'))"
     _made(nursery, "-c", ascii_stl)

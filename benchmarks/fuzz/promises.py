@@ -7,11 +7,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from structures.files import foreign
-
 LONGEST = 1000  # characters of a line that a person reads
 SECONDS = 30.0  # of processor time
-MEMORY = float(foreign.MEMORY)  # resident [B]: what a program that reads foreign files may take
+MEMORY = 2e9  # resident [B], where what reads foreign files may have twice as many addresses
 ERROR, WARNING = "masonry-cd: error: ", "masonry-cd: warning: "
 STOPPED = re.compile(r"masonry-cd: interrupted.*|masonry-cd: go on with: .*|.*finishing the step.*")
 FAULT = re.compile(r"(walls?|legs|opening|vault|roof|columns|arcade|buttress) ")  # of a plan, all at once

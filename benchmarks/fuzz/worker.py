@@ -37,19 +37,26 @@ def run_case(folder: Path, command: Sequence[str], output: str) -> Outcome:
     if child == 0:
         _in_child(folder, command, aside)
     status, usage = _waited(child)
+    code = None if status is None else os.waitstatus_to_exitcode(status)
+    cost = (usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024.0)
+    found = outcome(folder, aside, before, output, code, cost)
+    shutil.rmtree(aside)
+    return found
+
+
+def outcome(folder: Path, aside: Path, before: set[str], output: str, code: int | None, cost: tuple[float, float]) -> Outcome:
+    """How a case ended, by its code, its seconds and bytes, what it said into a folder beside its own, and the files that it left."""
     temporary = [f"tmp/{path.name}" for path in (aside / "tmp").iterdir() if path.name.startswith("masonry")]
-    outcome = Outcome(
-        code=None if status is None else os.waitstatus_to_exitcode(status),
+    return Outcome(
+        code=code,
         stdout=(aside / "stdout").read_text(errors="replace"),
         stderr=(aside / "stderr").read_text(errors="replace"),
-        seconds=usage.ru_utime + usage.ru_stime,
-        memory=usage.ru_maxrss * 1024.0,
+        seconds=cost[0],
+        memory=cost[1],
         interrupted=(aside / MARK).exists(),
         left=(*left_behind(folder, before, output), *temporary),
         output=output not in before and (folder / output).exists(),
     )
-    shutil.rmtree(aside)
-    return outcome
 
 
 def _waited(child: int) -> tuple[int | None, resource.struct_rusage]:
@@ -76,26 +83,35 @@ def _in_child(folder: Path, command: Sequence[str], aside: Path) -> None:
         os.setpgid(0, 0)
         os.chdir(folder)
         os.environ["TMPDIR"] = str(aside / "tmp")
-        for number, name in ((1, "stdout"), (2, "stderr")):
-            file = os.open(aside / name, os.O_WRONLY | os.O_CREAT)
-            os.dup2(file, number)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-        sys.stdout, sys.stderr = (
-            TextIOWrapper(FileIO(n, "w", closefd=False), encoding="utf-8", errors="backslashreplace") for n in (1, 2)
-        )  # whatever they were
-        _limit()
+        redirect(aside)
+        limit_all()
         _interrupt_after_steps(aside / MARK)
-        code = _called(command)
+        code = called(command)
     except BaseException:
         traceback.print_exc()
     finally:
-        with suppress(BaseException):
-            sys.stdout.flush()
-            sys.stderr.flush()
+        flush()
         os._exit(code)
 
 
-def _called(command: Sequence[str]) -> int:
+def redirect(aside: Path) -> None:
+    """Have what is said go to files of a folder, whatever the streams were."""
+    for number, name in ((1, "stdout"), (2, "stderr")):
+        file = os.open(aside / name, os.O_WRONLY | os.O_CREAT)
+        os.dup2(file, number)
+        os.close(file)
+    sys.stdout, sys.stderr = (TextIOWrapper(FileIO(n, "w", closefd=False), encoding="utf-8", errors="backslashreplace") for n in (1, 2))
+
+
+def flush() -> None:
+    """Write what was said."""
+    with suppress(BaseException):
+        sys.stdout.flush()
+        sys.stderr.flush()
+
+
+def called(command: Sequence[str]) -> int:
     """The exit code of the command line."""
     from masonry_cd.cli import main
 
@@ -107,7 +123,7 @@ def _called(command: Sequence[str]) -> int:
     return 0
 
 
-def _limit() -> None:
+def limit_all() -> None:
     """Limits of the system; soft ones, so that the readers of foreign files can set their own."""
     pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[0])
     wanted = {
@@ -117,13 +133,18 @@ def _limit() -> None:
         resource.RLIMIT_CORE: 0,
     }
     for which, most in wanted.items():
-        resource.setrlimit(which, (most, resource.getrlimit(which)[1]))
+        limit(which, most)
     from masonry_cd.mechanics.dynamics import settings
     from structures import size
     from structures.files import foreign
 
     size.MOST, settings.MOST_STEPS = BLOCKS, MOST_STEPS
     foreign.Limits.__new__.__defaults__ = (FOREIGN, foreign.MEMORY, foreign.OUTPUT)
+
+
+def limit(which: int, most: int) -> None:
+    """A soft limit of the system for this process and those that it starts."""
+    resource.setrlimit(which, (most, resource.getrlimit(which)[1]))
 
 
 def _interrupt_after_steps(mark: Path) -> None:

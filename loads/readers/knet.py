@@ -13,6 +13,7 @@ import re
 from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
 
 LAST = "Memo"  # the heading's last line begins so
+HIGHEST = 1e6  # [Hz]: the shortest step that a record may have is its inverse
 HEADING = 40  # lines in which it is looked for
 SCALE = re.compile(r"^\s*([^\s(]+)\s*\(\s*([^)]+?)\s*\)\s*/\s*(\S+)\s*$")
 
@@ -36,8 +37,8 @@ def read(source: Source, request: Request) -> RawRecord:
     refuse_keys(source, request, "K-NET")
     line, text = heading["Sampling Freq(Hz)"]
     frequency = source.number(re.sub(r"Hz\s*$", "", text, flags=re.IGNORECASE), line)
-    if frequency <= 0.0:
-        raise source.error(f"the sampling frequency must be above zero, got {text}", line)
+    if not 0.0 < frequency <= HIGHEST:
+        raise source.error(f"the sampling frequency must be above zero and at most {HIGHEST:g} Hz, got {text}", line)
     factor, unit = _scale(source, *heading["Scale Factor"])
     values = source.stream(heading[LAST][0] + 1)
     line, text = heading["Duration Time(s)"]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from loads.readers.quantity import Stated, of_channel
-from loads.readers.source import RawRecord, Reader, Request, Source, refuse_layout
+from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_layout
 
 REALS, INTEGERS, TEXT = 70, 40, 192
 BYTES = 4 * (REALS + INTEGERS) + TEXT  # of the header
@@ -21,11 +21,12 @@ CHANNEL = slice(160, 168)  # among the characters: kcmpnm
 UNDEFINED = -12345.0
 TIME_SERIES = 1  # iftype
 QUANTITIES = {6: "displacement", 7: "velocity", 8: "acceleration"}  # idep
-VERSIONS = (6, 7)
+FOOTER = {6: 0, 7: 176}  # versions, and the bytes behind the samples
+MOST = 2**28  # samples: a header that announces more is none, or read in the wrong order of bytes
 
 
 def recognises(source: Source) -> bool:
-    """True for a header that gives its version and a count that fits the size of the file."""
+    """True for a header that gives its version and a count of samples."""
     return _order(source) is not None
 
 
@@ -48,7 +49,9 @@ def read(source: Source, request: Request) -> RawRecord:
     count, step, scale = int(integers[COUNT]), float(reals[DELTA]), float(reals[SCALE])
     if not step > 0.0 or not np.isfinite(step):
         raise source.error(f"the time step DELTA must be above zero, got {step:g}")
-    values = np.frombuffer(source.data, dtype=f"{order}f4", count=count, offset=BYTES).astype(float)
+    held = max(0, len(source.data) - BYTES - FOOTER[int(integers[VERSION])]) // 4
+    values = np.frombuffer(source.data, dtype=f"{order}f4", count=held, offset=BYTES).astype(float)
+    check_count(source, values, count)
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         raise source.error(f"sample {bad[0] + 1} is not a finite number")
@@ -70,7 +73,7 @@ def _order(source: Source) -> str | None:
         if len(source.data) > BYTES:
             _, integers, _ = _header(source.data, order)
             count = int(integers[COUNT])
-            if integers[VERSION] in VERSIONS and 1 < count <= (len(source.data) - BYTES) // 4:
+            if integers[VERSION] in FOOTER and 1 < count < MOST:
                 return order
     return None
 

@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import codecs
 import math
+import re
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -16,6 +19,7 @@ from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.files import read_bytes
 
 COMMENTS = ("#", "%", "//")
+FORTRAN = re.compile(r"(\d\.\d*|\.\d+)D([+-]?\d{1,3})(?!\w)", re.IGNORECASE)  # double precision: 1.5D-03
 
 
 @dataclass(frozen=True)
@@ -42,13 +46,10 @@ class Source:
             raise InputError(f"{label}: is a folder") from None
         except OSError as failure:
             raise InputError(f"{label}: cannot be read ({failure.strerror})") from None
-        if b"\0" in data[:65536]:
+        text = _decoded(data)
+        if text is None:
             return cls(label, (), data)
-        try:
-            text = data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = data.decode("latin-1")  # old headers hold accents in this encoding; numbers read the same
-        lines = tuple(text.splitlines())
+        lines = tuple(FORTRAN.sub(r"\1E\2", text).splitlines())
         if not any(line.strip() for line in lines):
             raise InputError(f"{label}: the file is empty")
         return cls(label, lines, data)
@@ -111,7 +112,20 @@ class Reader(NamedTuple):
     by: str = ""  # who publishes it
 
 
-def check_count(source: Source, values: np.ndarray, announced: float, index: int) -> None:
+def _decoded(data: bytes) -> str | None:
+    """The text of a file; None of a binary one."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):  # as spreadsheets write "Unicode text"
+        with suppress(UnicodeDecodeError):
+            return data.decode("utf-16")
+    if b"\0" in data[:65536]:
+        return None
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")  # old headers hold accents in this encoding; numbers read the same
+
+
+def check_count(source: Source, values: np.ndarray, announced: float, index: int | None = None) -> None:
     """Raise unless the file holds as many values as its header announces, which may be any number."""
     if abs(len(values) - announced) > 0.5:
         what = "cut short" if len(values) < announced else "longer than it says"

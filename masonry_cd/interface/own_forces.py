@@ -220,7 +220,7 @@ class OwnForces:
 
     @property
     def jacked(self) -> np.ndarray:
-        """Of the ties of the loads."""
+        """Which ties of the loads keep their first tension while the structure settles, (T,) bool."""
         return np.zeros(0, dtype=bool) if self.base is None else self.base.jacked
 
     def ties_alone(self) -> BlockForces:
@@ -228,11 +228,11 @@ class OwnForces:
         return OwnForces(None if self.base is None else self.base.ties_alone(), (), self.dt)
 
     def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        """Of the ties of the loads."""
+        """By how much each tie of the loads is longer than it was, (T,) [m]."""
         return np.zeros(0) if self.base is None else self.base.stretches(position, rotation)
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
-        """Of the ties of the loads."""
+        """By how much each tie of the loads has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
         return yielded if self.base is None else self.base.yields(position, rotation, yielded)
 
     def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:

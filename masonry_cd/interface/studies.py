@@ -285,6 +285,7 @@ def without_main() -> Iterator[None]:
 
 
 def say(line: str) -> None:
+    """A line on standard error, at once."""
     print(line, file=sys.stderr, flush=True)
 
 

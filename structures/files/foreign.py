@@ -161,8 +161,14 @@ def serve(request: Mapping[str, Any]) -> None:
     Ends without the libraries' own clearing up, which is a place to crash, too.
     """
     system.end_with_parent()
+    system.limit_this_process(*Limits(*request["limits"]))
+    answer(request)
+    os._exit(0)
+
+
+def answer(request: Mapping[str, Any]) -> None:
+    """Read the file of a request and write the answer or the refusal into this folder."""
     limits, file = Limits(*request["limits"]), request["file"]
-    system.limit_this_process(*limits)
     try:
         module, function = request["reader"].split(":")
         pieces, figures = getattr(import_module(module), function)(Path(file), **request["keywords"])
@@ -178,7 +184,6 @@ def serve(request: Mapping[str, Any]) -> None:
     except (Exception, SystemExit) as failure:
         what = str(failure).strip() or type(failure).__name__
         _refuse(f"{Path(file).name}: cannot be read: {what.splitlines()[0]}")
-    os._exit(0)
 
 
 def _refuse(message: str) -> None:

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from masonry_cd.foundation.errors import InputError
+from structures.files.mesh_readers import HEAD as STL_HEAD
+from structures.files.mesh_readers import TRIANGLE
 
 LOOKED_AT = 4096  # bytes of a file of an unknown ending
-TRIANGLE, STL_HEAD = 50, 84  # bytes of binary STL
 PACKAGE = "structures.files."
 
 

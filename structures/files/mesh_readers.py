@@ -8,6 +8,7 @@ convex parts of one block. This module imports nothing but numpy and, in each re
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -18,6 +19,9 @@ import numpy as np
 from structures.files.foreign import Answer, Faces, Piece, Refused
 from structures.files.shells import shells
 
+HEAD, TRIANGLE = 84, 50  # bytes of binary STL
+LOOKED_AT = 1024  # bytes of a text in which its first vertex is
+VERTEX = re.compile(rb"(?:^|[\r\n])\s*vertex\s")
 CELLS: dict[str, tuple[tuple[int, ...], ...]] = {  # faces of the volume cells of VTK, from outside
     "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
     "pyramid": ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
@@ -34,8 +38,15 @@ def read_stl(path: Path) -> Answer:
     """
     import trimesh
 
-    soup: Any = trimesh.load(path, file_type="stl", process=False)
+    announced = _triangles_of(path)
+    try:
+        soup: Any = trimesh.load(path, file_type="stl", process=False)
+    except ValueError:
+        raise Refused(f"{path.name}: not the facets and vertices of an STL; numbers have a decimal point") from None
     solids = list(soup.geometry.values()) if isinstance(soup, trimesh.Scene) else [soup]  # a text may hold several
+    read = sum(len(solid.faces) for solid in solids if isinstance(solid, trimesh.Trimesh))
+    if announced != read:
+        raise Refused(f"{path.name}: {read} triangles could be read of {announced:.10g}: cut short or damaged")
     found: list[Piece] = []
     for solid in solids:
         if not isinstance(solid, trimesh.Trimesh) or not len(solid.faces):
@@ -43,6 +54,24 @@ def read_stl(path: Path) -> Answer:
         for points, loops in shells(np.asarray(solid.vertices, dtype=float), np.asarray(solid.faces).tolist()):
             found.append(Piece(len(found), f"b{len(found)}", points, loops))
     return found, ()
+
+
+def _triangles_of(path: Path) -> float:
+    """How many triangles an STL speaks of: by the count of a binary one, by the vertices of a text, each a third.
+
+    Raises:
+        Refused: a binary file of another length than its count needs.
+    """
+    data = path.read_bytes()
+    text = data.replace(b"\0", b"").lstrip(b"\xef\xbb\xff\xfe\xbf \r\n\t").lower()  # without the marks and second bytes of other encodings
+    count = int.from_bytes(data[80:HEAD], "little")
+    if len(data) != HEAD + TRIANGLE * count and text.startswith(b"solid") and VERTEX.search(text[:LOOKED_AT]):
+        return len(VERTEX.findall(text)) / 3.0
+    if len(data) != HEAD + TRIANGLE * count:
+        raise Refused(
+            f"{path.name}: announces {count} triangles and has bytes for {max(0, (len(data) - HEAD) // TRIANGLE)}: cut short or damaged"
+        )
+    return count
 
 
 def read_vtu(path: Path) -> Answer:

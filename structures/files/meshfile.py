@@ -13,7 +13,8 @@ area go, and so do faces given twice; loops are turned to agree with each other,
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -121,6 +122,8 @@ def blocks_of(
         try:
             if repair:
                 parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
+            if not all(len(vertices) for vertices, _ in parts):
+                raise InputError(f'block "{entry.name}": a face without corners')
             group = entry.group or ("base" if entry.fixed else DEFAULT)
             block = compound_block(entry.name, parts, entry.density if entry.density > 0.0 else density, group)
             blocks.append(replace(block, fixed=True) if entry.fixed else block)
@@ -140,10 +143,11 @@ def placed(vertices: np.ndarray, scale: float, up: str) -> np.ndarray:
 def _read_obj(path: Path) -> list[Entry]:
     """Objects (``o``; ``g`` where there are none, else ``usemtl``) with their faces; indices count from one, or back from the end.
 
-    The group of an object is its ``g``, or else its material. A file that names none of them is a soup of closed shells.
+    The group of an object is its ``g``, or else its material. A file that names none of them is a soup of closed shells. Where a name
+    comes more than once, closed shells are blocks of their own, ``name.0``, ``name.1`` ..., and open ones belong together.
     """
     points: list[list[float]] = []
-    objects: dict[str, list[list[int]]] = {}
+    objects: dict[str, list[list[list[int]]]] = {}
     groups: dict[str, str] = {}
     lines = _text(path)
     named = {line[:2].strip() for line in lines if line[:2] in ("o ", "g ")}
@@ -158,13 +162,14 @@ def _read_obj(path: Path) -> list[Entry]:
                 points.append([float(x) for x in rest[:3]])
             elif word == mark:
                 name = " ".join(rest) or "b0"
+                objects.setdefault(name, []).append([])
             elif word in last:
                 last[word] = " ".join(rest)
             elif word == "f":
                 corners = [int(corner.split("/")[0]) for corner in rest]
                 if len(corners) < 3 or 0 in corners:
                     raise InputError(f"{path.name}: line {number}: a face has three corners or more, counted from 1: {line.strip()[:60]}")
-                objects.setdefault(name, []).append([i - 1 if i > 0 else len(points) + i for i in corners])
+                objects.setdefault(name, [[]])[-1].append([i - 1 if i > 0 else len(points) + i for i in corners])
                 groups.setdefault(name, (last["g"] if mark == "o" else "") or last["usemtl"])
         except InputError:
             raise
@@ -172,15 +177,31 @@ def _read_obj(path: Path) -> list[Entry]:
             raise InputError(f"{path.name}: line {number}: no number where one belongs: {line.strip()[:60]}") from None
     found = []
     vertices = np.array(points).reshape(-1, 3)
-    for name, faces in objects.items():
+    for name, group, faces in _apart(objects, groups):
         used = sorted({i for face in faces for i in face})
         if used[0] < 0 or used[-1] >= len(vertices):
             raise InputError(f'{path.name}: block "{name or "b0"}": a face names a vertex outside 1 to {len(vertices)}')
         number_of = {old: new for new, old in enumerate(used)}
         own = (vertices[used], tuple(tuple(number_of[i] for i in face) for face in faces))
         apart = [own] if name else shells(*own)
-        found += [Entry(name or f"b{k}", [shell], groups[name]) for k, shell in enumerate(apart)]
+        found += [Entry(name or f"b{k}", [shell], group) for k, shell in enumerate(apart)]
     return found
+
+
+def _apart(objects: dict[str, list[list[list[int]]]], groups: dict[str, str]) -> Iterator[tuple[str, str, list[list[int]]]]:
+    """Names, groups and faces of blocks, from the faces below each mention of a name; what has no faces is none."""
+    for name, mentions in objects.items():
+        given = [faces for faces in mentions if faces]
+        if len(given) > 1 and all(map(_is_closed, given)):
+            yield from ((f"{name}.{k}", groups[name], faces) for k, faces in enumerate(given))
+        elif given:
+            yield name, groups[name], [face for faces in given for face in faces]
+
+
+def _is_closed(loops: list[list[int]]) -> bool:
+    """Whether each edge has a face on both sides."""
+    sides = Counter(frozenset(edge) for loop in loops for edge in zip(loop, (*loop[1:], loop[0]), strict=True))
+    return all(count > 1 for count in sides.values())
 
 
 def _text(path: Path) -> list[str]:

@@ -51,6 +51,8 @@ def read_dxf(path: Path) -> Answer:
         pairs = [(int(code), value.strip()) for code, value in zip(lines[::2], lines[1::2], strict=False)]
     except ValueError:
         raise Refused(f"{path.name}: not the codes and values of a DXF in text") from None
+    if (0, "EOF") not in pairs[-1:]:
+        raise Refused(f"{path.name}: does not end with EOF, as a DXF does: cut short")
     faces: dict[str, list[np.ndarray]] = {}
     found: list[tuple[str, np.ndarray, list[list[int]]]] = []
     try:

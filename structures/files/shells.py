@@ -32,11 +32,13 @@ def shells(vertices: np.ndarray, loops: Sequence[Sequence[int]]) -> list[Shell]:
         loops: of corners, counter-clockwise seen from outside.
 
     Raises:
-        ValueError: a face names a corner that there is not.
+        ValueError: a face names a corner that there is not, or none.
     """
     corners = np.array([i for loop in loops for i in loop], dtype=np.int64)
     if not len(corners):
         return []
+    if not all(len(loop) for loop in loops):
+        raise ValueError("a face without corners")
     if corners.min() < 0 or corners.max() >= len(vertices):
         raise ValueError(f"a face names a corner outside 0 to {len(vertices) - 1}")
     points, one = np.unique(vertices, axis=0, return_inverse=True)

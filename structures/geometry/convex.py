@@ -136,8 +136,9 @@ def is_convex(block: Block) -> bool:
 
 
 def excess(block: Block) -> float:
-    """How far a vertex lies outside the plane of a face at most [m]."""
-    normals, offsets = loop_planes([block.vertices[list(face)] for face in block.faces])
+    """How far a vertex lies outside the plane of a face at most [m]; NaN where a face has no area, and so no plane."""
+    with np.errstate(invalid="ignore"):
+        normals, offsets = loop_planes([block.vertices[list(face)] for face in block.faces])
     some = max(1, TABLED // len(block.vertices))
     portions = (slice(k, k + some) for k in range(0, len(normals), some))
     return max(float((block.vertices @ normals[own].T - offsets[own]).max()) for own in portions)

@@ -85,7 +85,10 @@ def _flat(block: Block, within: float) -> tuple[Block, float]:
     moved = _moved(block, within)
     if moved is not None and _stands(moved[0]):
         return moved
-    hull, far = _hull(block)
+    found = _hull(block)
+    if found is None:
+        return block, 0.0
+    hull, far = found
     grown = mass_properties(hull.vertices, hull.faces).volume - mass_properties(block.vertices, block.faces).volume
     if far > within or abs(grown) > within * size_of(block) ** 2:
         return block, 0.0
@@ -219,12 +222,18 @@ def _step(
     return points + solved[: 3 * v].reshape(v, 3), new / length[:, None], (offset + turns[:, 2]) / length
 
 
-def _hull(block: Block) -> tuple[Block, float]:
-    """The convex hull of a block's corners, in triangles that run counter-clockwise seen from outside; how deep a corner lies in it [m]."""
-    from scipy.spatial import ConvexHull  # takes as long to load as a small run
+def _hull(block: Block) -> tuple[Block, float] | None:
+    """The convex hull of a block's corners, in triangles that run counter-clockwise seen from outside; how deep a corner lies in it [m].
+
+    None where they lie in one plane.
+    """
+    from scipy.spatial import ConvexHull, QhullError  # take as long to load as a small run
 
     middle = block.vertices.mean(axis=0)
-    found = ConvexHull(block.vertices - middle)
+    try:
+        found = ConvexHull(block.vertices - middle)
+    except QhullError:
+        return None
     outward, offset = found.equations[:, :3], found.equations[:, 3]
     deepest = max(0.0, float(np.min(-(block.vertices - middle) @ outward.T - offset, axis=1).max()))
     number = {int(old): new for new, old in enumerate(found.vertices)}

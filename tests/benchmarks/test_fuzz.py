@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.fuzz import inputs, mutators, promises, texts, worker
+from benchmarks.fuzz import inputs, mutators, promises, texts, together, worker
 
 LINE = "masonry-cd: error: a.toml:3: run.dt: missing\n"
 REFUSED = promises.Outcome(2, "", LINE, 0.1, 3e8, False, (), False)
@@ -133,3 +133,25 @@ def test_what_a_case_leaves_is_seen(tmp_path: Path) -> None:
     (tmp_path / "written" / "result.part.h5").touch()
     (tmp_path / "stray").touch()
     assert promises.left_behind(tmp_path, before, "written") == ("stray", "written/result.part.h5")
+
+
+@pytest.mark.skipif(not together.PEAK.exists(), reason="needs Linux")
+def test_cases_in_one_process_end_as_they_do_alone(tmp_path: Path) -> None:
+    """Records by the command line: one that is read, one refused, and one after what ended the process."""
+    good = texts.RECORDS["at2"].encode()
+    shared = [together.Case({"quake.at2": text}, ["record", "quake.at2"], "written") for text in (good, b"\0", good)]
+    outcomes = [*together.run_cases(shared, tmp_path)]
+    assert [one.code for one in outcomes] == [0, 2, 0]
+    assert outcomes[0].stdout == outcomes[2].stdout == together.alone(shared[0], tmp_path).stdout
+    assert outcomes[1].stderr.startswith("masonry-cd: error: record.path: quake.at2") and promises.broken(outcomes[1]) == ""
+    assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.skipif(not together.PEAK.exists(), reason="needs Linux")
+def test_a_case_that_ends_the_process_is_judged_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    good = together.Case({"quake.at2": texts.RECORDS["at2"].encode()}, ["record", "quake.at2"], "written")
+    ends = good._replace(command=["record", "quake.at2", "--ends"])
+    called = worker.called
+    monkeypatch.setattr(worker, "called", lambda command: os.abort() if "--ends" in command else called(command))
+    codes = [one.code for one in together.run_cases([good, ends, good], tmp_path)]
+    assert codes == [0, -6, 0]

@@ -87,6 +87,8 @@ def cut(text: str, lines: int) -> str:
         (files.afad().replace(f": {files.COUNT}", ": 99"), {"column": 0}, "the header announces 99 values, the file holds 103"),
         (files.unam().replace("N00E/N90E", "N00E"), {"column": 1}, "3 columns, where the table has 2"),
         (files.cwb(100), {"column": 0}, "100 samples a second, but the times are 0.005 s apart: correct the file"),
+        (files.sac(count=50), {}, "the header announces 50 values, the file holds 103: longer than it says"),
+        (files.sac()[:-40], {}, "the header announces 103 values, the file holds 93: cut short"),
         (files.sac(scale=2.0), {}, "SCALE is 2 in its header, which programs apply or not; the key calibration"),
         (files.volume(*VOLUME["usc"][:2]).replace("  0.010", "  0.001", 1), {}, "the time does not advance"),
     ],

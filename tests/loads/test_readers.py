@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -168,3 +169,17 @@ def test_units(text: str, size: float | None) -> None:
 )
 def test_headings(heading: str, name: str, unit: str | None) -> None:
     assert split_heading(heading) == (name, unit)
+
+
+def test_exponents_of_fortran_are_numbers(tmp_path: Path) -> None:
+    _, plain = load(tmp_path, at2())
+    _, double = load(tmp_path, re.sub(r"(\.\d+)E([+-])", r"\1D\2", at2()))
+    assert np.array_equal(double.values, plain.values) and double.step == plain.step
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig"])
+def test_texts_of_spreadsheets_are_read_by_their_mark(tmp_path: Path, encoding: str) -> None:
+    text = "time [s]\tacc [g]\n" + "".join(f"{t:.3f}\t{a:.6f}\n" for t, a in zip(TIME, WAVE, strict=True))
+    (tmp_path / "record").write_bytes(text.encode(encoding))
+    _, record = read(Source.open(tmp_path / "record", "path"), "auto", Request())
+    assert record.values == pytest.approx(WAVE, abs=1e-6) and record.step == pytest.approx(STEP)

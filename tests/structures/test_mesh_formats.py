@@ -204,3 +204,43 @@ def test_an_overlap_is_accepted_where_asked_for_and_reported(tmp_path: Path) -> 
     assert notes == ["t.obj: 2 pairs of blocks overlap, by at most 1 mm"]
     with pytest.raises(InputError, match="overlap by 1 mm"):
         build(tmp_path, "t.obj", overlap=0.0005)
+
+
+def text_stl() -> str:
+    """The boxes as an STL in text, a solid each."""
+    lines = []
+    for k, loops in enumerate((files.LOOPS[: files.HALF], files.LOOPS[files.HALF :])):
+        lines.append(f"solid b{k}")
+        for loop in loops:
+            corners = [f"vertex {x} {y} {z}" for x, y, z in files.POINTS[loop]]
+            lines += ["facet normal 0 0 0", "outer loop", *corners, "endloop", "endfacet"]
+        lines.append(f"endsolid b{k}")
+    return "\n".join(lines) + "\n"
+
+
+def binary_stl() -> bytes:
+    """The boxes as an STL, whose heading begins as a text does."""
+    soup = np.zeros(len(files.LOOPS), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("colour", "<u2")])
+    soup["corners"] = files.POINTS[np.array(files.LOOPS)]
+    return b"solid facet".ljust(80) + len(soup).to_bytes(4, "little") + soup.tobytes()
+
+
+@pytest.mark.parametrize("content", [text_stl(), text_stl().replace("\n", "\r\n").upper(), binary_stl()])
+def test_stl_in_text_and_binary(tmp_path: Path, content: str | bytes) -> None:
+    boxes(tmp_path, "a.stl", content, **METRES)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.stl", text_stl()[:-200], r"a\.stl: \d+ triangles could be read of [\d.]+: cut short or damaged"),
+        ("a.stl", binary_stl()[:-60], r"a\.stl: announces 24 triangles and has bytes for 22: cut short or damaged"),
+        ("a.stl", text_stl().replace(".", ","), r"a\.stl: not the facets and vertices of an STL"),
+        ("a.dxf", files.dxf()[:-300], r"a\.dxf: does not end with EOF, as a DXF does: cut short"),
+        ("a.dxf", files.dxf(polyface=True)[:-300], r"a\.dxf: does not end with EOF"),
+    ],
+)
+def test_files_that_were_cut_short_lose_no_block_in_silence(tmp_path: Path, name: str, content: str | bytes, said: str) -> None:
+    (tmp_path / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    with pytest.raises(InputError, match=said):
+        build(tmp_path, name, up="z", **({} if name.endswith("dxf") else {"units": "m"}))

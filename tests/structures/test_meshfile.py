@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import mesh_files
 import numpy as np
 import pytest
 from models import box, tower
@@ -158,3 +161,53 @@ def test_files_that_are_none_are_named(tmp_path: Path) -> None:
         file(tmp_path, "b.json")
     with pytest.raises(InputError, match=r"b\.dxf: blocks are written as"):
         meshfile.write(tmp_path / "b.dxf", tower(1))
+
+
+def objects(*blocks: Block, name: str = "o b") -> str:
+    """An OBJ in which every block has one name."""
+    text, count = "", 1
+    for block in blocks:
+        text += f"{name}\n" + "".join(f"v {x} {y} {z}\n" for x, y, z in block.vertices.tolist())
+        text += "".join("f " + " ".join(str(count + i) for i in face) + "\n" for face in block.faces)
+        count += len(block.vertices)
+    return text
+
+
+@pytest.mark.parametrize("mark", ["o b", "g b"])
+def test_solids_of_one_name_stay_apart(tmp_path: Path, mark: str) -> None:
+    """Else a structure whose objects all have one name would be a single rigid body."""
+    (tmp_path / "twins.obj").write_text(objects(*tower(2)[1:], name=mark))
+    assert [block.name for block in file(tmp_path, "twins.obj")] == ["b.0", "b.1"]
+
+
+def test_a_solid_whose_name_comes_again_with_its_next_material_is_whole(tmp_path: Path) -> None:
+    lines = objects(tower(1)[1]).splitlines()
+    (tmp_path / "sorted.obj").write_text("\n".join([*lines[:12], "usemtl other", "o b", *lines[12:]]))
+    assert [block.name for block in file(tmp_path, "sorted.obj")] == ["b"]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda block: (block.vertices * [1.0, 1.0, 0.0], block.faces), r'a\.obj: block "b": '),
+        (lambda block: (block.vertices, (*block.faces, (0, 0, 1))), ""),
+    ],
+)
+def test_solids_and_faces_without_extent_are_said_or_dropped(tmp_path: Path, change: Any, said: str) -> None:
+    """Neither a message of a library nor a warning of numpy."""
+    stone = tower(1)[1]
+    (tmp_path / "a.obj").write_text(objects(replace(stone, **dict(zip(("vertices", "faces"), change(stone), strict=True)))))
+    if not said:
+        assert volumes(file(tmp_path, "a.obj")) == pytest.approx(volumes([stone]))
+        return
+    with pytest.raises(InputError, match=said) as refusal:
+        file(tmp_path, "a.obj")
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_face_without_corners_is_named(tmp_path: Path) -> None:
+    text = mesh_files.ply().decode().replace(f"element face {len(mesh_files.LOOPS)}", f"element face {len(mesh_files.LOOPS) + 1}")
+    (tmp_path / "a.ply").write_text(text + "0\n")
+    with pytest.raises(InputError, match=r"a\.ply: a face without corners"):
+        file(tmp_path, "a.ply", fixed={"below": 0.9})
