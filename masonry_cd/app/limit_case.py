@@ -39,8 +39,8 @@ from masonry_cd.mechanics.model.joints import Joints
 if TYPE_CHECKING:
     from masonry_cd.analysis.code_check.steps import CodeCheck
     from masonry_cd.analysis.limit.macro import PartMechanism
+    from masonry_cd.analysis.limit.ties import LimitTie
     from masonry_cd.app.static_loads import StaticLoads
-    from reports.limit.ties import LimitTie
 
 EVERY = files_of("limit")  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
@@ -76,7 +76,7 @@ class LimitCase:
     @cached_property
     def ties(self) -> list[LimitTie]:
         """The ties and what they pull then; none of a structure that does not stand."""
-        from reports.limit.ties import limit_ties
+        from masonry_cd.analysis.limit.ties import limit_ties
 
         if not self.analysis.stands:
             return []
@@ -317,7 +317,7 @@ def _how_lines(case: LimitCase) -> list[str]:
     """The mechanism and the certificate, a line each."""
     moves, answer = case.collapse.mechanism, case.analysis.associated
     made = answer.certificate
-    from reports.limit.ties import tie_lines
+    from masonry_cd.analysis.limit.ties import tie_lines
 
     return [
         f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]) + _crushed(case),
@@ -352,8 +352,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     from masonry_cd.app.summary import write_json
     from reports.limit.check_files import write_check
     from reports.limit.page import LimitPage, write_limit_page
-    from reports.limit.tables import write_tables
-    from reports.limit.ties import write_limit_ties
+    from reports.limit.tables import write_limit_ties, write_tables
 
     folder.mkdir(parents=True, exist_ok=True)
     for name in EVERY:

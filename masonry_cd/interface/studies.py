@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.fragility import words
 from masonry_cd.analysis.fragility.fits import Fits, fit_study
 from masonry_cd.analysis.fragility.folder import read_study
 from masonry_cd.analysis.fragility.measures import unit
@@ -28,7 +29,6 @@ from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.study_plots import StudyPlots
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.interface.temporary import TemporaryFolder
-from reports.study import words
 from reports.study.joint_maps import JointStudy, joint_study
 from reports.study.tables import COLUMNS_OF_FITS, row_of
 
