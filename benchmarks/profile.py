@@ -242,6 +242,7 @@ def main() -> int:
     parser.add_argument("--steps-only", action="store_true", help="one table with a line for each scene")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--beside", type=Path, metavar="TREE", help="another tree of the program, whose steps are compared")
+    parser.add_argument("--set-here", action="append", default=[], metavar="KEY=VALUE", help="with --beside: in this tree alone")
     parser.add_argument("--repeat", type=int, default=3, help="with --beside: runs of which the quickest counts")
     given = parser.parse_args()
     try:
@@ -258,7 +259,8 @@ def compare(given: argparse.Namespace) -> None:
     with turns.process_of(given.beside) as beside, turns.process_of(HERE.parent) as here:
         for name in map(str, given.scenes or turns.SCENES):
             found = records_in(given.records, Path(name)) if given.records is not None and name.endswith(".toml") else []
-            print(turns.row((beside, here), name, [*found, *given.set], given.repeat), flush=True)
+            changes = [*found, *given.set]
+            print(turns.row((beside, here), name, (changes, [*changes, *given.set_here]), given.repeat), flush=True)
 
 
 def run_all(given: argparse.Namespace) -> None:

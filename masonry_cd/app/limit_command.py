@@ -57,7 +57,8 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
         raise InputError(f"--run: {asked.run} has no damage.csv; a run writes it where [report] damage = true")
     whole, found = looked_at(scene, asked.macro_elements, asked.curve)
     written = []
-    verdict = on_the_whole(summary(whole)) if whole is not None else on_the_check(found and found.verdict and found.verdict.numbers())
+    judged = found.verdict if found is not None else None
+    verdict = on_the_whole(summary(whole)) if whole is not None else on_the_check(judged.numbers() if judged is not None else None)
     if verdict is not None:
         say(verdict.line)
     if whole is not None:

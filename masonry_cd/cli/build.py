@@ -46,9 +46,9 @@ def build(
 ) -> None:
     """Build the structure of a scene alone.
 
-    DIR gets blocks.json, which kind = "file" reads back, or the blocks in other formats, and structure.png. Where blocks are refused,
-    problem.png shows which. A building's plan is written as plan.json, to be corrected and read again, and drawn as plan.svg;
-    plan_left.csv lists what of a drawing was not understood.
+    DIR gets blocks.json, which kind = "file" reads back, or the blocks in other formats, and structure.png. The fill of a bridge is in
+    blocks.json, and in fill.json beside other formats. Where blocks are refused, problem.png shows which. A building's plan is written as
+    plan.json, to be corrected and read again, and drawn as plan.svg; plan_left.csv lists what of a drawing was not understood.
 
     \b
     Examples:
@@ -75,11 +75,11 @@ def build(
         from masonry_cd.app.case import make_structures
         from masonry_cd.app.doubts import structure_doubts
         from structures import summary
-        from structures.files import blockfile, meshfile
+        from structures.files import blockfile, fillfile, meshfile
         from structures.geometry.checks import Unsound
 
         try:
-            blocks, notes, ties = make_structures(asked)[:3]
+            blocks, notes, ties, fills = make_structures(asked)
         except Unsound as fault:
             if picture:
                 _draw_problem(fault, output)
@@ -90,11 +90,15 @@ def build(
         output.mkdir(parents=True, exist_ok=True)
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:
-            (blockfile if path.suffix == ".json" else meshfile).write(path, blocks)
-        riding = sum(block.carried.mass for block in blocks if block.carried is not None)
-        if riding:
-            names = ", ".join(path.name for path in written)
-            warn([f"files of blocks hold no fill: {riding:.4g} kg that ride on the blocks are missing in {names}"])
+            if path.suffix == ".json":
+                blockfile.write(path, blocks, fills)
+            else:
+                meshfile.write(path, blocks)
+        if fills and formats != ("json",):
+            written.append(output / fillfile.FILL_FILE)
+            fillfile.write(written[-1], blocks, fills)
+            nameless = ", ".join(f"blocks.{name}" for name in formats if name not in ("json", *meshfile.MARKED))
+            warn([f"{nameless} keep no names of blocks, by which {fillfile.FILL_FILE} puts the fill back"] if nameless else [])
         if plan_files.is_of_plan(asked):
             written += plan_files.write_plan_files(asked, output, picture)
         if picture:
