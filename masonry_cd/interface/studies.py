@@ -275,8 +275,8 @@ def without_main() -> Iterator[None]:
     """Hide the script that called from the processes that are started: they would import it, and so call again what it calls."""
     main = sys.modules["__main__"]
     hidden = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
-    for name in hidden:
-        setattr(main, name, None)
+    vars(main).pop("__file__", None)  # no None, over which the standard library's inspect stumbles, and with it pydantic
+    main.__spec__ = None
     try:
         yield
     finally:
