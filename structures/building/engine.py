@@ -17,7 +17,7 @@ from masonry_cd.foundation.errors import InputErrors
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
-from structures.building import columns, junctions, openings, polygons, vaults
+from structures.building import columns, junctions, openings, vaults
 from structures.building.added_walls import added
 from structures.building.axes import SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
@@ -28,6 +28,7 @@ from structures.building.slivers import Stone, joined
 from structures.building.stones import Part, across, parts_of, stone, welded
 from structures.building.table import BuildingTable, BuildingWallTable
 from structures.building.widths import NARROW
+from structures.geometry import polygons
 from structures.layout.pockets import with_pockets
 
 SLIVER = 0.1  # of the thickness of a vault: what it leaves of a stone that is thinner goes to another

@@ -18,10 +18,10 @@ from shapely.geometry import Polygon
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
-from structures.building import polygons
 from structures.building.axes import SAME, Facet
 from structures.building.panels import Piece
 from structures.building.widths import fat_pieces
+from structures.geometry import polygons
 from structures.geometry.compound_block import compound_block
 from structures.geometry.convex import halves
 from structures.geometry.outer_shell import is_closed, outer_shell
