@@ -17,7 +17,7 @@ from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement,
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
 from masonry_cd.analysis.limit.candidates import UNTIED, with_mechanisms, with_untied
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
-from masonry_cd.analysis.limit.outcome import on_the_whole
+from masonry_cd.analysis.limit.outcome import mechanism_facts, on_the_whole
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
@@ -224,7 +224,7 @@ def _numbers(case: LimitCase) -> dict[str, Any]:
         "associated": None,
         "least": None,
         "starts": analysis.starts,
-        "mechanism": _mechanism(case),
+        "mechanism": mechanism_facts(case.collapse.mechanism, case.assembly.names, "least" if least else "associated"),
         "ties": [tie.row() for tie in case.ties],
         "check": None if case.check is None else case.check.numbers(),
         "verdict": None if case.verdict is None else case.verdict.numbers(),
@@ -250,17 +250,6 @@ def _numbers(case: LimitCase) -> dict[str, Any]:
             "spread": least.spread, "found": list(least.found),
         }  # fmt: skip
     return out
-
-
-def _mechanism(case: LimitCase) -> dict[str, Any]:
-    """Which blocks move and how many joints are at work."""
-    moves = case.collapse.mechanism
-    names = [case.assembly.names[b] for b in np.flatnonzero(moves.moving)]
-    return (
-        {"of": "least" if case.analysis.least else "associated", "moving_blocks": names}
-        | {f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES}
-        | {"joints_crushing": int(moves.crushing.sum())}
-    )
 
 
 def lines(case: LimitCase) -> list[str]:

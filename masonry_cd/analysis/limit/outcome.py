@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verdict on a limit analysis: the factor that counts, how sure it is, and why."""
+"""What came of a limit analysis: the verdict on it, with the factor that counts, how sure it is and why, and its mechanism in numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
 
 SURE = {  # by the state of a check by a code: how sure it is, and that in words
@@ -60,3 +63,12 @@ def _of_the_factor(facts: Mapping[str, Any], least: Mapping[str, Any] | None) ->
         why = f"{agreeing} of {starts} starts of the search came to the least factor; more starts may find less (limit.starts)"
         return Verdict(f"load factor {factor:.4g}", "", because, LOOK, "read this before you rely on the factor", why)
     return Verdict(f"load factor {factor:.4g}", "", because, GOOD, "the searches agree, and the certificate closes", "")
+
+
+def mechanism_facts(moves: Mechanism, names: Sequence[str], of: str) -> dict[str, Any]:
+    """Which blocks move, by their names, and how many joints are at work in the mechanism ``of`` a factor."""
+    return (
+        {"of": of, "moving_blocks": [names[b] for b in np.flatnonzero(moves.moving).tolist()]}
+        | {f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES}
+        | {"joints_crushing": int(moves.crushing.sum())}
+    )
