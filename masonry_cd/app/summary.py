@@ -21,7 +21,7 @@ from masonry_cd.app.modelled import masses
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_summary import steps_in_words, time_step_lines, time_step_summary
 from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.quantities import in_words, length
+from masonry_cd.foundation.quantities import counted, in_words, length
 from masonry_cd.io.summary_file import FORMAT
 from masonry_cd.mechanics.dynamics.adaptive import error_tolerance
 from masonry_cd.mechanics.model.masonry_kinds import facts
@@ -117,6 +117,16 @@ def write_json(summary: dict[str, Any], path: Path) -> None:
         part.write_text(as_json(summary), encoding="utf-8")
 
 
+def crushed_lines(s: dict[str, Any]) -> list[str]:
+    """What crushed, and what is no longer known of it; nothing where nothing did."""
+    out = (
+        [f"crushing: {counted(s['joints_crushed'], 'joint')}, by {length(s['crushed_max'])} at the most"] if s.get("joints_crushed") else []
+    )
+    if lost := s.get("crushing_forgotten"):
+        out.append(f"crushing: of {counted(lost, 'joint')} it is forgotten: the blocks came far apart, or met again with other faces")
+    return out
+
+
 def closing_lines(summary: dict[str, Any]) -> list[str]:
     """What happened, in words."""
     s, solver, energy = summary, summary["solver"], summary["energy"]
@@ -126,8 +136,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if reported else ""
     deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
-    joints = "1 joint" if s.get("joints_crushed") == 1 else f"{s.get('joints_crushed')} joints"
-    crushed = [f"crushing: {joints}, by {length(s['crushed_max'])} at the most"] if s.get("joints_crushed") else []
+    crushed = crushed_lines(s)
     on = f" on {solver['threads']} threads" if solver["threads"] > 1 else ""
     return [
         f"{s['title']}: {steps_in_words(s)} in {in_words(s['stepping_seconds'])}, "
