@@ -41,6 +41,10 @@ def on_the_whole(facts: Mapping[str, Any]) -> Verdict:
         return Verdict("does not stand", "", "it gives way under its dead loads", DOUBTFUL, "there is no load factor", "")
     if facts["bears_nothing"]:
         return Verdict("bears no such load", "", "the least of it sets the structure in motion", GOOD, "there is no load factor", "")
+    if facts["no_finite_factor"] and facts.get("least"):
+        factor, words = facts["least"]["factor"], "read this before you rely on the factor"
+        why = "sliding that opens joints leaves the associated factor without bound: the search alone gives one"
+        return Verdict(f"load factor {factor:.4g}", "", "least found without dilation", LOOK, words, why)
     if facts["no_finite_factor"]:
         return Verdict("no finite load factor", "", "on no mechanism does the load do work", LOOK, "read why before you rely on it", "")
     if facts.get("associated") is None:
