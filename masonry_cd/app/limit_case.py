@@ -17,7 +17,7 @@ from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement,
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
 from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
 from masonry_cd.analysis.limit.mechanism import STATES
-from masonry_cd.analysis.limit.outcome import on_the_whole
+from masonry_cd.analysis.limit.outcome import mechanism_facts, on_the_whole
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
@@ -39,8 +39,8 @@ from masonry_cd.mechanics.model.joints import Joints
 if TYPE_CHECKING:
     from masonry_cd.analysis.code_check.steps import CodeCheck
     from masonry_cd.analysis.limit.macro import PartMechanism
+    from masonry_cd.analysis.limit.ties import LimitTie
     from masonry_cd.app.static_loads import StaticLoads
-    from reports.limit.ties import LimitTie
 
 EVERY = files_of("limit")  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
@@ -74,7 +74,7 @@ class LimitCase:
     @cached_property
     def ties(self) -> list[LimitTie]:
         """The ties and what they pull then; none of a structure that does not stand."""
-        from reports.limit.ties import limit_ties
+        from masonry_cd.analysis.limit.ties import limit_ties
 
         if not self.analysis.stands:
             return []
@@ -215,7 +215,7 @@ def _numbers(case: LimitCase) -> dict[str, Any]:
         "associated": None,
         "least": None,
         "starts": analysis.starts,
-        "mechanism": _mechanism(case),
+        "mechanism": mechanism_facts(case.collapse.mechanism, case.assembly.names, "least" if least else "associated"),
         "ties": [tie.row() for tie in case.ties],
         "check": None if case.check is None else case.check.numbers(),
         "verdict": None if case.verdict is None else case.verdict.numbers(),
@@ -241,17 +241,6 @@ def _numbers(case: LimitCase) -> dict[str, Any]:
             "spread": least.spread, "found": list(least.found),
         }  # fmt: skip
     return out
-
-
-def _mechanism(case: LimitCase) -> dict[str, Any]:
-    """Which blocks move and how many joints are at work."""
-    moves = case.collapse.mechanism
-    names = [case.assembly.names[b] for b in np.flatnonzero(moves.moving)]
-    return (
-        {"of": "least" if case.analysis.least else "associated", "moving_blocks": names}
-        | {f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES}
-        | {"joints_crushing": int(moves.crushing.sum())}
-    )
 
 
 def lines(case: LimitCase) -> list[str]:
@@ -307,7 +296,7 @@ def _started_before(case: LimitCase) -> list[str]:
 def _how_lines(case: LimitCase) -> list[str]:
     """The mechanism and the certificate, a line each."""
     moves = case.collapse.mechanism
-    from reports.limit.ties import tie_lines
+    from masonry_cd.analysis.limit.ties import tie_lines
 
     return [
         f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]) + _crushed(case),
@@ -340,8 +329,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     from masonry_cd.app.summary import write_json
     from reports.limit.check_files import write_check
     from reports.limit.page import LimitPage, write_limit_page
-    from reports.limit.tables import write_tables
-    from reports.limit.ties import write_limit_ties
+    from reports.limit.tables import write_limit_ties, write_tables
 
     folder.mkdir(parents=True, exist_ok=True)
     for name in EVERY:

@@ -185,10 +185,11 @@ def _write_laboratory(results: Results, folder: Path, summary: dict[str, Any]) -
     """Write what pushes and gauges have recorded; return the summary's share."""
     if not results.gauges.any:
         return {}
-    from reports.laboratory.files import laboratory_warnings, write_laboratory
+    from masonry_cd.analysis.pushover import push_warnings
+    from reports.laboratory.files import write_laboratory
 
     share = write_laboratory(results, folder)
-    return share | {"warnings": [*laboratory_warnings(share), *summary["warnings"]]}
+    return share | {"warnings": [*push_warnings(share.get("pushes", [])), *summary["warnings"]]}
 
 
 def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:

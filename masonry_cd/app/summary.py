@@ -213,7 +213,7 @@ def _part_lines(s: dict[str, Any]) -> list[str]:
     """The damage part by part, where the scene asks for it."""
     if "parts" not in s:
         return []
-    from reports.damage.part_files import part_lines
+    from masonry_cd.app.part_lines import part_lines
 
     return part_lines(s["parts"])
 
@@ -222,7 +222,7 @@ def _stress_lines(s: dict[str, Any]) -> list[str]:
     """The stress of blocks and joints, where the scene asks for it."""
     if not s.get("stress"):
         return []
-    from reports.stress.files import stress_lines
+    from masonry_cd.analysis.stress.words import stress_lines
 
     return stress_lines(s["stress"])
 

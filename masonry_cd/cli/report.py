@@ -54,10 +54,11 @@ def report(
         from reports.settings import report_of
 
         with Results.open(folder / "result.h5") as results:
+            from masonry_cd.app.part_lines import part_lines
             from masonry_cd.app.summary import damage_line, verdict_lines, write_json
             from masonry_cd.io.summary_file import NAME
             from reports import outputs
-            from reports.damage import joint_files, part_files
+            from reports.damage import joint_files
             from reports.files import Job
 
             changes = {"view": view, "scale": scale, "cut": cut, "thrust": thrust, "vector": vector or None, "animation": animation}
@@ -71,7 +72,7 @@ def report(
             typer.echo("\n".join([*verdict_lines(summary), damage_line(summary)]))
             asked = {"damage": True, "crack_map": crack_map, "stress": stress_map or results.has_stress, "stress_map": stress_map}
             job = Job(results, folder, settings, summary, time, asked | {"page": html or pdf, "pdf": pdf})
-            typer.echo("\n".join(part_files.part_lines(job.damage.parts)))
+            typer.echo("\n".join(part_lines(job.damage.parts)))
             written = [folder / "joints.csv", *job.write()]
             if not (folder / NAME).exists() and results.closing:
                 added = {key: value for key, value in job.more.items() if key != "parts" or settings.damage}

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.fragility import words
 from masonry_cd.analysis.fragility.fits import Fits, fit_study
 from masonry_cd.analysis.fragility.folder import read_study
 from masonry_cd.analysis.fragility.measures import unit
@@ -28,7 +29,6 @@ from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.study_plots import StudyPlots
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.interface.temporary import TemporaryFolder
-from reports.study import words
 from reports.study.joint_maps import JointStudy, joint_study
 from reports.study.tables import COLUMNS_OF_FITS, row_of
 
@@ -275,8 +275,8 @@ def without_main() -> Iterator[None]:
     """Hide the script that called from the processes that are started: they would import it, and so call again what it calls."""
     main = sys.modules["__main__"]
     hidden = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
-    for name in hidden:
-        setattr(main, name, None)
+    vars(main).pop("__file__", None)  # no None, over which the standard library's inspect stumbles, and with it pydantic
+    main.__spec__ = None
     try:
         yield
     finally:

@@ -15,7 +15,7 @@ from masonry_cd.analysis.gauge_histories import (
     point_histories,
     support_histories,
 )
-from masonry_cd.analysis.pushover import push_curves, push_warnings
+from masonry_cd.analysis.pushover import push_curves
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
@@ -77,11 +77,6 @@ def histories_of(results: Results) -> dict[str, dict[str, History]]:
             "gauges: the run kept none; [[output.point]], [[output.joint]], [[output.crack]] and [[output.support]] ask for them"
         )
     return found
-
-
-def laboratory_warnings(share: Mapping[str, Any]) -> list[str]:
-    """What must not pass in silence of the share of a summary."""
-    return push_warnings(list(share.get("pushes", ())))
 
 
 def _curve_rows(curves: Iterable[Any]) -> Iterable[list[object]]:

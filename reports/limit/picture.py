@@ -13,16 +13,17 @@ import numpy as np
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.limit.analysis import Collapse
 from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism
+from masonry_cd.analysis.limit.ties import LimitTie
 from masonry_cd.foundation.quantities import counted, force
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.fill import BARS
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import next_in_loop
 from reports.drawing.figure import LABELLED, Sheet
 from reports.drawing.palette import AT_WORK, INK, MOVES, PULLING, REST, STANDS, THRUST
-from reports.drawing.parts import BEFORE, BEHIND, Layer, Lines, Panel, Sign, Surface, View, painted, ribbon, view_named
+from reports.drawing.parts import BEFORE, BEHIND, Layer, Lines, Panel, Sign, Surface, Ties, View, painted, ribbon, view_named
 from reports.drawing.scene import Scene
 from reports.drawing.solids import auto_view, block_layers, structure_window, two_colours, within_sight
-from reports.limit.ties import LimitTie, drawn_ties
 from reports.maps.thrust import THINNEST, joint_ribbons
 
 AMPLITUDE = 0.07  # largest displacement drawn, as a share of the structure's size
@@ -132,6 +133,14 @@ def moving_layers(solids: Solids, vertices: np.ndarray, moving: np.ndarray, buil
     """The blocks of a mechanism with vertices (V, 3), those that are moving (B,) in a colour of theirs, over their outlines as built."""
     outlines = Lines(within_sight(built, built.vertices), built.edges(), REST, 1.2, BEHIND)
     return [*block_layers(solids, within_sight(solids, vertices), two_colours(solids, moving, MOVES, STANDS)), outlines]
+
+
+def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Ties:
+    """Ties as a picture shows them, without the fill; ``moved`` says where points (n, 3) of blocks (n,) are drawn."""
+    ties = [tie for tie in ties if not tie.label.startswith(BARS)]
+    ends = [[moved(tie.points[:, k], tie.blocks[:, k]).mean(axis=0) for k in range(2)] for tie in ties]
+    pulls = np.array([tie.total for tie in ties])
+    return Ties(np.array(ends, dtype=float).reshape(-1, 2, 3), tuple(tie.words for tie in ties), pulls)
 
 
 def _tie_signs(ties: Sequence[LimitTie]) -> list[Sign]:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blocks.csv and joints.csv of a limit analysis."""
+"""blocks.csv, joints.csv and ties.csv of a limit analysis."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,9 @@ import numpy as np
 
 from masonry_cd.analysis.limit.analysis import Collapse
 from masonry_cd.analysis.limit.mechanism import STATES
+from masonry_cd.analysis.limit.ties import COLUMNS as TIES
+from masonry_cd.analysis.limit.ties import CSV as TIES_CSV
+from masonry_cd.analysis.limit.ties import LimitTie
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -51,3 +55,12 @@ def joint_rows(collapse: Collapse, assembly: Assembly, joints: Joints) -> list[l
         share = np.nan if collapse.block_share is None else collapse.block_share[j]
         rows.append([j, *names, float(joints.area[j]), STATES[moves.state[j]], *map(float, rates), *map(float, [*forces, share])])
     return rows
+
+
+def write_limit_ties(ties: Sequence[LimitTie], folder: Path) -> list[Path]:
+    """Write ties.csv; nothing without ties."""
+    if not ties:
+        return []
+    rows = ((tie.row() | {"yields": str(tie.yields)}).values() for tie in ties)
+    write_csv(folder / TIES_CSV, TIES, rows, digits=6)
+    return [folder / TIES_CSV]

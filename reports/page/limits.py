@@ -7,10 +7,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from masonry_cd.analysis.damage.grades import DESCRIPTIONS, LABELS, NAMES, REFERENCE, Grades, percent
 from masonry_cd.analysis.modal.left_out import left_out_lines
+from masonry_cd.analysis.stress.joint_pressure import largest_pressure
 from masonry_cd.foundation.errors import parse_table, table_in_si
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.results import Results
@@ -21,7 +20,6 @@ from reports.page.section import Section
 from reports.page.templates import Badge
 from reports.page.words import PageContext, capital, number
 
-CHUNK_BYTES = 1 << 24  # joint forces are read in chunks of this size
 PAIRS = 6  # of groups whose values are listed
 
 
@@ -84,21 +82,6 @@ def not_modelled(context: PageContext) -> list[str]:
 def _kinds(context: PageContext) -> list[str]:
     """Of the loads."""
     return [str(load.get("kind")) for load in context.tables.get("loads", [])]
-
-
-def largest_pressure(results: Results) -> tuple[float, int, float] | None:
-    """Largest normal force of a joint over its area in the frames [Pa], the joint, and when [s]; None in a file without forces."""
-    joints = results.joints
-    if not joints.count or not results.has_joint_history("normal_force"):
-        return None
-    best, rows = (-1.0, 0, 0.0), max(1, CHUNK_BYTES // (8 * joints.count))
-    force = results.file["joints/normal_force"]
-    for first in range(0, results.frames, rows):
-        pressure = np.nan_to_num(np.asarray(force[first : min(first + rows, results.frames)], dtype=float)) / joints.area
-        frame, joint = np.unravel_index(int(np.argmax(pressure)), pressure.shape)
-        if pressure[frame, joint] > best[0]:
-            best = (float(pressure[frame, joint]), int(joint), float(results.time[first + int(frame)]))
-    return best
 
 
 def _pressure(results: Results) -> dict[str, str] | None:

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd.analysis.support_motion import SupportMotion
 from masonry_cd.io.results import Results
-from reports.page.support_motion import SupportMotion
 
 POINTS = 2400  # of one curve at most
 ENERGIES = {

@@ -11,6 +11,7 @@ import numpy as np
 from masonry_cd.analysis.stress.elements import element_peaks
 from masonry_cd.analysis.stress.peaks import StressPeaks, principal, stress_peaks
 from masonry_cd.analysis.stress.summary import stress_summary
+from masonry_cd.analysis.stress.words import share_in_words, stress_lines
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.results import Results
 from reports.drawing.parts import hexed
@@ -18,7 +19,6 @@ from reports.maps.stress_map import StressScale
 from reports.page.section import Section
 from reports.page.words import PageContext, number
 from reports.settings import report_of
-from reports.stress.files import share_in_words, stress_lines
 
 Rows = tuple[list[str], list[list[str]]]  # columns, and rows of cells
 ROWS = 8  # of a table at most

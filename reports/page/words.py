@@ -19,10 +19,10 @@ from masonry_cd.analysis.damage.verdict import Checks, checks_of
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.outputs import PAGE, Number, numbers_in
 from masonry_cd.analysis.outputs.measured import Measured
+from masonry_cd.analysis.support_motion import STILL, SupportMotion, support_motions
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.io.results import Results
 from reports.drawing.figure import in_metres
-from reports.page.support_motion import STILL, SupportMotion, support_motions
 
 TABLES = {"structure": "Structure", "material": "Material", "run": "Computation", "report": "Report"}
 

@@ -13,10 +13,10 @@ from masonry_cd.analysis.fragility.bootstrap import bands
 from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.fragility import by_level
 from masonry_cd.analysis.fragility.measures import label, with_unit
+from masonry_cd.analysis.fragility.words import ORDER
 from reports.drawing.figure import FAINT, plain_axes, save
 from reports.study.plots import MARKERS, colour, halo, legend, sheet
 
-ORDER = ("mle", "ida", "cloud", "probit")  # the first of these that a limit state has is drawn with its band
 METHODS = {
     "mle": "maximum likelihood on counts per level",
     "probit": "probit on each run's own intensity",

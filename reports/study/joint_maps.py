@@ -16,10 +16,9 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.joint_runs import JointRuns, median, read_joint_runs
 from masonry_cd.analysis.fragility.measures import with_unit
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.files import size_of_regular
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
 from reports.damage.joint_files import thresholds_of
@@ -30,76 +29,10 @@ from reports.maps.joint_values import JointValues, draw_joint_values
 from reports.settings import report_of
 
 SHARES = (0.005, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9)  # lower bounds of the classes of a probability
-MOST_CELLS = 100_000_000  # runs times joints that are held for the median, 0.4 GB
 LEVELS = 3  # that have maps of their own, at most
 LARGEST = 0.05  # where the last class of the median opening begins [m]
 TABLE = "joint_probabilities.csv"
 REFERENCE = "reference/result.h5"
-KEYS = ("opening", "sliding", "lost", "shape")
-
-
-@dataclass(frozen=True, eq=False)
-class JointRuns:
-    """What n runs did to the same J joints."""
-
-    rows: np.ndarray  # (n,) of the table
-    opening: np.ndarray  # (n, J) float32, largest [m]; inf where the joint was lost
-    slid: np.ndarray  # (n, J) bool
-    lost: np.ndarray  # (n, J) bool
-    left_out: int  # runs on other joints
-
-    def opened(self, thresholds: Thresholds) -> np.ndarray:
-        """(n, J) bool."""
-        return self.opening >= thresholds.opened
-
-
-def read_joint_runs(study: Study, count: int, thresholds: Thresholds) -> JointRuns | None:
-    """Read joints/*.npz of the runs that are done; the first in the table that has one says which joints are meant.
-
-    Args:
-        study: the study.
-        count: number of joints of the reference.
-        thresholds: of sliding.
-
-    Raises:
-        InputError: a file is broken, or has another number of joints.
-    """
-    rows, opening, slid, lost, shape, left_out = [], [], [], [], None, 0
-    for row in np.flatnonzero(study.done):
-        path = study.folder / "joints" / f"{study.text('run')[row]}.npz"
-        if not path.exists():
-            continue
-        found = _read(path)
-        shape = int(found["shape"]) if shape is None else shape
-        if int(found["shape"]) != shape:
-            left_out += 1
-            continue
-        if found["opening"].shape != (count,):
-            raise InputError(f"{path}: {len(found['opening'])} joints, and reference/result.h5 has {count}")
-        rows.append(row)
-        gone = found["lost"].astype(bool)
-        opening.append(np.where(gone, np.float32(np.inf), found["opening"].astype(np.float32)))
-        slid.append((found["sliding"] >= thresholds.slid) & ~gone)
-        lost.append(gone)
-        if len(rows) * count > MOST_CELLS:
-            break
-    if not rows:
-        return None
-    return JointRuns(np.array(rows), np.array(opening), np.array(slid), np.array(lost), left_out)
-
-
-def _read(path: Path) -> dict[str, np.ndarray]:
-    """One of them."""
-    try:
-        if not size_of_regular(path):
-            raise EOFError("the file is empty")
-        with np.load(path) as file:
-            found = {key: file[key] for key in KEYS}
-    except Exception as failure:  # damaged bytes make the readers of zip files and arrays raise whatever they like
-        raise InputError(f"{path}: cannot be read: {failure}") from None
-    if not found["opening"].shape == found["sliding"].shape == found["lost"].shape or found["opening"].ndim != 1:
-        raise InputError(f"{path}: opening, sliding and lost differ in their number of joints")
-    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +62,7 @@ class JointStudy:
             "opened": runs.opened(self.thresholds).mean(axis=0),
             "slid": runs.slid.mean(axis=0),
             "lost": runs.lost.mean(axis=0),
-            "median_opening": _median(runs.opening),
+            "median_opening": median(runs.opening),
         }
 
     @property
@@ -202,10 +135,10 @@ def _maps(study: Study, runs: JointRuns, style: MapStyle, most: int) -> list[Joi
         JointValues(study.folder / name, f"{title}: {words}", f"{meaning} · {over}", hits.mean(axis=0), share, "share of the runs [%]")
         for name, words, hits, meaning in shares
     ]
-    median, scale = _median(runs.opening), Scale(thresholds.opened, style.largest, palette.OPENING)
+    middle, scale = median(runs.opening), Scale(thresholds.opened, style.largest, palette.OPENING)
     facts = f"half of {count} runs open a joint by more than this; a joint that is lost counts as wide open"
     words = f"{title}: median of the largest opening"
-    out.append(JointValues(study.folder / "median_opening.png", words, facts, median, scale, "median of the largest opening [mm]"))
+    out.append(JointValues(study.folder / "median_opening.png", words, facts, middle, scale, "median of the largest opening [mm]"))
     level, name = study.numbers("level")[runs.rows], str(study.asked["measure"] or "level")
     for one in _levels(level, most) if study.asked["design"] != "ida" else ():
         here = level == one
@@ -214,11 +147,6 @@ def _maps(study: Study, runs: JointRuns, style: MapStyle, most: int) -> list[Joi
         words = f"{title}: how often joints opened at {name} {with_unit(one, name)}"
         out.append(JointValues(path, words, facts, opened[here].mean(axis=0), share, "share of the runs [%]"))
     return [one for one in out if one.drawn.any()]
-
-
-def _median(opening: np.ndarray) -> np.ndarray:
-    """(J,) lower median of openings (n, J), infinite ones included."""
-    return np.asarray(np.sort(opening, axis=0)[(len(opening) - 1) // 2], dtype=float)
 
 
 def _levels(level: np.ndarray, most: int) -> list[float]:

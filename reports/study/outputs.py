@@ -14,14 +14,14 @@ from masonry_cd.analysis.fragility.fits import Fit, Fits, fit_study
 from masonry_cd.analysis.fragility.folder import Study, read_study
 from masonry_cd.analysis.fragility.sensitivity import Correlation, correlations
 from masonry_cd.analysis.fragility.verdict import verdict_of
+from masonry_cd.analysis.fragility.words import counts, first_fits, lines_of, quantities_of, spreads, warnings_of
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.foundation.errors import InputError
 from reports.study.fragility_picture import fragility_picture
 from reports.study.joint_maps import draw_joint_maps
 from reports.study.page import PAGE, Said, write_page
-from reports.study.run_pictures import cloud_picture, ida_picture, quantities_of, spread_picture, stripes_picture
+from reports.study.run_pictures import cloud_picture, ida_picture, spread_picture, stripes_picture
 from reports.study.tables import (
-    first_fits,
     row_of,
     write_fragility_csv,
     write_fragility_json,
@@ -30,7 +30,6 @@ from reports.study.tables import (
     write_sensitivity,
 )
 from reports.study.tornado_picture import tornado_picture
-from reports.study.words import counts, lines_of, spreads, warnings_of
 
 MADE = ("runs.csv", "runs.parquet", "limits.csv")  # by the study itself, run by run
 FILES = tuple(name for name in files_of("study") if name not in MADE)

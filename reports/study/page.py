@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.fragility import words
 from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.folder import FIRST, Study
 from masonry_cd.analysis.fragility.measures import unit
 from masonry_cd.analysis.outputs import STUDY_PAGE, numbers_in
 from masonry_cd.analysis.verdict import Verdict
 from reports.page.document import Head, pictures, script_of, write_document
-from reports.study import words
 from reports.study.fragility_picture import METHODS
 
 PAGE = "study.html"

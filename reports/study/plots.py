@@ -6,7 +6,6 @@ from __future__ import annotations
 from typing import Any
 
 from masonry_cd.analysis.fragility.limits import LimitState
-from masonry_cd.analysis.outputs import NUMBERS
 from reports.drawing.figure import COLOURS, FAINT, INK, blank, halo, plain_axes
 
 DPI = 150
@@ -14,17 +13,6 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 STROKES = ("-", "--", ":", "-.")
 PALE = "#b8bec4"
 FEW_TICKS = 10.0  # high over low of an axis on which 1, 2, 5 would leave less than three ticks
-PANELS = 3  # side by side at most
-
-
-def quantity(column: str) -> tuple[str, float]:
-    """How an axis names a column, with its unit, and the factor into that unit."""
-    part, _, name = column.rpartition(".")
-    known, where = NUMBERS.get(name or column), f" of {part}" if part else ""
-    if known is None:
-        return f"{name or column}{where}", 1.0
-    unit, factor = known.shown
-    return f"{known.name}{where}{f' [{unit}]' if unit else ''}", factor
 
 
 def colour(k: int) -> str:

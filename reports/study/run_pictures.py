@@ -15,18 +15,9 @@ from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.ida import QUANTILES, Curve, demand_quantiles, quantiles
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.fragility.measures import label
-from masonry_cd.analysis.outputs import STUDY_PAGE, lengths_in
+from masonry_cd.analysis.fragility.words import PANELS, quantities_of, quantity
 from reports.drawing.figure import FAINT, INK, plain_axes, save
-from reports.study.plots import MARKERS, PALE, PANELS, colour, legend, limit_line, logarithmic, quantity, sheet
-
-GENERAL = tuple(lengths_in(STUDY_PAGE))  # drawn where the limit states look at none that is continuous
-
-
-def quantities_of(study: Study) -> list[str]:
-    """Columns worth a panel: those of continuous limit states, else what every run has; as many as fit."""
-    asked = dict.fromkeys(limit.column for limit in study.limit_states if limit.continuous)
-    drawn = [name for name in (asked or GENERAL) if np.isfinite(study.numbers(name)[study.done]).any()]
-    return drawn[:PANELS]
+from reports.study.plots import MARKERS, PALE, colour, legend, limit_line, logarithmic, sheet
 
 
 def _limits(study: Study, column: str) -> list[tuple[int, LimitState]]:

@@ -15,9 +15,9 @@ from typing import Any
 from masonry_cd.analysis.fragility.fits import Fit, Fits
 from masonry_cd.analysis.fragility.measures import openquake, unit
 from masonry_cd.analysis.fragility.sensitivity import COLUMNS, Correlation
+from masonry_cd.analysis.fragility.words import first_fits
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
-from reports.study.fragility_picture import ORDER
 from reports.study.nrml import Curve, mean_and_stddev, write_nrml
 
 COLUMNS_OF_FITS = (
@@ -77,15 +77,6 @@ def _entry(fit: Fit) -> dict[str, Any]:
         mean, stddev = mean_and_stddev(fit.theta * imt.factor, fit.beta)
         more["nrml"] = {"imt": imt.name, "unit": imt.unit, "mean": mean, "stddev": stddev}
     return row_of(fit) | more
-
-
-def first_fits(fits: Sequence[Fit]) -> list[Fit]:
-    """One fit per limit state, by the method that its data suit best, of those that have one."""
-    out = []
-    for limit in dict.fromkeys(fit.limit for fit in fits):
-        own = [fit for fit in fits if fit.limit == limit and fit.fitted]
-        out += sorted(own, key=lambda fit: ORDER.index(fit.method))[:1]
-    return out
 
 
 def write_openquake(path: Path, title: str, fits: Sequence[Fit]) -> list[str]:

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.fragility.sensitivity import Correlation
+from masonry_cd.analysis.fragility.words import PANELS, quantity
 from reports.drawing.figure import FAINT, INK, plain_axes, save
-from reports.study.plots import PANELS, legend, quantity, sheet
+from reports.study.plots import legend, sheet
 
 BARS = 14  # per panel at most
 HUES = {"varied": "#d55e00", "intensity": "#7fb2d6"}
@@ -56,4 +57,5 @@ def _bars(axes: Any, group: Sequence[Correlation]) -> None:
         text.set_color(INK)
     axes.set_ylim(len(group) - 0.4, -0.6)
     axes.set_xlim(-1.04, 1.04)
+    axes.set_xticks([-1.0, -0.5, 0.0, 0.5, 1.0])
     axes.grid(axis="y", visible=False)

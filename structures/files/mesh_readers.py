@@ -122,7 +122,7 @@ def read_vtp(path: Path) -> Answer:
     """
     import pyvista
 
-    with warnings.catch_warnings(action="ignore"):
+    with warnings.catch_warnings(action="ignore", category=UserWarning):  # of readers; what is wrong is found below
         data: Any = pyvista.read(path)
     if not isinstance(data, pyvista.PolyData) or not data.n_cells:
         raise Refused(f"{path.name}: no polygons in it")
@@ -139,7 +139,7 @@ def read_vtkhdf(path: Path) -> Answer:
     """
     import pyvista
 
-    with warnings.catch_warnings(action="ignore"):
+    with warnings.catch_warnings(action="ignore", category=UserWarning):  # of readers; what is wrong is found below
         data: Any = pyvista.read(path)
     if not isinstance(data, pyvista.UnstructuredGrid) or not data.n_cells:
         raise Refused(f"{path.name}: no unstructured grid of volumes in it")

@@ -23,17 +23,31 @@ Patterns = Annotated[tuple[str, ...], BeforeValidator(_listed), Field(strict=Fal
 class LayersTable(Table):
     """The table [structure.layers]: names of layers of a drawing, or patterns; * stands for anything, capitals do not count."""
 
-    walls: Patterns = Field(
-        ("wall*", "mur*", "*-wall*", "*_wall*", "masonry", "muratura*", "cut"), description="faces or outlines of walls"
+    walls: Patterns = ("wall*", "mur*", "*-wall*", "*_wall*", "masonry", "muratura*", "cut")
+    """faces or outlines of walls"""
+    axes: Patterns = ("axes", "axis", "assi*", "centre*", "center*")
+    """middle lines of walls"""
+    openings: Patterns = (
+        "opening*",
+        "door*",
+        "window*",
+        "apertur*",
+        "port*",
+        "finestr*",
+        "infiss*",
+        "vani",
+        "nicchi*",
+        "niche*",
+        "*-door*",
+        "*-glaz*",
     )
-    axes: Patterns = Field(("axes", "axis", "assi*", "centre*", "center*"), description="middle lines of walls")
-    openings: Patterns = Field(
-        ("opening*", "door*", "window*", "apertur*", "port*", "finestr*", "infiss*", "vani", "nicchi*", "niche*", "*-door*", "*-glaz*"),
-        description="outlines or inserts of doors, windows and niches",
-    )
-    heights: Patterns = Field(("height*", "level*", "quote", "quota*", "altezz*", "text*", "test*"), description="texts with heights")
-    vaults: Patterns = Field(("vault*", "volt*"), description="outlines or diagonals of vaults")
-    columns: Patterns = Field(("column*", "colonn*", "pillar*", "pilastr*", "pier*"), description="outlines of columns and piers")
+    """outlines or inserts of doors, windows and niches"""
+    heights: Patterns = ("height*", "level*", "quote", "quota*", "altezz*", "text*", "test*")
+    """texts with heights"""
+    vaults: Patterns = ("vault*", "volt*")
+    """outlines or diagonals of vaults"""
+    columns: Patterns = ("column*", "colonn*", "pillar*", "pilastr*", "pier*")
+    """outlines of columns and piers"""
 
     def role(self, layer: str) -> str:
         """What lies on a layer; empty where none of the names is its."""
@@ -46,8 +60,13 @@ class LayersTable(Table):
 class PlanKeys(Table):
     """The keys by which a drawing is read."""
 
-    units: Literal["m", "cm", "mm", "in", "ft"] | None = Field(None, description="of a drawing that does not say it, or says it wrongly")
-    layers: LayersTable = Field(default_factory=lambda: LayersTable.model_validate({}), description="what lies on which layer of a drawing")
-    wall_height: Length | None = Field(None, description="of walls for which the drawing has none")
-    wall_thickness: Length | None = Field(None, description="of walls of which only the middle line is drawn, where no mark says it")
-    thickest: Length = Field(2.5, description="two faces further apart than this are no wall")
+    units: Literal["m", "cm", "mm", "in", "ft"] | None = None
+    """of a drawing that does not say it, or says it wrongly"""
+    layers: LayersTable = Field(default_factory=lambda: LayersTable.model_validate({}))
+    """what lies on which layer of a drawing"""
+    wall_height: Length | None = None
+    """of walls for which the drawing has none"""
+    wall_thickness: Length | None = None
+    """of walls of which only the middle line is drawn, where no mark says it"""
+    thickest: Length = 2.5
+    """two faces further apart than this are no wall"""

@@ -27,6 +27,8 @@ FOUND: dict[str, Any] = {
         ),  # next to the upper value
         ({"least": None}, "load factor at most 0.25", "look"),
         ({"certificate": {"gap": 0.1}}, "load factor 0.25", "doubtful"),
+        ({"no_finite_factor": True, "associated": None, "certificate": None}, "load factor 0.24", "look"),
+        ({"no_finite_factor": True, "associated": None, "certificate": None, "least": None}, "no finite load factor", "look"),
         ({"stands": False}, "does not stand", "doubtful"),
         ({"bears_nothing": True}, "bears no such load", "good"),
         ({"verdict": {"state": "NOT satisfied", "reason": "less is borne than asked for"}}, "NOT satisfied", "doubtful"),

@@ -13,9 +13,9 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.deformed import solids_of
+from masonry_cd.analysis.support_motion import support_motions
 from masonry_cd.io.results import Results
 from reports.page import write_page
-from reports.page.support_motion import support_motions
 
 SCENE = """[structure]
 kind = "file"

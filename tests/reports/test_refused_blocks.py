@@ -11,7 +11,8 @@ import pytest
 from models import tower
 
 from masonry_cd.mechanics.model.blocks import Block
-from reports.drawing.palette import FAULTY
+from reports.drawing.figure import COLUMN, TITLE, WIDTH
+from reports.drawing.palette import FAULTY, INK
 from reports.drawing.refused_blocks import problem_picture
 from structures.geometry.checks import Unsound, check
 
@@ -45,3 +46,5 @@ def test_faulty_blocks_are_drawn_in_colour(tmp_path: Path, which: str, names: in
     hue = np.abs(image - (image.max(axis=-1, keepdims=True) / RED.max()) * RED).max(axis=-1) < 12  # the colour, however it is lit
     red = int((hue & (image.max(axis=-1) > 90)).sum())
     assert (red > 10000 * names) if names else (red < 2000)
+    named = (image[TITLE + 10 : -50, : WIDTH - COLUMN - 100] == [int(INK[i : i + 2], 16) for i in (1, 3, 5)]).all(axis=-1).sum()
+    assert (named > 50) if names else (named == 0), "names beside the model, with a line to each block"

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verdict on a limit analysis: the factor that counts, how sure it is, and why."""
+"""What came of a limit analysis: the verdict on it, with the factor that counts, how sure it is and why, and its mechanism in numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
 
 SURE = {  # by the state of a check by a code: how sure it is, and that in words
@@ -38,6 +41,10 @@ def on_the_whole(facts: Mapping[str, Any]) -> Verdict:
         return Verdict("does not stand", "", "it gives way under its dead loads", DOUBTFUL, "there is no load factor", "")
     if facts["bears_nothing"]:
         return Verdict("bears no such load", "", "the least of it sets the structure in motion", GOOD, "there is no load factor", "")
+    if facts["no_finite_factor"] and facts.get("least"):
+        factor, words = facts["least"]["factor"], "read this before you rely on the factor"
+        why = "sliding that opens joints leaves the associated factor without bound: the search alone gives one"
+        return Verdict(f"load factor {factor:.4g}", "", "least found without dilation", LOOK, words, why)
     if facts["no_finite_factor"]:
         return Verdict("no finite load factor", "", "on no mechanism does the load do work", LOOK, "read why before you rely on it", "")
     if facts.get("associated") is None:
@@ -60,3 +67,12 @@ def _of_the_factor(facts: Mapping[str, Any], least: Mapping[str, Any] | None) ->
         why = f"{agreeing} of {starts} starts of the search came to the least factor; more starts may find less (limit.starts)"
         return Verdict(f"load factor {factor:.4g}", "", because, LOOK, "read this before you rely on the factor", why)
     return Verdict(f"load factor {factor:.4g}", "", because, GOOD, "the searches agree, and the certificate closes", "")
+
+
+def mechanism_facts(moves: Mechanism, names: Sequence[str], of: str) -> dict[str, Any]:
+    """Which blocks move, by their names, and how many joints are at work in the mechanism ``of`` a factor."""
+    return (
+        {"of": of, "moving_blocks": [names[b] for b in np.flatnonzero(moves.moving).tolist()]}
+        | {f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES}
+        | {"joints_crushing": int(moves.crushing.sum())}
+    )

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,16 @@ import numpy as np
 from masonry_cd.analysis.damage import joint_damage
 from masonry_cd.analysis.damage.end_state import EndState
 from masonry_cd.analysis.damage.macro_elements import can_be_graded
-from masonry_cd.analysis.damage.part_damage import part_damage
+from masonry_cd.analysis.damage.part_damage import Row, part_damage
 from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.outputs import SUMMARY, values_in
 from masonry_cd.analysis.outputs.measured import Measured
+
+SHORT = (
+    "part", "blocks", "joints", "grade", "grade_label", "grade_reason", "mechanism", "opened", "slid", "separated", "lost_blocks",
+    "max_opening", "max_sliding", "residual_opening", "residual_sliding", "residual_drift", "only_opened", "only_slid", "opened_and_slid",
+    "provisional",
+)  # fmt: skip
 
 
 def damage_numbers(run: Measured, end: EndState) -> dict[str, Any]:
@@ -42,3 +49,8 @@ def _whole(run: Measured) -> dict[str, Any] | None:
     if not can_be_graded(run.results.blocks):
         return None
     return part_damage(run.results, run.settings, np.array([run.results.frames - 1])).parts[-1]
+
+
+def in_short(parts: Sequence[Row]) -> list[Row]:
+    """The columns of damage.csv that a summary has room for."""
+    return [{key: row[key] for key in SHORT} for row in parts]

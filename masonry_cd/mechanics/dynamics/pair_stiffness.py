@@ -42,7 +42,7 @@ class PairStiffness:
 
     def of_contacts(self, pairs: np.ndarray, blocks: np.ndarray) -> np.ndarray:
         """k_n and k_t of contacts (C, 2) [N/m3], by their parts (C, 2) and blocks (C, 2)."""
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore"):  # between blocks that do not deform
             out = 1.0 / self.softness[blocks].sum(axis=1)
         key = pairs @ [self.parts, 1]
         place = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)

@@ -64,7 +64,7 @@ def joint_stiffness(assembly: Assembly, joints: Joints, young: np.ndarray, shear
     young, shear = (np.where(assembly.fixed, np.inf, modulus) for modulus in (young, shear))
     half = _half_lengths(assembly, joints)
     both = np.stack([joints.block_a, joints.block_b], axis=1)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore"):  # of two blocks that do not deform: infinite
         normal, plain = (1.0 / (half / modulus[both]).sum(axis=1) for modulus in (young, shear))
     joint, side = np.nonzero(np.isfinite(shear[both]))
     order = np.argsort(both[joint, side], kind="stable")

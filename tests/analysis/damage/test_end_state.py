@@ -11,6 +11,7 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.damage.end_state import end_state
+from masonry_cd.app.part_lines import part_lines
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import State
 from reports.damage import joint_files, part_files
@@ -80,7 +81,7 @@ def test_tables_summary_text_and_page_say_so(tmp_path: Path) -> None:
         with (tmp_path / name).open(newline="") as file:
             assert {row["provisional"] for row in csv.DictReader(file)} == {said}, name
     assert part_files.as_json(damage)["provisional"] == said
-    assert part_files.part_lines(damage.parts)[-1] == f"grades, mechanisms and what is left are {said}"
+    assert part_lines(damage.parts)[-1] == f"grades, mechanisms and what is left are {said}"
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "What is left is provisional" in page
     table = page[page.index('<table class="parts">') :]
@@ -99,5 +100,5 @@ def test_nothing_is_said_where_all_is_still(tmp_path: Path) -> None:
         write_page(results, tmp_path / "report.html", parts=damage)
     assert summary["provisional"] == ""
     assert "provisional" not in (tmp_path / "joints.csv").read_text()
-    assert "provisional" not in "".join(part_files.part_lines(damage.parts))
+    assert "provisional" not in "".join(part_lines(damage.parts))
     assert "provisional" not in (tmp_path / "report.html").read_text(encoding="utf-8").partition("<script")[0]

@@ -13,6 +13,7 @@ from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.verdict import checks_of
+from masonry_cd.app.part_lines import part_lines
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.summary import verdict_lines
 from masonry_cd.io.results import Results
@@ -20,7 +21,7 @@ from masonry_cd.studies.study import numbers
 from masonry_cd.studies.study.study_file import LimitState
 from reports.compare.comparison import compare
 from reports.damage.joint_files import write_joint_damage
-from reports.damage.part_files import part_lines, write_part_damage
+from reports.damage.part_files import write_part_damage
 from reports.outputs import damage_of
 from reports.page import write_page
 from reports.settings import Report

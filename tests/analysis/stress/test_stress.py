@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 
 from masonry_cd.analysis.stress.peaks import principal, stress_peaks, tensors
 from masonry_cd.analysis.stress.summary import stress_summary
+from masonry_cd.analysis.stress.words import stress_lines
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.run_loop import Checkpoints, Plan, run
@@ -34,7 +35,6 @@ from reports.maps.framing import MapStyle
 from reports.maps.stress_map import Pressed, StressScale
 from reports.page.stress import colours
 from reports.paraview import export
-from reports.stress.files import stress_lines
 
 GRAVITY, DENSITY, SIDE, HEIGHT, COUNT = 9.81, 2000.0, 0.5, 0.5, 4
 SCENE = f"""

@@ -14,12 +14,39 @@ from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.measures import with_unit
 from masonry_cd.analysis.fragility.sensitivity import SIGNIFICANT, Correlation
 from masonry_cd.analysis.fragility.verdict import FEW_RECORDS
+from masonry_cd.analysis.outputs import NUMBERS, STUDY_PAGE, lengths_in
 from masonry_cd.analysis.verdict import NOT_GRADED
-from reports.study.plots import quantity
-from reports.study.run_pictures import quantities_of
-from reports.study.tables import first_fits
 
+ORDER = ("mle", "ida", "cloud", "probit")  # the first of these that a limit state has speaks for it
+PANELS = 3  # quantities looked at, as many as pictures have side by side
+GENERAL = tuple(lengths_in(STUDY_PAGE))  # drawn where the limit states look at none that is continuous
 NAMED = 3  # of what varied, in the line on what matters
+
+
+def quantity(column: str) -> tuple[str, float]:
+    """How an axis names a column, with its unit, and the factor into that unit."""
+    part, _, name = column.rpartition(".")
+    known, where = NUMBERS.get(name or column), f" of {part}" if part else ""
+    if known is None:
+        return f"{name or column}{where}", 1.0
+    unit, factor = known.shown
+    return f"{known.name}{where}{f' [{unit}]' if unit else ''}", factor
+
+
+def quantities_of(study: Study) -> list[str]:
+    """Columns worth a panel: those of continuous limit states, else what every run has; as many as fit."""
+    asked = dict.fromkeys(limit.column for limit in study.limit_states if limit.continuous)
+    drawn = [name for name in (asked or GENERAL) if np.isfinite(study.numbers(name)[study.done]).any()]
+    return drawn[:PANELS]
+
+
+def first_fits(fits: Sequence[Fit]) -> list[Fit]:
+    """One fit per limit state, by the method that its data suit best, of those that have one."""
+    out = []
+    for limit in dict.fromkeys(fit.limit for fit in fits):
+        own = [fit for fit in fits if fit.limit == limit and fit.fitted]
+        out += sorted(own, key=lambda fit: ORDER.index(fit.method))[:1]
+    return out
 
 
 def counts(study: Study) -> dict[str, int | None]:

@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The ties of a limit analysis: what each pulls at collapse, for ties.csv, lines and pictures. Bars of one name are one tie."""
+"""The ties of a limit analysis: what each pulls at collapse, for limit.json, ties.csv, lines and pictures. Bars of one name are one tie."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from masonry_cd.analysis.limit.problem import Bars
-from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import force
 from masonry_cd.mechanics.model.fill import BARS
-from reports.drawing.parts import Ties
 
 CSV = "ties.csv"
 COLUMNS = ("tie", "block_a", "block_b", "bars", "tension_n", "yield_force_n", "yields")
@@ -87,20 +84,3 @@ def tie_lines(ties: Sequence[LimitTie], most: int) -> list[str]:
 def _named(tie: LimitTie) -> str:
     """A tie, or the fill that resists as one."""
     return tie.label if tie.label.startswith(BARS) else f'tie "{tie.label}"'
-
-
-def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Ties:
-    """Ties as a picture shows them, without the fill; ``moved`` says where points (n, 3) of blocks (n,) are drawn."""
-    ties = [tie for tie in ties if not tie.label.startswith(BARS)]
-    ends = [[moved(tie.points[:, k], tie.blocks[:, k]).mean(axis=0) for k in range(2)] for tie in ties]
-    pulls = np.array([tie.total for tie in ties])
-    return Ties(np.array(ends, dtype=float).reshape(-1, 2, 3), tuple(tie.words for tie in ties), pulls)
-
-
-def write_limit_ties(ties: Sequence[LimitTie], folder: Path) -> list[Path]:
-    """Write ties.csv; nothing without ties."""
-    if not ties:
-        return []
-    rows = ((tie.row() | {"yields": str(tie.yields)}).values() for tie in ties)
-    write_csv(folder / CSV, COLUMNS, rows, digits=6)
-    return [folder / CSV]
