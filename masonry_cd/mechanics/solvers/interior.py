@@ -94,7 +94,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     first, *others = _starts(nothing if start is None else start.impulse, (damped, (proximal, TURN)))
     paths: list[Try] = [(nothing, distance, (path, (proximal, FINISH if distance == FAR else TURN))) for distance in FARTHER]
     best, iterations, error = _search([first, paths[0], *others, *paths[1:]], options)
-    return Solution(best, problem.body_velocity(best), iterations, _reason(error, options), state, error)
+    return Solution(best, problem.body_velocity(best), iterations, options.reason("interior", error), state, error)
 
 
 def _near(tolerance: float) -> float:
@@ -122,8 +122,3 @@ def _search(tries: list[Try], options: Options) -> tuple[np.ndarray, int, float]
             if error <= options.tolerance or iterations >= limit:
                 return best, iterations, error
     return best, iterations, error
-
-
-def _reason(error: float, options: Options) -> str:
-    """Say how it ended."""
-    return "interior: converged" if error <= options.tolerance else f"interior: stopped at an error of {error:.1e}"
