@@ -45,7 +45,7 @@ from masonry_cd.mechanics.dynamics import moreau_jean
 from masonry_cd.mechanics.friction.operators import OrderedProblem, ProblemArrays
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
-from masonry_cd.mechanics.solvers.linearised_bodies import newton_by_team, path_by_team, pivoting_by_team
+from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, path_by_team, pivoting_by_team
 from masonry_cd.mechanics.solvers.nlgs_table import ScaledProblem
 
 SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger one
@@ -55,7 +55,8 @@ SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger 
 )
 PHASES = ("predict", "detect", "assemble", "solve", "update", "account")  # functions of moreau_jean.py
 NAMES = {
-    path_by_team: "interior",
+    interior_by_team: "interior, damped path",
+    path_by_team: "interior, path by its length",
     newton_by_team: "newton",
     pivoting_by_team: "pivoting",
 }
