@@ -43,7 +43,13 @@ def structure_doubts(scene: Scene, blocks: Sequence[Block]) -> list[str]:
     """What ``masonry-cd build`` says: of the tables [structure] and [material]."""
     tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
     mine: dict[str, Any] = {key: tables[key] for key in ("structure", "structures", "material") if key in tables}
-    return _spoken([*_plain(mine), *_ties(mine), *_carried(mine, blocks)], tables, scene.quiet_checks)
+    return _spoken([*_plain(mine), *_stated(mine, blocks), *_ties(mine), *_carried(mine, blocks)], tables, scene.quiet_checks)
+
+
+def assess_doubts(scene: Scene) -> list[str]:
+    """What ``masonry-cd assess`` says of the table [assess]."""
+    tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
+    return _spoken(_plain({"assess": tables.get("assess", {})}), tables, scene.quiet_checks)
 
 
 def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence[Mapping[str, Any]] = ()) -> list[str]:
@@ -57,7 +63,8 @@ def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence
     """
     tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
     size = math.hypot(*scene.run.gravity)
-    found = [*_plain(tables), *_ties(tables), *_carried(tables, assembly.blocks), *_doubt("run.gravity", size, "gravity", _in_g(size))]
+    found = [*_plain(tables), *_stated(tables, assembly.blocks), *_ties(tables), *_carried(tables, assembly.blocks)]
+    found += _doubt("run.gravity", size, "gravity", _in_g(size))
     for i, table in enumerate(tables.get("loads", [])):
         where, kind = f"loads[{i}]", table.get("kind")
         if kind == "point":
@@ -103,12 +110,26 @@ def _in_g(acceleration: float) -> str:
 
 def _plain(tables: Mapping[str, Any]) -> list[Doubt]:
     """Values that are compared by themselves."""
-    found: list[Doubt] = []
+    found: dict[str, Doubt] = {}  # by key: of a list of numbers the first that is not usual
     for key, value in keys_of(tables):
         name = range_of(re.sub(r"\[\d+\]", "", key).replace("structures.", "structure.", 1)) if is_number(value) else ""
         if name:
-            found += _doubt(key, float(value), name, _in_g(float(value)) if unit_of_key(tables, key) == "m/s2" else "")
-    return found
+            for doubt in _doubt(key, float(value), name, _in_g(float(value)) if unit_of_key(tables, key) == "m/s2" else ""):
+                found.setdefault(re.sub(r"(\[\d+\])+$", "", key), doubt)
+    return [*found.values()]
+
+
+def _stated(tables: Mapping[str, Any], blocks: Sequence[Block]) -> Iterator[Doubt]:
+    """Densities that files of blocks, or blocks that are given in Python, state themselves: the first of each that is not usual."""
+    usual = RANGES["density"]
+    for where, table in _structures(tables):
+        key = next((f"{where}.{name}" for name in ("path", "blocks") if name in table), "")
+        own = [block for block in blocks if key and not block.fixed and (where == "structure" or block.structure == table["name"])]
+        odd = [block for block in own if not usual.holds(block.density) and block.density != tables["material"].get("density")]
+        if odd:
+            count = f" and of {len(odd) - 1} more" if len(odd) > 1 else ""
+            words = f'{key}: the density of block "{odd[0].name}"{count} is {odd[0].density:g} kg/m3: {usual.reason}'
+            yield Doubt(key, None, words, usual.meant(odd[0].density, 1.0))
 
 
 def _structures(tables: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:

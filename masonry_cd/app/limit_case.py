@@ -17,15 +17,18 @@ from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement,
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
 from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
 from masonry_cd.analysis.limit.mechanism import STATES
+from masonry_cd.analysis.limit.outcome import on_the_whole
+from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
-from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
+from masonry_cd.app.limit_curve import FollowedCurve, curve_lines, draw_curve, follow, write_curve
 from masonry_cd.app.limit_finite import unlimited_lines
 from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
 from masonry_cd.app.limit_parts import begun_at_parts
 from masonry_cd.app.limit_search import Ways, certificate_lines, search_numbers, search_words, ways
 from masonry_cd.app.limit_structure import limit_structure
-from masonry_cd.app.limit_vehicle import CROSSING_OUTPUTS, Crossing, at_worst, write_crossing
+from masonry_cd.app.limit_vehicle import Crossing, at_worst, write_crossing
+from masonry_cd.app.modelled import masses
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force
@@ -39,8 +42,7 @@ if TYPE_CHECKING:
     from masonry_cd.app.static_loads import StaticLoads
     from reports.limit.ties import LimitTie
 
-OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "ties.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
-EVERY = (*OUTPUTS, *CURVE_OUTPUTS, *CROSSING_OUTPUTS)  # that a folder of an analysis may hold
+EVERY = files_of("limit")  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
 SAME = 1e-4  # share of the factor by which the least and the associated one may differ and agree
@@ -62,6 +64,7 @@ class LimitCase:
     curve: FollowedCurve | None = None
     verdict: Judgement | None = None  # the one that all outputs show; None where no check is asked for
     crossing: Crossing | None = None  # of a vehicle whose worst place was looked for
+    modelled: tuple[str, ...] = ()  # masses, ties, floors and fill, in words
 
     @cached_property
     def collapse(self) -> Collapse:
@@ -150,7 +153,8 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             "joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value"
         )
     seconds = time.perf_counter() - begin
-    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict, crossing)
+    modelled, notes = (masses(assembly), *structure.made.notes), [*notes, *loads.notes]
+    return LimitCase(scene, assembly, joints, loads, analysis, check, tuple(notes), seconds, followed, verdict, crossing, modelled)
 
 
 def _unchecked(analysis: Analysis) -> Judgement:
@@ -186,7 +190,13 @@ def _searched_on(analysis: Analysis, assembly: Assembly, joints: Joints, how: Wa
 
 
 def summary(case: LimitCase) -> dict[str, Any]:
-    """What limit.json holds."""
+    """What limit.json holds, the verdict on the whole first."""
+    facts = _numbers(case)
+    return {"title": facts["title"], "on_the_whole": on_the_whole(facts).as_dict()} | facts
+
+
+def _numbers(case: LimitCase) -> dict[str, Any]:
+    """What was found."""
     from masonry_cd import __version__
 
     analysis, answer, least = case.analysis, case.analysis.associated, case.analysis.least
@@ -212,6 +222,7 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "certificate": asdict(answer.certificate) if analysis.stands and not analysis.unlimited else None,
         "solver": {"method": answer.optimum.method, "iterations": answer.optimum.iterations, "seconds": answer.seconds},
         "seconds": case.seconds,
+        "modelled": list(case.modelled),
         "notes": list(case.notes),
     }
     if case.crossing is not None:

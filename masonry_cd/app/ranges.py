@@ -51,6 +51,7 @@ RANGES = {
     # what shakes
     "ag": Range(0.6, 10.0, _GROUND, "hazard maps give 0.6 to 10 m/s2 (0.06 to 1 g) where masonry is checked", ("*.ag",)),
     "target_pga": Range(0.6, 2.0 * G, _GROUND, "0.6 m/s2 (0.06 g) harms hardly any masonry, and few records exceed 2 g", ("*.target_pga",)),
+    "pulse": Range(0.3, 50.0 * G, _GROUND, "0.3 m/s2 (0.03 g) harms no masonry, blows beyond 50 g are rare", ("loads.acceleration",)),
     "sine": Range(0.05, 2.0 * G, _SPEED, "2 pi frequency times it, its PGA, is usually 0.005 to 2 g"),
     "scaled": Range(0.05, 2.0 * G, (), "records of interest have 0.005 to 2 g; are units and scale those of the file?"),
     "gravity": Range(9.5, 10.5, _GROUND, "gravity on earth is 9.81 m/s2"),  # its size
@@ -63,16 +64,21 @@ RANGES = {
     "force": Range(0.05, float("inf"), _FORCE, "a force below a twentieth of its block's weight changes little"),  # over that weight
     "pressure": Range(0.0, 3e7, (), "hardly any masonry bears 30 MPa"),  # of a force on the mean section of its block [Pa]
     "overload": Range(0.0, 200.0, (), "even proof loads are a few tens of times the weight of what bears them"),  # over that of all blocks
+    "axle": Range(500.0, 1e6, _FORCE, "axles weigh 0.5 kN (a cart) to 1 MN (heavy transport)", ("loads.axles",)),
+    "crossing": Range(0.0, 45.0, (("km/h", 1.0 / 3.6),), "vehicles cross bridges of masonry at up to 45 m/s, 160 km/h", ("loads.speed",)),
     "areal_mass": Range(15.0, 3000.0, _AREAL, "roofs and floors have 15 to 3000 kg/m2", ("structure.roof_mass", "structure.floors.mass")),
     "carried": Range(0.0, 1.0, (), "roofs and floors weigh less than the masonry that bears them"),  # over its mass
     # masonry
     "density": Range(
         400.0, 3500.0, _DENSITY, "masonry has 400 (foamed) to 3500 kg/m3 (basalt)",
-        ("material.density", "material.masonry.density", "structure.core_density"),
+        ("material.density", "material.masonry.density", "structure.*density"),
     ),
-    "friction": Range(0.0, 1.2, (), "dry joints have 0.3 to 1.2; an angle is given by its tangent", ("material.friction*",)),
+    "friction": Range(
+        0.0, 1.2, (), "dry joints have 0.3 to 1.2; an angle is given by its tangent", ("material.friction*", "assess.friction*"),
+    ),
     "young": Range(
-        1e7, 2.5e11, _PA, "from adobe, 0.01 GPa, to steel, 210 GPa", ("material.young*", "material.masonry.E", "material.masonry.G"),
+        1e7, 2.5e11, _PA, "from adobe, 0.01 GPa, to steel, 210 GPa",
+        ("material.young*", "material.masonry.E", "material.masonry.G", "assess.young"),
     ),
     "stiffness": Range(1e8, 1e15, _STIFFNESS, "joints of masonry have 1e8 to 1e13 N/m3", ("material.joints*_stiffness",)),
     "compression": Range(

@@ -17,6 +17,7 @@ from masonry_cd.analysis.pushover import push_lines
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.app.left_out import elasticity_left_out
 from masonry_cd.app.load_factor import joints_in_words, outcome_lines
+from masonry_cd.app.modelled import masses
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_summary import steps_in_words, time_step_lines, time_step_summary
 from masonry_cd.foundation.atomic import replacing
@@ -87,6 +88,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
             "at_rest": report.at_rest,
             "lift_share": report.lift_share,
         },
+        "modelled": [masses(case.assembly), *case.notes, *case.loading.lines],
         "loads": case.loading.summary,
         **({} if case.scene.material.masonry is None else {"masonry": facts(case.scene.material.masonry)}),
         **elasticity_left_out(case),

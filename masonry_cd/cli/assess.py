@@ -55,7 +55,7 @@ def assess(
             typer.echo(cost_in_words(made))
             return
         run = made.maker.study.tables.run
-        options = Options(Where(None, None, workers, None, run.timeout + run.grace), retry, force, quiet=quiet)
+        options = Options(Where(None, None, workers, None, run.timeout + run.grace), retry, force, quiet=quiet, warn=warn)
         go_on = same_command()
         try:
             found = assess_case(made, output, options, lambda line: None if quiet else typer.echo(line, err=True))

@@ -66,7 +66,8 @@ def study(
         if report:
             _write_report(output, quiet)
             return
-        options = Options(Where(scheduler, slurm, workers or run.workers, run.memory, run.timeout + run.grace), retry, force, resume, quiet)
+        where = Where(scheduler, slurm, workers or run.workers, run.memory, run.timeout + run.grace)
+        options = Options(where, retry, force, resume, quiet, warn)
         go_on = same_command()
         try:
             found = study_case(made, output, options, lambda line: None if quiet else typer.echo(line, err=True))

@@ -20,7 +20,7 @@ from masonry_cd.interface.closing import closing_as_html
 from masonry_cd.interface.plots import Page
 from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.scenes import Scene, scene
-from masonry_cd.interface.studies import say, silent, without_main
+from masonry_cd.interface.studies import say, silent, warn, without_main
 from masonry_cd.interface.tables import frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
 
@@ -176,7 +176,7 @@ def assess(
     number = 0
     try:
         with without_main():
-            assess_case(plan, place, Options(where, retry, force, quiet=not progress), say if progress else silent)
+            assess_case(plan, place, Options(where, retry, force, quiet=not progress, warn=warn), say if progress else silent)
     except Interrupted as stopped:  # finished runs are kept
         number = stopped.number
     if number not in (0, signal.SIGINT):

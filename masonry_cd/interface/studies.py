@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
@@ -223,7 +223,9 @@ def study(
     number, stopped = 0, ""
     try:
         with without_main():
-            stopped = study_case(plan, place, Options(where, retry, force, quiet=not progress), say if progress else silent)["stopped"]
+            stopped = study_case(plan, place, Options(where, retry, force, quiet=not progress, warn=warn), say if progress else silent)[
+                "stopped"
+            ]
     except Interrupted as asked:  # the tables are written of the runs that have ended
         number = asked.number
     if number not in (0, signal.SIGINT):
@@ -284,6 +286,12 @@ def without_main() -> Iterator[None]:
 
 def say(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
+
+
+def warn(lines: Iterable[str]) -> None:
+    """What is doubtful of the runs before any of them is made."""
+    for line in lines:
+        warnings.warn(line, RunWarning, stacklevel=2)
 
 
 def silent(line: str) -> None:

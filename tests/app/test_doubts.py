@@ -77,6 +77,11 @@ CASES = [
     ("run.gravity=[0, 0, -981.0]", "run.gravity = 981 m/s2 is 100 g: ", 'if cm/s2 is meant: "981 cm/s2"'),
     ('structure={kind="church", roof_mass=1.2}', "structure.roof_mass = 1.2 kg/m2: ", 'if kN/m2 is meant: "122.4 kg/m2"'),
     ("structure.floors=[{height=3.0, mass=4.0}]", "structure.floors[0].mass = 4 kg/m2: ", 'if kN/m2 is meant: "407.9 kg/m2"'),
+    ('loads=[{kind="pulse", direction="x", acceleration=0.15, duration=1}]', "loads[0].acceleration = 0.15 m/s2 is 0.0153 g: ", '"0.15 g"'),
+    ('loads=[{kind="vehicle", axles=[100, 100], spacing=[2.0]}]', "loads[0].axles[0] = 100 N: ", 'if kN is meant: "100 kN"'),
+    ('loads=[{kind="vehicle", name="LM1", speed=60}]', "loads[0].speed = 60 m/s: ", 'if km/h is meant: "60 km/h"'),
+    ('structure={kind="bridge", fill={density=20}}', "structure.fill.density = 20 kg/m3: ", 'kN/m3 is meant: "2039 kg/m3"'),
+    ('structure={kind="building", walls=[{density=1.8}]}', "structure.walls[0].density = 1.8 kg/m3: ", 't/m3 is meant: "1.8 t/m3"'),
     ("material.density=1.9 kg/m3", "material.density = 1.9 kg/m3: ", 'if t/m3 is meant: "1.9 t/m3"'),  # a text with a unit is judged alike
 ]  # fmt: skip
 
@@ -171,6 +176,17 @@ def test_a_floor_that_weighs_more_than_what_bears_it_draws_a_line() -> None:
     change = "structure.floors=[{height=3.0, mass=2500.0}]"
     (line,) = doubts(parse_scene(TEXT, Path("scene.toml"), [change]), heavy, find_joints(heavy))
     assert line.startswith("structure.floors[0].mass = 2500 kg/m2 is 2.5 t on 2 t of masonry: roofs and floors weigh less")
+
+
+@pytest.mark.parametrize(("density", "said"), [(1.9, 'if t/m3 is meant: "1.9 t/m3"'), (2.4e4, "basalt"), (2400.0, ""), (2000.0, "")])
+def test_a_density_that_a_file_of_blocks_states_is_looked_at(density: float, said: str) -> None:
+    """Once for all of its blocks; those that take the density of the scene have a line for its key alone."""
+    blocks = [PAIR.blocks[0], *(replace(PAIR.blocks[1], name=name, density=density) for name in ("one", "two"))]
+    found = structure_doubts(parse_scene(TEXT, Path("scene.toml")), blocks)
+    assert [line.startswith('structure.path: the density of block "one" and of 1 more is') and said in line for line in found] == [
+        True
+    ] * bool(said)
+    assert structure_doubts(parse_scene(TEXT, Path("scene.toml"), ['quiet_checks=["structure.path"]']), blocks) == []
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case[0][:50] for case in CASES])

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Known, Member, as_facts
-from masonry_cd.app.case import structure_of
+from masonry_cd.app.doubts import doubts
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.summary import write_json
 from masonry_cd.foundation.errors import InputError
@@ -34,7 +34,8 @@ def assess_case(plan: AssessPlan, folder: Path, options: Options, say: Say) -> d
         Interrupted: by a signal; finished runs are kept.
     """
     function, check = (assess_task, check_first) if plan.shakes else (limit_task, _check_statics)
-    return study_case(plan, folder, options, say, Ways(function, partial(_write, plan), check, maps=False))
+    ways = Ways(function, partial(_write, plan), lambda made: (*plan.doubtful, *check(made)), maps=False)
+    return study_case(plan, folder, options, say, ways)
 
 
 def cost_in_words(plan: AssessPlan) -> str:
@@ -59,18 +60,22 @@ def _write(plan: AssessPlan, folder: Path, runs: Sequence[Planned], maker: Maker
     write_json(as_facts(Assessment(study.title, study.scene_name, tuple(known), left, tuple(members))), folder / FILE)
 
 
-def _check_statics(plan: Plan) -> None:
+def _check_statics(plan: Plan) -> list[str]:
     """Check that there is something for limit analysis to multiply.
+
+    Returns:
+        values that are likely in another unit.
 
     Raises:
         InputError: anything wrong with the structure, the loads or [limit].
     """
-    from masonry_cd.app.static_loads import limit_table, static_loads
+    from masonry_cd.app.limit_structure import limit_structure
+    from masonry_cd.app.limit_vehicle import somewhere
 
     scene: Scene = plan.maker.study.scene
-    made = structure_of(scene)
-    ties = [(bar.where, bar.load()) for bar in made.bars]
+    structure = limit_structure(somewhere(scene))
     try:
-        static_loads(scene.loads, limit_table(scene.limit), scene.run.gravity, scene.folder, made.assembly, ties)
+        structure.loads()
     except InputError as error:
         raise scene.at_fault(error) from None
+    return doubts(scene, structure.assembly, structure.joints)

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, product
 from typing import Any
 
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, LEVEL, PAIR
+from masonry_cd.app.doubts import assess_doubts
 from masonry_cd.app.scene import Scene, scene_of
-from masonry_cd.app.scene_text import dump_toml, parse_toml
+from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, parse_toml
 from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.assess.assumptions import Assumption, Level, assumptions_of
@@ -55,6 +56,9 @@ class AssessMaker(Maker):
             InputError: the ensemble has nothing to perturb.
         """
         tables = copy.deepcopy(super().tables(Asked()))
+        if not (asked.values or asked.member):  # the keys that the scene calls meant so are all there
+            quiet, keys = self.study.scene.quiet_checks, [key for key, _ in keys_of(tables)]
+            tables["quiet_checks"] = [name for name in quiet if any(is_within(key, name) for key in keys)]
         chosen = [self._levels[item] for item in asked.values.items()]
         for _, level in chosen:
             level.change(tables)
@@ -94,6 +98,7 @@ class AssessPlan(Plan):
         super().__init__(study, space)
         self.maker: AssessMaker = AssessMaker(study, space, self.known, self.shakes)
         self.design = DESIGN
+        self.doubtful = assess_doubts(scene)
         self.parts = list(self._parts(scene.assess.members, all_pairs))
         self.runs = [self.maker.planned(_asked(part)) for part in self.parts]
 
@@ -141,7 +146,7 @@ def _tables_of(scene: Scene) -> dict[str, Any]:
 
 def _study(scene: Scene, tables: dict[str, Any]) -> Study:
     """The study that an assessment is to the engine."""
-    own = scene_of(tables, scene.text, scene.path, scene.origin)
+    own = replace(scene_of(tables, scene.text, scene.path, scene.origin), quiet_checks=scene.quiet_checks)
     ensemble, run = EnsembleTable(perturb=_perturbs(tables), size=SIZE), RunTable(timeout=TIMEOUT)
     top = StudyTables(scene=tables, design="ensemble", title=scene.title, ensemble=ensemble, run=run)
     return Study(scene.path, dump_toml(tables), top, own, tables, scene.path.name, Varied({}, {}, []), scene.origin)

@@ -54,15 +54,18 @@ def check_varied(study: Study, space: Space) -> None:
         _check_rotation(study, study.tables.records.rotate)
 
 
-def check_first(plan: Plan) -> None:
+def check_first(plan: Plan) -> tuple[str, ...]:
     """Prepare the first run as a worker would, which compiles the kernels: what is wrong with all runs is found before they begin.
+
+    Returns:
+        what the run would warn of: values that are likely in another unit, steps that are too coarse.
 
     Raises:
         InputError: anything wrong with the structure, the material or the loads.
     """
     study = plan.maker.study
     try:
-        prepare(scene_of_run(plan.maker.tables(plan.runs[0].asked), study.path))
+        return prepare(scene_of_run(plan.maker.tables(plan.runs[0].asked), study.path)).warnings
     except InputError as error:
         raise InputError(f"{study.path}: the first run: {str(error).removeprefix(f'{study.path}: ')}") from None
 

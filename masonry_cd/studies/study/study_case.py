@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -39,6 +39,7 @@ class Options:
     force: bool = False  # begin anew
     resume: bool = False  # refuse a folder that holds no study
     quiet: bool = False
+    warn: Callable[[Sequence[str]], object] = lambda _: None  # called with what is doubtful of the first run, before any is made
 
 
 def plan_of(path: Path) -> Plan:
@@ -70,12 +71,12 @@ class Ways:
 
     function: Callable[[Task], Outcome] = run_task  # a run, on a worker
     write: Callable[[Path, list[Planned], Maker, Rows], object] = write_table  # what is written of the runs that have ended
-    check: Callable[[Plan], None] = check_first  # what is wrong with all runs, before they begin
+    check: Callable[[Plan], Sequence[str]] = check_first  # refuses what is wrong with all runs before they begin, and says what is doubtful
     maps: bool = True  # whether the results of the first run are kept, for maps of its joints
     lines: Callable[[list[Planned], Maker, Rows], list[str]] = lambda *_: []  # what is said of them in the end
 
 
-WAYS = {"run": Ways(), "limit": Ways(write=write_limits, check=lambda _: None, maps=False, lines=limit_lines)}
+WAYS = {"run": Ways(), "limit": Ways(write=write_limits, check=lambda _: (), maps=False, lines=limit_lines)}
 
 
 def study_case(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways | None = None) -> dict[str, Any]:
@@ -132,7 +133,7 @@ class _Made:
             f"{self.plan.maker.study.title}: {len(known)} runs{' so far' if self.plan.adapts else ''}, {len(missing)} of them to be made"
         )
         if missing:
-            self.ways.check(self.plan)
+            self.options.warn(self.ways.check(self.plan))
             self.folder.forget_hangs(missing)
             try:
                 self._execute(missing, len(known))
