@@ -38,14 +38,13 @@ def _crushed_at_rest(case: Case) -> InputError | None:
     its strength. None where that is not why."""
     if not case.assembly.laws.crushing.any():
         return None
-    from loads.motion import parse_direction
     from masonry_cd.analysis.limit.analysis import at_rest, refuse_crushed
     from masonry_cd.app.limit_structure import limit_structure
-    from masonry_cd.app.static_loads import LimitTable
+    from masonry_cd.app.static_loads import limit_table
 
     try:  # what limit analysis does not know is no fault of the run
         built = limit_structure(case.scene)
-        problem, _ = at_rest(built.assembly, built.joints, built.loads(LimitTable(push=parse_direction("x"))).at())
+        problem, _ = at_rest(built.assembly, built.joints, built.loads(limit_table({"push": "x"})).at())
     except InputError:
         return None
     try:

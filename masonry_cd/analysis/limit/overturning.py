@@ -41,7 +41,7 @@ def overturning_below(whole: Whole, direction: np.ndarray, factor: float) -> lis
     chosen: list[Overturning] = []
     above = _resting_above(whole)
     for _, row in sorted(_rows_below(whole, above, direction, factor), key=lambda one: one[0]):
-        body = above[row].any(axis=0)
+        body = np.asarray(above[row].any(axis=0))
         if any((body & ~one.blocks).sum() < OWN * body.sum() for one in chosen):
             continue
         made = _overturning(whole, row, body, direction)
