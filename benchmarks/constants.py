@@ -156,7 +156,7 @@ SWITCHED: dict[str, Any] = {
     "OPERATIONS": 0.0,  # the interior point method is not asked
     "admm.OPEN": 1.0,  # R of open contacts as of those that stick
     "admm.SLIDES": 1.0,
-    "interior.LEAVE": 1.0,  # the damped path is followed to the tolerance, that by its length to CLOSE
+    "interior.LEAVE": 1.0,  # the path is followed to CLOSE
 }
 
 

@@ -45,7 +45,7 @@ from masonry_cd.mechanics.dynamics import moreau_jean
 from masonry_cd.mechanics.friction.operators import OrderedProblem, ProblemArrays
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
-from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, path_by_team, pivoting_by_team
+from masonry_cd.mechanics.solvers.linearised_bodies import newton_by_team, path_by_team, pivoting_by_team
 from masonry_cd.mechanics.solvers.nlgs_table import ScaledProblem
 
 SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger one
@@ -55,8 +55,7 @@ SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger 
 )
 PHASES = ("predict", "detect", "assemble", "solve", "update", "account")  # functions of moreau_jean.py
 NAMES = {
-    interior_by_team: "interior, damped path",
-    path_by_team: "interior, path by its length",
+    path_by_team: "interior",
     newton_by_team: "newton",
     pivoting_by_team: "pivoting",
 }
@@ -242,6 +241,7 @@ def main() -> int:
     parser.add_argument("--steps-only", action="store_true", help="one table with a line for each scene")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--beside", type=Path, metavar="TREE", help="another tree of the program, whose steps are compared")
+    parser.add_argument("--set-here", action="append", default=[], metavar="KEY=VALUE", help="with --beside: in this tree alone")
     parser.add_argument("--repeat", type=int, default=3, help="with --beside: runs of which the quickest counts")
     given = parser.parse_args()
     try:
@@ -258,7 +258,8 @@ def compare(given: argparse.Namespace) -> None:
     with turns.process_of(given.beside) as beside, turns.process_of(HERE.parent) as here:
         for name in map(str, given.scenes or turns.SCENES):
             found = records_in(given.records, Path(name)) if given.records is not None and name.endswith(".toml") else []
-            print(turns.row((beside, here), name, [*found, *given.set], given.repeat), flush=True)
+            changes = [*found, *given.set]
+            print(turns.row((beside, here), name, (changes, [*changes, *given.set_here]), given.repeat), flush=True)
 
 
 def run_all(given: argparse.Namespace) -> None:

@@ -64,12 +64,12 @@ def missing(name: str) -> list[str]:
 
 
 def about(name: str) -> tuple[str, str, str]:
-    """Title of an example, what the comment at its head says of it, and the command there."""
+    """Title of an example, what the comment at its head says of it, and the commands there."""
     text = (EXAMPLES / f"{name}.toml").read_text(encoding="utf-8")
     comment = re.match(r"(?:#.*\n)+", text)
     lines = [line.removeprefix("#").strip() for line in comment.group(0).splitlines()] if comment else []
-    command = next((line for line in lines if line.startswith("masonry-cd run ")), f"masonry-cd run examples/{name}.toml -o out/{name}")
-    return tomllib.loads(text).get("title", name), "\n".join(line for line in lines if line != command), command
+    commands = [line for line in lines if line.startswith("masonry-cd ")] or [f"masonry-cd run examples/{name}.toml -o out/{name}"]
+    return tomllib.loads(text).get("title", name), "\n".join(line for line in lines if line not in commands), "\n".join(commands)
 
 
 def _row(name: str, measured: dict[str, Any]) -> str:

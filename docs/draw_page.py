@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw docs/tutorials/page.png: the page of a run as Chromium shows it. The tutorial's run leaves the page that is shown there.
 
-python docs/draw_page.py out/aqueduct
+python docs/draw_page.py out/demo
 """
 
 from __future__ import annotations

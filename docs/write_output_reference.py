@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes docs/outputs.md: every number that a run comes to and every file that it may leave, as declared."""
+"""Writes docs/outputs.md: every number that a run comes to and every file that a command may leave, as declared."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from masonry_cd.analysis.outputs import FORMATS, NUMBERS
+from masonry_cd.analysis.outputs.folders import FOLDERS
 from reports.files import known_files
 
 PAGE = Path(__file__).parent / "outputs.md"
@@ -21,7 +22,7 @@ reads: a file there with an entry in `NUMBERS` adds one everywhere. The files ar
 """
 
 FILES = """
-## Files
+## Files of `run` and `report`
 
 | file | what it holds |
 |---|---|"""
@@ -36,6 +37,9 @@ def reference() -> str:
         shown = ", ".join(place for place in FORMATS if place in number.places)
         rows.append(f"| {number.name} | {keys} | {number.unit} | {number.meaning} | {shown} |")
     files = [f"| `{name}` | {meaning} |" for name, meaning in known_files().items()]
+    for command, held in FOLDERS.items():
+        files.append(f"\n## Files of `{command}`\n\n| file | what it holds |\n|---|---|")
+        files += [f"| `{name}` | {meaning} |" for name, meaning in held.items()]
     return HEAD + "\n".join([*rows, FILES, *files]) + "\n"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Write docs/scene_reference.md: every key of a scene with its text, default and bounds, from the JSON schema of the scene file.
+"""Write docs/scene_reference.md and docs/study_reference.md: every key of a scene and of a study with its text, default and bounds.
 
 python docs/write_scene_reference.py
 """
@@ -13,14 +13,21 @@ from typing import Any
 
 from masonry_cd.app.scene_schema import scene_schema
 from masonry_cd.foundation.table_schema import table_schema
+from masonry_cd.studies.study.clusters import SlurmTable
+from masonry_cd.studies.study.study_file import StudyTables
 from structures.site import PlaceTable
 
-PAGE = Path(__file__).with_name("scene_reference.md")
+SCENE, STUDY = (Path(__file__).with_name(name) for name in ("scene_reference.md", "study_reference.md"))
 HEAD = """# Every key of a scene
 
 Written from the JSON schema of the scene file by `python docs/write_scene_reference.py`. A number is in the unit in
 brackets; a text may state another, `"30 mm"`, see [Units](scene_file.md#units). *Needed* keys have no default; those without either may be
 left out.
+"""
+STUDY_HEAD = """# Every key of a study
+
+Written from the tables of the study file by `python docs/write_scene_reference.py`. [Studies](studies.md) explains them. *Needed* keys have
+no default; those without either may be left out.
 """
 SITE = """Several structures side by side, in place of `[structure]`: each has the keys of its kind, as above, and those below. Blocks and
 groups are named `NAME.block` and `NAME.group`; pairs of groups in `[material]` may be patterns, as `"*arch-*base"`. Structures that touch
@@ -30,8 +37,13 @@ and damage has a row for each structure.
 SIGNS = {"minimum": "at least", "exclusiveMinimum": "above", "maximum": "at most", "exclusiveMaximum": "below"}
 
 
-def page() -> str:
-    """The text of the page."""
+def pages() -> dict[Path, str]:
+    """The text of each page."""
+    study = [STUDY_HEAD, *_section("The study file", table_schema(StudyTables)), *_section("slurm.toml", table_schema(SlurmTable))]
+    return {SCENE: _scene(), STUDY: "\n".join(study)}
+
+
+def _scene() -> str:
     tables = scene_schema()["properties"]
     parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[[structures]]", table_schema(PlaceTable), SITE)]
     parts += _section("[material]", tables["material"])
@@ -84,4 +96,5 @@ def _needed(schema: dict[str, Any]) -> list[str]:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
+    for page, text in pages().items():
+        page.write_text(text, encoding="utf-8")

@@ -71,7 +71,7 @@ class Part:
     forces: tuple[Any, ...] = ()  # loads.bars.PointLoad and Tie, and Guide
 
 
-strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
 """Of every model of keys. Values are taken as they are typed: the text "0.2" is no number."""
 
 

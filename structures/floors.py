@@ -6,19 +6,24 @@
     thickness = 0.25                         # [m]
     mass = 400.0                             # with what it carries [kg/m2]
     walls = ["south", "north"]               # groups or blocks in which it has its seats
+    span = 90.0                              # direction in which it spans, from the x axis [degrees]
+    strips = 6                               # of a flexible floor
     bearing = 0.2                            # depth of the seats [m]
     anchors = { spacing = 1.5, diameter = 0.016, yield_force = 40e3 }
 
-A floor is one rigid block, a diaphragm: it neither bends nor shears nor stretches in its plane. It fills the clear room about a point,
-reaches into the walls named by the depth of its seats, which are cut out of their blocks, and ends short of the others by a gap. Seats are
+A floor is one rigid block, a diaphragm: it neither bends nor shears nor stretches in its plane. One in strips, side by side along its span,
+is flexible in plan: each of them moves with the walls that it bears on. It fills the clear room about a point, of any convex plan, reaches
+into the walls named by the depth of its seats, which are cut out of their blocks, and ends short of the others by a gap. Seats are
 joints as all others are: they bear the floor, hold it by friction and by what bears against its edges, and open when a wall leaves it.
 Anchors are short ties from within the floor to the outer face of the wall, which pull alone. A floor above the walls lies on them.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
@@ -27,47 +32,65 @@ from pydantic import Field
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
+from masonry_cd.mechanics.model.polygon import clip, polygon_area
 from structures.geometry.checks import check
-from structures.geometry.prism import box
-from structures.layout.rooms import Boxes, Side, room
-from structures.layout.seats import without_box
+from structures.geometry.prism import between, box
+from structures.layout.pockets import width_of, with_pockets
+from structures.layout.rooms import AT, Plans, Side, polygon_of, room
 from structures.schema import ArealMass, Height, Length, Place, Table
 from structures.ties import MODULI, MOST, Anchor, Bar, Solids, TieRowTable, anchors_at, bar_between
 
 KEY = "floors"
 SLIVER = 0.05  # of the thickness of a floor: less than this of a block beside its seat is refused
-AT = 1e-6  # [m]
+ACROSS = 0.7071  # cosine of the angle between a span and the normal of a wall that bears it, at least
 
 
 class AnchorTable(Table):
     """The table ``anchors`` of a floor."""
 
-    spacing: Length = Field(1.5, description="of the anchors along each wall with a seat")
-    diameter: Length = Field(0.016, description="of their rods")
-    length: Length = Field(1.0, description="by which they reach into the floor")
-    plate: Length | None = Field(None, description="side of their square plates on the outer face of the wall")
-    modulus: Annotated[float, Unit("Pa")] = Field(MODULI["steel"], gt=0.0, description="Young's modulus")
-    yield_force: Annotated[float, Unit("N")] | None = Field(None, gt=0.0, description="at which one yields or pulls out; by default never")
-    damping: float = Field(0.02, ge=0.0, lt=1.0, description="share of the critical damping")
-    walls: tuple[str, ...] | None = Field(
-        None, strict=False, min_length=1, description="that it is tied to; on the others it rests; by default all in which it has seats"
-    )
+    spacing: Length = 1.5
+    """of the anchors along each wall with a seat"""
+    diameter: Length = 0.016
+    """of their rods"""
+    length: Length = 1.0
+    """by which they reach into the floor"""
+    plate: Length | None = None
+    """side of their square plates on the outer face of the wall"""
+    modulus: Annotated[float, Unit("Pa")] = Field(MODULI["steel"], gt=0.0)
+    """Young's modulus"""
+    yield_force: Annotated[float, Unit("N")] | None = Field(None, gt=0.0)
+    """at which one yields or pulls out; by default never"""
+    damping: float = Field(0.02, ge=0.0, lt=1.0)
+    """share of the critical damping"""
+    walls: tuple[str, ...] | None = Field(None, strict=False, min_length=1)
+    """that it is tied to; on the others it rests; by default all in which it has seats"""
 
 
 class FloorTable(Table):
     """One entry ``[[structure.floors]]``."""
 
-    height: Place = Field(description="z of its top")
+    height: Place
+    """z of its top"""
     thickness: Length = Field()
-    mass: ArealMass = Field(description="with what it carries, over its own plan")
-    walls: tuple[str, ...] = Field(strict=False, min_length=1, description="groups or blocks in which it has seats; * stands for anything")
-    inside: tuple[Place, Place] | None = Field(
-        None, strict=False, description="a point [x, y] of its room; by default the middle of the walls"
-    )
-    bearing: Length = Field(0.2, description="depth of its seats in the walls")
-    gap: Height = Field(0.01, description="to walls that are not named")
-    anchors: AnchorTable | None = Field(None, description="which tie it to the walls, { spacing = 1.5, diameter = 0.016 }")
-    name: str | None = Field(None, max_length=80, description="of its block and group; by default floor1, floor2 ...")
+    mass: ArealMass
+    """with what it carries, over its own plan"""
+    walls: tuple[str, ...] = Field(strict=False, min_length=1)
+    """groups or blocks in which it has seats; * stands for anything"""
+    inside: tuple[Place, Place] | None = Field(None, strict=False)
+    """a point [x, y] of its room; by default the middle of the walls"""
+    span: Annotated[float, Unit("degrees")] | None = Field(None, ge=-360.0, le=360.0)
+    """direction in which it spans, from the x axis; of the walls named only those across it then bear it"""
+    strips: int = Field(1, ge=1, le=100)
+    """of a floor that is flexible in plan, side by side along its span; 1 for a rigid one"""
+    bearing: Length = 0.2
+    """depth of its seats in the walls"""
+    gap: Height = 0.01
+    """to walls that are not named"""
+    anchors: AnchorTable | None = None
+    """which tie it to the walls, { spacing = 1.5, diameter = 0.016 }"""
+    name: str | None = Field(None, max_length=80)
+    """of its block and group; by default floor1, floor2 ..."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,16 +101,45 @@ class _Floor:
     where: str  # its table
     name: str
     seats: tuple[Side, ...]
-    low: np.ndarray  # (3,) [m]
-    high: np.ndarray  # (3,) [m]
-    seat_low: np.ndarray  # (3,) of what is cut out for it: it reaches over the gaps [m]
-    seat_high: np.ndarray  # (3,) [m]
+    sides: tuple[Side, ...]  # of the slab, counter-clockwise
+    cut: tuple[Side, ...]  # of what is cut out for it: it reaches over the gaps
     tied: tuple[Side, ...]  # those of the seats that have anchors
 
     @property
-    def block(self) -> Block:
-        """The floor itself."""
-        return Block(self.name, *box(tuple(self.low), tuple(self.high)), self.keys.mass / self.keys.thickness, self.name)
+    def plan(self) -> np.ndarray:
+        """Corners (n, 2) of the slab [m]."""
+        return polygon_of(self.sides)
+
+    @property
+    def span(self) -> np.ndarray:
+        """Unit vector (2,) of the direction in which it spans."""
+        return self.seats[0].normal if self.keys.span is None else _direction(self.keys.span)
+
+    @property
+    def pocket(self) -> Polyhedron:
+        """What is cut out for it."""
+        return Polyhedron(*self._prism(polygon_of(self.cut)))
+
+    @property
+    def blocks(self) -> list[Block]:
+        """The floor itself: a slab, or its strips."""
+        density, count = self.keys.mass / self.keys.thickness, self.keys.strips
+        if count == 1:
+            return [Block(self.name, *self._prism(self.plan), density, self.name)]
+        across = np.array([-self.span[1], self.span[0]])
+        at = np.linspace(*(edge(self.plan @ across) for edge in (np.min, np.max)), count + 1)
+        strips = []
+        for low, high in pairwise(at):
+            upper = clip(self.plan, self.plan @ across - low, AT)
+            strips.append(clip(upper, high - upper @ across, AT))
+        return [Block(f"{self.name}.{k}", *self._prism(strip), density, self.name) for k, strip in enumerate(strips, start=1)]
+
+    def _prism(self, plan: np.ndarray) -> tuple[np.ndarray, Faces]:
+        """Over a convex polygon (n, 2); a rectangle along the axes is a box."""
+        bottom, top = self.keys.height - self.keys.thickness, self.keys.height
+        if len(plan) == 4 and all(abs(side.normal).max() == 1.0 for side in self.sides) and self.keys.strips == 1:
+            return box((*plan.min(axis=0).tolist(), bottom), (*plan.max(axis=0).tolist(), top))
+        return between(*(np.column_stack([plan, np.full(len(plan), z)]) for z in (bottom, top)))
 
 
 def with_floors(blocks: Sequence[Block], tables: object) -> tuple[list[Block], list[Bar], list[str]]:
@@ -107,7 +159,7 @@ def with_floors(blocks: Sequence[Block], tables: object) -> tuple[list[Block], l
         where = f"structure.{KEY}[{i}]"
         keys = parse_table(FloorTable, table, where)
         floor = _placed(made, keys, where, keys.name or f"floor{i + 1}")
-        made = [*_with_seats(made, floor), floor.block]
+        made = [*_with_seats(made, floor), *floor.blocks]
         floors.append(floor)
     check(made)
     solids = Solids.of(made)
@@ -122,46 +174,76 @@ def _placed(blocks: Sequence[Block], keys: FloorTable, where: str, name: str) ->
     bottom, top = keys.height - keys.thickness, keys.height
     solids = Solids.of(blocks)
     named = np.any([solids.members(wall, f"{where}.walls") for wall in keys.walls], axis=0)
-    boxes = Boxes.between(blocks, bottom, top)
-    if not named[boxes.owner].any():  # it lies on the walls
-        boxes = Boxes.between(blocks, bottom - 0.5 * keys.thickness, bottom)
-    its = named[boxes.owner]
-    if not its.any():
+    plans = Plans.between(blocks, bottom, top)
+    if not named[plans.owner].any():  # it lies on the walls
+        plans = Plans.between(blocks, bottom - 0.5 * keys.thickness, bottom)
+    own = [loop for loop, owner in zip(plans.loops, plans.owner, strict=True) if named[owner]]
+    if not own:
         raise InputError(f"{where}.height: no block of {', '.join(keys.walls)} stands at or below z = {bottom:g} to {top:g} m")
-    extent = np.array([boxes.low[its].min(axis=0), boxes.high[its].max(axis=0)])
+    extent = np.array([np.min([loop.min(axis=0) for loop in own], axis=0), np.max([loop.max(axis=0) for loop in own], axis=0)])
     point = extent.mean(axis=0) if keys.inside is None else np.array(keys.inside)
-    within = np.flatnonzero(boxes.around(point))
-    if len(within) or not ((extent[0] < point) & (point < extent[1])).all():
-        what = f'block "{blocks[boxes.owner[within[0]]].name}" stands there' if len(within) else "it lies outside the walls"
+    within = plans.around(point)
+    if within or not ((extent[0] < point) & (point < extent[1])).all():
+        what = f'block "{blocks[plans.owner[within[0]]].name}" stands there' if within else "it lies outside the walls"
         raise InputError(f"{where}.inside: no room about x = {point[0]:.4g} m, y = {point[1]:.4g} m at this height: {what}")
-    sides = room(boxes, point, extent)
-    seats = tuple(side for side in sides if named[list(side.owners)].any())
+    sides = room(plans, point, extent)
+    seats = [side for side in sides if named[list(side.owners)].any()]
     if not seats:
         raise InputError(f"{where}.walls: none of {', '.join(keys.walls)} bounds the room about x = {point[0]:.4g} m, y = {point[1]:.4g} m")
+    seats = _spanned(keys, seats, where)
     shallow = min(seats, key=lambda side: side.depth)
     if keys.bearing > shallow.depth + AT:
         raise InputError(
             f"{where}.bearing: must be at most the depth of its wall in the {shallow.name}, {shallow.depth:.4g} m, got {keys.bearing:g}"
         )
-    low, high, seat_low, seat_high = (np.array([0.0, 0.0, z]) for z in (bottom, top, bottom, top))
-    for side in sides:
-        into = keys.bearing if side in seats else 0.0
-        short = keys.gap if side.owners and side not in seats else 0.0
-        (seat_high if side.sign > 0 else seat_low)[side.axis] = side.place + side.sign * into
-        (high if side.sign > 0 else low)[side.axis] = side.place + side.sign * (into - short)
-    return _Floor(keys, where, name, seats, low, high, seat_low, seat_high, _tied(solids, seats, keys.anchors, where))
+    into = [keys.bearing if side in seats else 0.0 for side in sides]
+    short = [keys.gap if side.owners and side not in seats else 0.0 for side in sides]
+    slab = tuple(side.moved(a - b) for side, a, b in zip(sides, into, short, strict=True))
+    cut = tuple(side.moved(a) for side, a in zip(sides, into, strict=True))
+    return _Floor(keys, where, name, tuple(seats), slab, cut, _tied(solids, tuple(seats), keys.anchors, where))
 
 
-def _with_seats(blocks: Sequence[Block], floor: _Floor) -> Iterator[Block]:
-    """The blocks with a floor cut out of them."""
-    for block in blocks:
-        if block.fixed:
-            yield block
+def _direction(degrees: float) -> np.ndarray:
+    """Unit vector (2,) at an angle from the x axis; a quarter turn is exact."""
+    angle = math.radians(degrees)
+    return np.round([math.cos(angle), math.sin(angle)], 15)
+
+
+def _spanned(keys: FloorTable, seats: list[Side], where: str) -> list[Side]:
+    """Those of the sides with seats that lie across the span; all without one.
+
+    Raises:
+        InputError: there is none.
+    """
+    if keys.span is None:
+        return seats
+    along = _direction(keys.span)
+    found = [side for side in seats if abs(side.normal @ along) > ACROSS]
+    if not found:
+        raise InputError(f"{where}.span: none of {', '.join(keys.walls)} lies across {keys.span:g} degrees beside its room")
+    return found
+
+
+def _with_seats(blocks: Sequence[Block], floor: _Floor) -> list[Block]:
+    """The blocks with a floor cut out of them; slivers beside it go to the stones around.
+
+    Raises:
+        InputError: a sliver that no stone beside it can take.
+    """
+    thin = SLIVER * floor.keys.thickness
+    made = with_pockets(blocks, [floor.pocket], thin)
+    before, names = {id(block) for block in blocks}, {block.name: block for block in blocks}
+    for block in made:
+        if id(block) in before:
             continue
-        try:
-            yield from without_box(block, floor.seat_low, floor.seat_high, SLIVER * floor.keys.thickness)
-        except InputError as fault:
-            raise InputError(f"{floor.where}: {fault}; another height, thickness or bearing") from None
+        whole = names.get(block.name) or names[block.name.rpartition(".s")[0]]
+        width = width_of(block)
+        if width < min(thin, 0.999 * width_of(whole)):
+            raise InputError(
+                f'{floor.where}: of block "{whole.name}" a sliver of {1e3 * width:.3g} mm would remain beside it; '
+                "another height, thickness or bearing"
+            )
+    return made
 
 
 def _anchored(solids: Solids, floor: _Floor) -> Iterator[Bar]:
@@ -169,26 +251,46 @@ def _anchored(solids: Solids, floor: _Floor) -> Iterator[Bar]:
     keys, where = floor.keys.anchors, f"{floor.where}.anchors"
     if keys is None:
         return
-    slab = next(i for i, block in enumerate(solids.blocks) if block.name == floor.name)
     for side in floor.tied:
-        other = 1 - side.axis
-        if keys.length > floor.high[side.axis] - floor.low[side.axis]:
+        along = np.array([-side.normal[1], side.normal[0]])
+        if keys.length > float(np.ptp(floor.plan @ side.normal)):
             raise InputError(f"{where}.length: must be at most that of the floor there, got {keys.length:g}")
-        length = floor.high[other] - floor.low[other]
-        wanted = float(length) / keys.spacing
+        edge = floor.plan[np.abs(floor.plan @ side.normal - side.place - floor.keys.bearing) < AT] @ along
+        wanted = float(np.ptp(edge)) / keys.spacing
         if not wanted <= MOST:
             raise InputError(f"{where}.spacing: makes {wanted:.4g} anchors on a wall, at most {MOST} are taken")
         count = max(1, round(wanted))
-        line = {"along": "xy"[side.axis], "height": float(0.5 * (floor.low[2] + floor.high[2]))}
+        axis = int(np.abs(side.normal).argmax())
+        turn = np.eye(2) if abs(side.normal[axis]) == 1.0 else np.array([side.normal, along])  # (2, 2) to axes of which one is the normal
+        axis, sign = (axis, int(side.normal[axis])) if (turn == np.eye(2)).all() else (0, 1)
+        turned = solids if (turn == np.eye(2)).all() else Solids.of([_turned(block, turn) for block in solids.blocks])
+        line = {"along": "xy"[axis], "height": floor.keys.height - 0.5 * floor.keys.thickness}
         row = parse_table(TieRowTable, line | keys.model_dump(exclude={"spacing", "length", "walls"}), where)
-        allowed = _in_wall(solids, side)
+        allowed = _in_wall(turned, axis, sorted((sign * side.place, sign * side.far)))
         for k in range(count):
-            through = np.array([0.0, 0.0, row.height])
-            through[other] = floor.low[other] + (k + 0.5) * length / count
-            inner = through.copy()
-            inner[side.axis] = side.place - side.sign * keys.length
-            for anchor in anchors_at(solids, row, side.axis, through, allowed, side.sign, where):
-                yield bar_between(solids, row, Anchor(slab, inner, 1.0), anchor, where, f"{floor.name}.{side.name}{k + 1}")
+            on = side.normal * side.place + along * (edge.min() + (k + 0.5) * float(np.ptp(edge)) / count)
+            through, inner = (np.append(turn @ point, row.height) for point in (on, on - side.normal * keys.length))
+            through[axis] = 0.0
+            slab = _slab_at(solids, floor, on - side.normal * keys.length)
+            for anchor in anchors_at(turned, row, axis, through, allowed, sign, where):
+                bar = bar_between(turned, row, Anchor(slab, inner, 1.0), anchor, where, f"{floor.name}.{side.name}{k + 1}")
+                yield bar._replace(points=np.column_stack([bar.points[:, :2] @ turn, bar.points[:, 2]]))
+
+
+def _turned(block: Block, turn: np.ndarray) -> Block:
+    """A block with its plan turned by (2, 2)."""
+
+    def put(points: np.ndarray) -> np.ndarray:
+        return np.column_stack([points[:, :2] @ turn.T, points[:, 2]])
+
+    return replace(block, vertices=put(block.vertices), parts=tuple(Polyhedron(put(part.vertices), part.faces) for part in block.parts))
+
+
+def _slab_at(solids: Solids, floor: _Floor, point: np.ndarray) -> int:
+    """The number of the slab, or of the strip, in which a point (2,) lies, or that is nearest to it."""
+    own = [i for i, block in enumerate(solids.blocks) if block.group == floor.name]
+    across = np.array([-floor.span[1], floor.span[0]])
+    return min(own, key=lambda i: abs(float((solids.blocks[i].vertices[:, :2] @ across).mean() - point @ across)))
 
 
 def _tied(solids: Solids, seats: tuple[Side, ...], keys: AnchorTable | None, where: str) -> tuple[Side, ...]:
@@ -209,10 +311,9 @@ def _tied(solids: Solids, seats: tuple[Side, ...], keys: AnchorTable | None, whe
     return tuple(tied)
 
 
-def _in_wall(solids: Solids, side: Side) -> np.ndarray:
-    """(B,) the free blocks within the thickness of the wall on a side."""
-    near, far = sorted((side.place, side.far))
-    parts = (solids.low[:, side.axis] >= near - AT) & (solids.high[:, side.axis] <= far + AT)
+def _in_wall(solids: Solids, axis: int, reach: Sequence[float]) -> np.ndarray:
+    """(B,) the free blocks within the thickness of a wall, which it has along an axis between two places [m]."""
+    parts = (solids.low[:, axis] >= reach[0] - AT) & (solids.high[:, axis] <= reach[1] + AT)
     found = np.zeros(len(solids.blocks), dtype=bool)
     found[solids.owner[parts]] = True
     return found & np.array([not block.fixed for block in solids.blocks])
@@ -220,11 +321,11 @@ def _in_wall(solids: Solids, side: Side) -> np.ndarray:
 
 def _note(floor: _Floor, bars: Sequence[Bar]) -> str:
     """A floor in words."""
-    size = floor.high - floor.low
-    tonnes = floor.keys.mass * size[0] * size[1] / 1e3
+    size, tonnes = np.ptp(floor.plan, axis=0), floor.keys.mass * polygon_area(floor.plan) / 1e3
+    kind = "rigid" if floor.keys.strips == 1 else f"of {floor.keys.strips} strips"
     count = len({bar.keys["name"] for bar in bars if bar.where == f"{floor.where}.anchors"})
     anchors = f", {count} anchors" if count else ""
     return (
-        f'floor "{floor.name}": rigid, {size[0]:.4g} m by {size[1]:.4g} m, {tonnes:.4g} t, its top at z = {floor.keys.height:.4g} m, on '
+        f'floor "{floor.name}": {kind}, {size[0]:.4g} m by {size[1]:.4g} m, {tonnes:.4g} t, its top at z = {floor.keys.height:.4g} m, on '
         f"seats of {floor.keys.bearing:.3g} m in the {', '.join(side.name for side in floor.seats)}{anchors}"
     )

@@ -31,11 +31,12 @@ LARGEST = 1e-4  # share of the shortest edge: gaps stay a fifth of what contact 
 class NoiseTable(Table):
     """The table ``[structure.noise]``."""
 
-    size: Height = Field(description="by which the corner of each block that moves most is moved")
-    seed: int = Field(0, ge=0, lt=2**63, description="of the random numbers")
-    axes: Literal["x", "y", "z", "xy", "xz", "yz", "xyz"] | None = Field(
-        None, description="along which corners move; by default x and z, or y and z, where that keeps the structure planar, else all three"
-    )
+    size: Height
+    """by which the corner of each block that moves most is moved"""
+    seed: int = Field(0, ge=0, lt=2**63)
+    """of the random numbers"""
+    axes: Literal["x", "y", "z", "xy", "xz", "yz", "xyz"] | None = None
+    """along which corners move; by default x and z, or y and z, where that keeps the structure planar, else all three"""
 
 
 def with_noise(blocks: Sequence[Block], table: object) -> tuple[list[Block], list[str]]:

@@ -32,17 +32,25 @@ HeadShape = Literal["lintel", "flat", "segmental", "round"]
 class Table(BaseModel):
     """A table of the scene: unknown keys are refused, values stay as read."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
 
 class OpeningTable(Table):
     """One entry ``[[structure.openings]]``: a door or a window."""
 
-    centre: Place = Field(description="along the wall, from the middle of the wall")
-    width: Length = Field(1.0, description="clear")
-    sill: Height = Field(0.0, description="height of the sill above the foot of the wall")
-    height: Length = Field(2.0, description="clear, from the sill to the crown of the intrados")
-    head: HeadShape = Field("lintel", description="what closes it at the top")
-    depth: Length | None = Field(None, description="of the lintel or of the arch; by default a course or a fifth of the width")
-    rise: Length | None = Field(None, description="of a segmental arch; by default a sixth of the width")
-    bearing: Length | None = Field(None, description="of a lintel on each jamb; by default a third of a block")
+    centre: Place
+    """along the wall, from the middle of the wall"""
+    width: Length = 1.0
+    """clear"""
+    sill: Height = 0.0
+    """height of the sill above the foot of the wall"""
+    height: Length = 2.0
+    """clear, from the sill to the crown of the intrados"""
+    head: HeadShape = "lintel"
+    """what closes it at the top"""
+    depth: Length | None = None
+    """of the lintel or of the arch; by default a course or a fifth of the width"""
+    rise: Length | None = None
+    """of a segmental arch; by default a sixth of the width"""
+    bearing: Length | None = None
+    """of a lintel on each jamb; by default a third of a block"""

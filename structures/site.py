@@ -59,15 +59,12 @@ _POINT: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItem
 class PlaceTable(Table):
     """The keys of [[structures]] beside those of a structure."""
 
-    name: str = Field(
-        pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40, description="of letters and digits, put before its blocks and groups"
-    )
-    at: Annotated[tuple[float, float, float], Unit("m"), BeforeValidator(_place), WithJsonSchema(_POINT)] = Field(
-        (0.0, 0.0, 0.0), description="where its origin lies"
-    )
-    rotate: Annotated[float, Unit("degrees")] = Field(
-        0.0, ge=-360.0, le=360.0, description="about the upright axis through its origin, counter-clockwise seen from above"
-    )
+    name: str = Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)
+    """of letters and digits, put before its blocks and groups"""
+    at: Annotated[tuple[float, float, float], Unit("m"), BeforeValidator(_place), WithJsonSchema(_POINT)] = (0.0, 0.0, 0.0)
+    """where its origin lies"""
+    rotate: Annotated[float, Unit("degrees")] = Field(0.0, ge=-360.0, le=360.0)
+    """about the upright axis through its origin, counter-clockwise seen from above"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,24 +22,19 @@ from structures.ties import TieRowTable
 class CommonTable(Table):
     """The keys that every kind of structure takes beside its own."""
 
-    most_blocks: int = Field(
-        MOST, ge=1, description="how many blocks a structure may have; a slip in its measures is refused before it is built"
-    )
-    foundations: Literal["whole", "corners", "parts"] | FoundationsTable = Field(
-        "whole", description="in pieces, which may settle by themselves: corners, parts, or strips { x = 4 }"
-    )
-    ground: bool | Annotated[float, HEIGHT] | None = Field(
-        None,
-        description="a fixed slab under a structure, for what falls: true, false, or the height of its top; "
-        "by default under supports with nothing between them, but not for kind file",
-    )
-    floors: tuple[dict[str, Any], ...] = Field(
-        (), strict=False, json_schema_extra=rows(FloorTable), description="rigid floors on seats in walls, [[structure.floors]] each"
-    )
-    ties: tuple[dict[str, Any], ...] = Field(
-        (), strict=False, json_schema_extra=rows(TieRowTable), description="rods and beams that tie parts together, [[structure.ties]] each"
-    )
-    noise: NoiseTable | None = Field(None, description="seeded noise on all corners, { size = 1e-6, seed = 0 }")
+    most_blocks: int = Field(MOST, ge=1)
+    """how many blocks a structure may have; a slip in its measures is refused before it is built"""
+    foundations: Literal["whole", "corners", "parts"] | FoundationsTable = "whole"
+    """in pieces, which may settle by themselves: corners, parts, or strips { x = 4 }"""
+    ground: bool | Annotated[float, HEIGHT] | None = None
+    """a fixed slab under a structure, for what falls: true, false, or the height of its top; by default under supports with nothing
+    between them, but not for kind file"""
+    floors: tuple[dict[str, Any], ...] = Field((), strict=False, json_schema_extra=rows(FloorTable))
+    """rigid floors on seats in walls, [[structure.floors]] each"""
+    ties: tuple[dict[str, Any], ...] = Field((), strict=False, json_schema_extra=rows(TieRowTable))
+    """rods and beams that tie parts together, [[structure.ties]] each"""
+    noise: NoiseTable | None = None
+    """seeded noise on all corners, { size = 1e-6, seed = 0 }"""
 
 
 def table_of(kind: str) -> type[BaseModel] | None:

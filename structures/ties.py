@@ -48,32 +48,43 @@ MOST = 500  # ties of a table
 class TieRowTable(Table):
     """One entry ``[[structure.ties]]``."""
 
-    along: Literal["x", "y"] = Field(description="the axis that it lies along")
-    height: Place = Field(description="z of its line, in the coordinates of the structure")
-    at: tuple[Place, ...] | None = Field(None, strict=False, min_length=1, description="where along the other axis")
-    number: int | None = Field(None, ge=1, le=MOST, description="or so many, evenly over the parts; by default one in the middle")
-    spacing: Length | None = Field(None, description="or as many as fit at this distance")
-    parts: tuple[str, ...] | None = Field(
-        None, strict=False, min_length=1, max_length=2,
-        description="groups or blocks on whose outermost faces it ends, one name for each end or for both; * stands for anything; by "
-        "default whatever is outermost",
-    )  # fmt: skip
-    anchor: Literal["face", "middle"] = Field("face", description="where in the block it ends: on the outer face, or halfway through")
-    plate: Length | None = Field(None, description="side of its square anchor plates, which spread the pull over blocks")
-    diameter: Length | None = Field(None, description="of its section")
-    area: Area | None = Field(None, description="or the area of its section")
-    section: tuple[Length, Length] | None = Field(None, strict=False, description="or width and depth of its section")
-    material: Literal["steel", "timber"] = Field("steel", description="which sets the modulus")
-    modulus: Annotated[float, Unit("Pa")] | None = Field(
-        None, gt=0.0, description="Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber"
-    )
-    yield_force: Annotated[float, Unit("N")] | None = Field(
-        None, gt=0.0, description="at which it yields, or its anchorage does; by default never"
-    )
-    tension: Annotated[float, Unit("N")] = Field(0.0, ge=0.0, description="at the start")
-    damping: float = Field(0.02, ge=0.0, lt=1.0, description="share of the critical damping")
-    from_start: bool = Field(False, description="there while elastic joints take up the weight; else it keeps its tension meanwhile")
-    name: str | None = Field(None, max_length=80, description="for reports; by default tie1, tie2 ...")
+    along: Literal["x", "y"]
+    """the axis that it lies along"""
+    height: Place
+    """z of its line, in the coordinates of the structure"""
+    at: tuple[Place, ...] | None = Field(None, strict=False, min_length=1)
+    """where along the other axis"""
+    number: int | None = Field(None, ge=1, le=MOST)
+    """or so many, evenly over the parts; by default one in the middle"""
+    spacing: Length | None = None
+    """or as many as fit at this distance"""
+    parts: tuple[str, ...] | None = Field(None, strict=False, min_length=1, max_length=2)  # fmt: skip
+    """groups or blocks on whose outermost faces it ends, one name for each end or for both; * stands for anything; by default whatever
+    is outermost"""
+    anchor: Literal["face", "middle"] = "face"
+    """where in the block it ends: on the outer face, or halfway through"""
+    plate: Length | None = None
+    """side of its square anchor plates, which spread the pull over blocks"""
+    diameter: Length | None = None
+    """of its section"""
+    area: Area | None = None
+    """or the area of its section"""
+    section: tuple[Length, Length] | None = Field(None, strict=False)
+    """or width and depth of its section"""
+    material: Literal["steel", "timber"] = "steel"
+    """which sets the modulus"""
+    modulus: Annotated[float, Unit("Pa")] | None = Field(None, gt=0.0)
+    """Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber"""
+    yield_force: Annotated[float, Unit("N")] | None = Field(None, gt=0.0)
+    """at which it yields, or its anchorage does; by default never"""
+    tension: Annotated[float, Unit("N")] = Field(0.0, ge=0.0)
+    """at the start"""
+    damping: float = Field(0.02, ge=0.0, lt=1.0)
+    """share of the critical damping"""
+    from_start: bool = False
+    """there while elastic joints take up the weight; else it keeps its tension meanwhile"""
+    name: str | None = Field(None, max_length=80)
+    """for reports; by default tie1, tie2 ..."""
 
     @model_validator(mode="after")
     def _fits(self) -> Self:

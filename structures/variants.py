@@ -12,10 +12,14 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from structures.bridge.profile import voussoirs_of
+from structures.bridge.table import AbutmentTable, FillTable, SpanTable, SupportTable, WallTable
 from structures.tables import table_of
 
 Keys = dict[str, Any]
 BARREL = "barrel"
+PRESSURES = ("at_rest", "active", "none")
+ANGLE = 5.0  # by which the friction angle of fill is varied [degrees]
 
 
 def resized(table: Mapping[str, Any], factor: float) -> Keys | None:
@@ -53,9 +57,31 @@ def rebonded(table: Mapping[str, Any]) -> list[tuple[str, Keys]]:
         found.append(("other seed of the core", {"core_seed": table.get("core_seed", 0) + 1}))
     if kind == "packing":
         found.append(("other seed", {"seed": table.get("seed", 0) + 1}))
+    if kind == "bridge" and any(span.get("rings", 1) > 1 for span in table.get("spans") or ()):
+        found.append(("rings as one", {"spans": [{**span, "rings": 1} for span in table["spans"]]}))
     if isinstance(table.get("noise"), Mapping):
         found.append(("other seed of the noise", {"noise": {**table["noise"], "seed": table["noise"].get("seed", 0) + 1}}))
     return [(name, copy.deepcopy({**table, **keys})) for name, keys in found]
+
+
+def refilled(table: Mapping[str, Any]) -> dict[str, list[tuple[str, Keys]]]:
+    """Other assumptions on the fill of a bridge, by what they are about: of each its name and the table [structure] that has it."""
+    if table.get("kind") != "bridge":
+        return {}
+    given = dict(table.get("fill") or {})
+    fill = {name: field.default for name, field in FillTable.model_fields.items()} | given
+    twice = {name: min(1.0, 2.0 * fill[name]) for name in ("passive", "passive_shaken")}
+    none, angle = dict.fromkeys(twice, 0.0), fill["friction_angle"]
+    stands = dict(table.get("walls") or {}) or any(not abutment.get("rigid", True) for abutment in table.get("abutments") or ())
+    found: dict[str, list[tuple[str, Keys]]] = {
+        "resistance": [("none", none), ("twice", twice)] if any(twice.values()) else [("a third of K_p", {"passive": 1.0 / 3.0})],
+        "spread": [(way, {"spread": way}) for way in ("boussinesq", "2:1") if way != fill["spread"]],
+        "pressure": [
+            (way.replace("_", " "), {"pressure": way}) for way in ("at_rest", "active", "none") if stands and way != fill["pressure"]
+        ],
+        "angle": [(f"{angle + turn:g} degrees", {"friction_angle": angle + turn}) for turn in (-ANGLE, ANGLE) if 0.0 < angle + turn < 60.0],
+    }
+    return {about: [(name, copy.deepcopy({**table, "fill": {**given, **keys}})) for name, keys in some] for about, some in found.items()}
 
 
 def _lengths(*names: str) -> Callable[[Keys, float], None]:
@@ -116,6 +142,22 @@ def _aqueduct(table: Keys, factor: float) -> None:
     _lengths("unit_length")(table, factor)
 
 
+def _bridge(table: Keys, factor: float) -> None:
+    """Voussoirs of each span, an even number where there is a joint at the apex; courses of piers, of abutments of blocks and of walls."""
+    for span in table.get("spans") or ():
+        known = SpanTable.model_validate(span)
+        span["voussoirs"] = max(3, round(voussoirs_of(known) / factor))
+        if known.shape == "pointed":
+            span["voussoirs"] += span["voussoirs"] % 2
+    for name, model in (("piers", SupportTable), ("abutments", AbutmentTable), ("walls", WallTable)):
+        given = table.get(name, None if name == "walls" else [{}])
+        for part in [given] if isinstance(given, dict) else given or ():
+            for key in {"course_height", "unit_length"} & set(model.model_fields):
+                part[key] = factor * part.get(key, model.model_fields[key].default)
+        if given:
+            table[name] = given
+
+
 def _both(first: Callable[[Keys, float], None], second: Callable[[Keys, float], None]) -> Callable[[Keys, float], None]:
     def change(table: Keys, factor: float) -> None:
         first(table, factor)
@@ -126,6 +168,7 @@ def _both(first: Callable[[Keys, float], None], second: Callable[[Keys, float], 
 
 _SIZES: dict[str, Callable[[Keys, float], None]] = {
     "aqueduct": _aqueduct,
+    "bridge": _bridge,
     "arch": _both(_counts("voussoirs", least=2), _counts("buttress_courses")),
     "building": _lengths("block_length", "course_height"),
     "church": _lengths("block_length", "course_height"),

@@ -26,7 +26,7 @@ from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema
 
 from loads.bars import PointLoad
 from loads.kinds.settlement import NAMES_SCHEMA, names_of_blocks
-from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid
+from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, strict
 from loads.supports import select
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Instant, Numbers, is_number
@@ -59,6 +59,8 @@ Blocks = Annotated[tuple[str, ...] | None, BeforeValidator(names_of_blocks), Wit
 
 class GuidedKeys(BaseModel):
     """Which points of which blocks are guided."""
+
+    model_config = strict
 
     blocks: Blocks = None
     """Names of the blocks or groups that are moved; * stands for any letters."""

@@ -12,7 +12,8 @@ from masonry_cd.foundation.fields import Count, Number, Table, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.materials import ROUGHEST
 
-ASSUMPTIONS = ("joint stiffness", "friction", "block size", "bond", "damping", "time step", "tolerance")
+FILL = ("fill resistance", "fill spread", "fill pressure", "fill angle")  # of bridges
+ASSUMPTIONS = ("joint stiffness", "friction", "block size", "bond", *FILL, "damping", "time step", "tolerance")
 _RANGE = {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": ROUGHEST}, "minItems": 2, "maxItems": 2}
 _FRICTION: dict[str, Any] = {"anyOf": [_RANGE, {"type": "object", "minProperties": 1, "additionalProperties": _RANGE}]}
 
@@ -33,7 +34,7 @@ class AssessTable(Table):
         tuple[str, ...], Field(strict=False, json_schema_extra={"items": {"type": "string", "enum": list(ASSUMPTIONS)}})
     ] = ()
     """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "damping", "time step",
-    "tolerance"."""
+    "tolerance", and of bridges "fill resistance", "fill spread", "fill pressure", "fill angle"."""
 
     @field_validator("friction", mode="before")
     @classmethod

@@ -28,9 +28,31 @@ def begin(stepper: Stepper, case: Case) -> None:
         if settings.settle:
             settle(stepper)
     except InputError as error:
-        raise case.scene.at_fault(error) from None
+        raise case.scene.at_fault(_crushed_at_rest(case) or error) from None
     if settings.first_velocities is not None:
         stepper.kick(drawn_velocities(stepper.system, settings.first_velocities))
+
+
+def _crushed_at_rest(case: Case) -> InputError | None:
+    """Why a case does not come to rest whose joints crush under the dead loads alone, as limit analysis finds it: the joint, its stress and
+    its strength. None where that is not why."""
+    if not case.assembly.laws.crushing.any():
+        return None
+    from loads.motion import parse_direction
+    from masonry_cd.analysis.limit.analysis import at_rest, refuse_crushed
+    from masonry_cd.app.limit_structure import limit_structure
+    from masonry_cd.app.static_loads import LimitTable
+
+    try:  # what limit analysis does not know is no fault of the run
+        built = limit_structure(case.scene)
+        problem, _ = at_rest(built.assembly, built.joints, built.loads(LimitTable(push=parse_direction("x"))).at())
+    except InputError:
+        return None
+    try:
+        refuse_crushed(problem, built.assembly)
+    except InputError as crushed:
+        return crushed
+    return None
 
 
 def pauses_of(case: Case) -> Pauses | None:

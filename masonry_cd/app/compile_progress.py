@@ -25,14 +25,12 @@ WEIGHTS = {
     "admm_bodies": 12.0,
     "pivoting_by_team": 10.0,
     "newton_by_team": 5.0,
-    "interior_by_team": 4.0,
     "path_by_team": 3.0,
     "update_pairs": 2.0,
 }  # times as long as others these take to compile
 LATE = {  # what a run may have compiled when a step first comes to it
     "newton_by_team": "Newton's method",
-    "interior_by_team": "the interior point method",
-    "path_by_team": "the path by length of the interior point method",
+    "path_by_team": "the interior point method",
 }
 
 

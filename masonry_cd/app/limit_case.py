@@ -15,20 +15,23 @@ import numpy as np
 
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement, judgement, refused
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
-from masonry_cd.analysis.limit.candidates import UNTIED, with_mechanisms, with_untied
-from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
+from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
+from masonry_cd.analysis.limit.mechanism import STATES
+from masonry_cd.analysis.limit.outcome import on_the_whole
+from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
-from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
+from masonry_cd.app.limit_curve import FollowedCurve, curve_lines, draw_curve, follow, write_curve
 from masonry_cd.app.limit_finite import unlimited_lines
 from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
-from masonry_cd.app.limit_parts import mechanisms_along
-from masonry_cd.app.limit_search import Ways, search_numbers, search_words, ways
+from masonry_cd.app.limit_parts import begun_at_parts
+from masonry_cd.app.limit_search import Ways, certificate_lines, search_numbers, search_words, ways
 from masonry_cd.app.limit_structure import limit_structure
-from masonry_cd.app.limit_vehicle import CROSSING_OUTPUTS, Crossing, at_worst, write_crossing
+from masonry_cd.app.limit_vehicle import Crossing, at_worst, write_crossing
+from masonry_cd.app.modelled import masses
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.quantities import counted, force, in_words
+from masonry_cd.foundation.quantities import counted, force
 from masonry_cd.mechanics.contact.find_joints import built_gap, loose_contacts
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -39,13 +42,10 @@ if TYPE_CHECKING:
     from masonry_cd.app.static_loads import StaticLoads
     from reports.limit.ties import LimitTie
 
-OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "ties.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
-EVERY = (*OUTPUTS, *CURVE_OUTPUTS, *CROSSING_OUTPUTS)  # that a folder of an analysis may hold
+EVERY = files_of("limit")  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
 SAME = 1e-4  # share of the factor by which the least and the associated one may differ and agree
-ALONG = 0.999  # cosine of the angle between two pushes up to which they are one
-BEGUN = 6  # mechanisms of parts at which the search begins, three or four cone programmes each
 NAMED = 6  # blocks that a line names
 
 
@@ -64,6 +64,7 @@ class LimitCase:
     curve: FollowedCurve | None = None
     verdict: Judgement | None = None  # the one that all outputs show; None where no check is asked for
     crossing: Crossing | None = None  # of a vehicle whose worst place was looked for
+    modelled: tuple[str, ...] = ()  # masses, ties, floors and fill, in words
 
     @cached_property
     def collapse(self) -> Collapse:
@@ -115,7 +116,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
         how = ways(assembly, joints, loads, asked, scene.run.seed)
         analysis, built = _analyse(assembly, joints, loads, how.analysis), (assembly, joints)
         if loads.kind == "push" and analysis.starts > 1 and (parts or analysis.problem.axis is None):
-            analysis = with_mechanisms(analysis, assembly, joints, _along(parts or mechanisms_along(structure, loads), loads))
+            analysis = begun_at_parts(analysis, structure, loads, parts)
         analysis = _searched_on(analysis, assembly, joints, how)
         if left is not None:
             assembly, joints, loads, whole = left.assembly, left.joints, left.loads, analysis
@@ -124,11 +125,11 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
         table = asked.curve or (CurveTable() if curve else None)
         if table is not None and asked.begin is not None:
             raise InputError(NO_CURVE)
-        if analysis.unlimited:
+        if analysis.endless:
             table = None
         followed = None if table is None else follow(table, assembly, joints, loads, how.curve, scene.run.gravity)
         check = None
-        if asked.check is not None and analysis.stands and not (analysis.bears_nothing or analysis.unlimited):
+        if asked.check is not None and analysis.stands and not (analysis.bears_nothing or analysis.endless):
             analysis, untied = with_untied(analysis, assembly, joints, how.analysis)
             known = None if followed is None else followed.curve
             check = check_mechanism(asked.check, analysis, untied, (assembly, joints), loads, scene.run.gravity, scene.folder, how, known)
@@ -152,21 +153,15 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             "joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value"
         )
     seconds = time.perf_counter() - begin
-    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), seconds, followed, verdict, crossing)
-
-
-def _along(parts: Sequence[PartMechanism], loads: StaticLoads) -> list[Mechanism]:
-    """The mechanisms of least factor of parts that are pushed as the whole is."""
-    way = np.asarray(loads.direction)
-    some = sorted((one for one in parts if one.found and float(one.direction @ way) > ALONG), key=lambda one: one.oscillator.alpha)
-    return [one.found.mechanism for one in some[:BEGUN] if one.found]
+    modelled, notes = (masses(assembly), *structure.made.notes), [*notes, *loads.notes]
+    return LimitCase(scene, assembly, joints, loads, analysis, check, tuple(notes), seconds, followed, verdict, crossing, modelled)
 
 
 def _unchecked(analysis: Analysis) -> Judgement:
     """The verdict on a structure that has no load factor at which a mechanism would start."""
     if not analysis.stands:
         return refused(f"the structure does not stand under its dead loads, it bears {100.0 * max(analysis.standing, 0.0):.3g} % of them")
-    if analysis.unlimited:
+    if analysis.endless:
         return judgement((), Basis(numbers=search_numbers(analysis)), ("no finite load factor was found", NO_SEARCH))
     return refused("the structure bears no such load, the least of it sets it in motion", search_numbers(analysis))
 
@@ -195,7 +190,13 @@ def _searched_on(analysis: Analysis, assembly: Assembly, joints: Joints, how: Wa
 
 
 def summary(case: LimitCase) -> dict[str, Any]:
-    """What limit.json holds."""
+    """What limit.json holds, the verdict on the whole first."""
+    facts = _numbers(case)
+    return {"title": facts["title"], "on_the_whole": on_the_whole(facts).as_dict()} | facts
+
+
+def _numbers(case: LimitCase) -> dict[str, Any]:
+    """What was found."""
     from masonry_cd import __version__
 
     analysis, answer, least = case.analysis, case.analysis.associated, case.analysis.least
@@ -221,17 +222,18 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "certificate": asdict(answer.certificate) if analysis.stands and not analysis.unlimited else None,
         "solver": {"method": answer.optimum.method, "iterations": answer.optimum.iterations, "seconds": answer.seconds},
         "seconds": case.seconds,
+        "modelled": list(case.modelled),
         "notes": list(case.notes),
     }
     if case.crossing is not None:
         out["crossing"] = case.crossing.numbers()
-    if not analysis.stands or analysis.unlimited:
+    if not analysis.stands or analysis.endless:
         return out
     if analysis.problem.moves_support:
         out["support_force"] = -answer.factor * analysis.problem.weight
         return out
-    out["associated"] = answer.factor
-    if case.loads.kind == "tilt":
+    out["associated"] = None if analysis.unlimited else answer.factor
+    if case.loads.kind == "tilt" and not analysis.unlimited:
         out["angle_degrees"] = math.degrees(math.atan(answer.factor))
     if least is not None:
         out["least"] = {
@@ -254,7 +256,7 @@ def _mechanism(case: LimitCase) -> dict[str, Any]:
 
 def lines(case: LimitCase) -> list[str]:
     """The analysis in words: what was found, the check by a code, and what to know of both."""
-    how = _how_lines(case) if case.analysis.stands and not case.analysis.unlimited else ()
+    how = _how_lines(case) if case.analysis.stands and not case.analysis.endless else ()
     checked = case.check.lines() if case.check else [case.verdict.words] if case.verdict else []
     return [*found_lines(case), *how, *checked, *case.notes]
 
@@ -273,7 +275,7 @@ def found_lines(case: LimitCase) -> list[str]:
     if case.crossing is not None:
         out.append(case.crossing.line())
     if analysis.unlimited:
-        return [*out, *unlimited_lines(case.loads, case.assembly)]
+        return [*out, *unlimited_lines(case.loads, case.assembly, analysis), *_started_before(case)]
     if analysis.problem.moves_support:
         out.append(f"{case.loads.words}: the supports that move still bear {force(-answer.factor * analysis.problem.weight)} against it")
     elif analysis.bears_nothing:
@@ -304,16 +306,13 @@ def _started_before(case: LimitCase) -> list[str]:
 
 def _how_lines(case: LimitCase) -> list[str]:
     """The mechanism and the certificate, a line each."""
-    moves, answer = case.collapse.mechanism, case.analysis.associated
-    made = answer.certificate
+    moves = case.collapse.mechanism
     from reports.limit.ties import tie_lines
 
     return [
         f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]) + _crushed(case),
         *tie_lines(case.ties, NAMED),
-        f"certificate: static {made.static:.8g}, kinematic {made.kinematic:.8g}, gap {made.gap:.1e}; residuals: "
-        f"equilibrium {made.equilibrium:.1e}, friction {made.friction:.1e}, flow {made.flow:.1e}; "
-        f"{answer.optimum.method}, {in_words(answer.seconds)}",
+        *certificate_lines(case.analysis),
         *([] if case.curve is None else curve_lines(case.curve, case.assembly.names)),
     ]
 
@@ -389,11 +388,12 @@ def _facts(case: LimitCase) -> str:
     analysis = case.analysis
     if not analysis.stands:
         return "does not stand under its dead loads"
-    if analysis.unlimited:
+    if analysis.endless:
         return f"{case.loads.words}: no finite load factor; the forces are those under the dead loads"
     if analysis.problem.moves_support:
         return f"{case.loads.words}: the supports still bear {force(-analysis.associated.factor * analysis.problem.weight)}"
     if analysis.bears_nothing:
         return f"{case.loads.words}: no load factor, the least of this load sets it in motion"
     least = f" · least found without dilation {analysis.least.optimum.factor:.4g}, drawn" if analysis.least else ""
-    return f"{case.loads.words} · load factor {analysis.associated.factor:.4g} (associated){least}"
+    upper = "no finite associated load factor" if analysis.unlimited else f"load factor {analysis.associated.factor:.4g} (associated)"
+    return f"{case.loads.words} · {upper}{least}"

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from masonry_cd.analysis.code_check.verdicts import worst
+from masonry_cd.analysis.limit.outcome import on_the_check, on_the_whole
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 
@@ -44,7 +45,7 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
     Raises:
         InputError: anything wrong with the scene or the folder of the run.
     """
-    from masonry_cd.app.limit_case import lines, write
+    from masonry_cd.app.limit_case import lines, summary, write
     from masonry_cd.app.limit_macro import lines as macro_lines
     from masonry_cd.app.macro_files import write_macro
 
@@ -56,6 +57,10 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
         raise InputError(f"--run: {asked.run} has no damage.csv; a run writes it where [report] damage = true")
     whole, found = looked_at(scene, asked.macro_elements, asked.curve)
     written = []
+    judged = found.verdict if found is not None else None
+    verdict = on_the_whole(summary(whole)) if whole is not None else on_the_check(judged.numbers() if judged is not None else None)
+    if verdict is not None:
+        say(verdict.line)
     if whole is not None:
         say("\n".join(lines(whole)))
         written += write(whole, asked.folder, asked.pictures, asked.view)

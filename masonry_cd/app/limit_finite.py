@@ -7,19 +7,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from masonry_cd.app.limit_search import search_words
 from masonry_cd.mechanics.model.blocks import Assembly
 
 if TYPE_CHECKING:
+    from masonry_cd.analysis.limit.analysis import Analysis
     from masonry_cd.app.static_loads import StaticLoads
 
 
-def unlimited_lines(loads: StaticLoads, assembly: Assembly) -> list[str]:
-    """What is said of loads of which any multiple is borne."""
-    said = f"{loads.words}: no finite load factor: the load does no work on any mechanism of these joints, so that any multiple is borne"
+def unlimited_lines(loads: StaticLoads, assembly: Assembly, analysis: Analysis) -> list[str]:
+    """What is said of loads of which any multiple is borne as long as joints that slide open."""
+    if analysis.least is not None:
+        return [
+            f"{loads.words}: no finite associated load factor: where sliding opens joints the blocks are wedged, and bear any multiple",
+            search_words(analysis),
+            "what is wedged bears by forces that no load makes, as friction on faces that need not be pressed: count on the least factor",
+        ]
     return [
-        said,
+        f"{loads.words}: no finite load factor: the load does no work on any mechanism of these joints, so that any multiple is borne",
         f"it would be finite with {', or '.join(_missing(loads, assembly))}",
-        "sliding without dilation is not searched for: where joints let go of a thrust as they slide, less may be borne",
+        f"{search_words(analysis)}: where joints let go of a thrust as they slide, less may be borne",
     ]
 
 

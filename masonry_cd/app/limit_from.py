@@ -148,7 +148,7 @@ def against_undamaged(now: Analysis, whole: Analysis) -> str:
         return "supports that move have no load factor to compare"
     if not whole.stands:
         return f"as built it did not stand under its dead loads; {_factor_words(now)} now"
-    if now.unlimited or whole.unlimited or whole.bears_nothing:
+    if now.endless or whole.endless or whole.bears_nothing or ((now.unlimited or whole.unlimited) and None in (now.least, whole.least)):
         return f"{_factor_words(now)} beside {_factor_words(whole)} as built"
     searched = now.least is not None and whole.least is not None
     factor, before = ((each.governing if searched else each.associated).factor for each in (now, whole))
@@ -158,7 +158,7 @@ def against_undamaged(now: Analysis, whole: Analysis) -> str:
 
 def _factor_words(analysis: Analysis) -> str:
     """The load factor of a structure that stands, in words."""
-    if analysis.unlimited:
+    if analysis.endless:
         return "no finite load factor"
     return (
         "no load factor, the least of the load sets it in motion"

@@ -20,6 +20,7 @@ from masonry_cd.app.limit_parts import whole_of
 from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.macro_parts import elements_of
 from masonry_cd.app.macro_verdicts import MacroRow, judged, rows_of
+from masonry_cd.app.modelled import masses
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted
@@ -48,6 +49,7 @@ class MacroCase:
     verdict: Judgement | None  # None where no check is asked for
     notes: tuple[str, ...]
     seconds: float
+    modelled: tuple[str, ...] = ()  # masses, ties, floors and fill, in words
 
 
 def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
@@ -85,7 +87,8 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
         raise scene.at_fault(error) from None
     notes = [*built.made.notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
     verdict = None if asked.check is None else judged(rows, parts)
-    return MacroCase(scene, assembly, joints, loads, tuple(parts), rows, verdict, tuple(notes), time.perf_counter() - begin)
+    seconds, modelled = time.perf_counter() - begin, (masses(assembly), *built.made.notes)
+    return MacroCase(scene, assembly, joints, loads, tuple(parts), rows, verdict, tuple(notes), seconds, modelled)
 
 
 def _suits(asked: LimitTable, scene: Scene) -> None:

@@ -11,6 +11,7 @@ from masonry_cd.analysis.limit.analysis import Analysis, Options
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.nonassociated import AGREE
 from masonry_cd.analysis.limit.problem import plane_of
+from masonry_cd.foundation.quantities import in_words
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
@@ -61,9 +62,21 @@ def search_words(analysis: Analysis) -> str:
     return f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}"
 
 
+def certificate_lines(analysis: Analysis) -> list[str]:
+    """How good the associated factor is, in a line; none where it is not finite."""
+    answer, made = analysis.associated, analysis.associated.certificate
+    if analysis.unlimited:
+        return []
+    return [
+        f"certificate: static {made.static:.8g}, kinematic {made.kinematic:.8g}, gap {made.gap:.1e}; residuals: "
+        f"equilibrium {made.equilibrium:.1e}, friction {made.friction:.1e}, flow {made.flow:.1e}; "
+        f"{answer.optimum.method}, {in_words(answer.seconds)}"
+    ]
+
+
 def search_numbers(analysis: Analysis) -> SearchNumbers:
     """What a search came to, in numbers."""
-    least, upper = analysis.least, analysis.associated.factor
+    least, upper = analysis.least, None if analysis.unlimited else analysis.associated.factor
     if least is None:
         return SearchNumbers(upper, None, analysis.starts, 0, 0, None)
     return SearchNumbers(upper, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)

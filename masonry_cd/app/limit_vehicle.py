@@ -75,23 +75,28 @@ def at_worst(scene: Scene) -> tuple[Scene, Crossing | None]:
     Raises:
         InputError: anything wrong with the scene.
     """
-    number = _vehicle(scene)
-    if number is None:
-        return scene, None
-    scene = replace(scene, limit={**scene.limit, "live": scene.limit.get("live", [number])})
-    if "position" in scene.loads[number]:
-        return scene, None
+    number, middle = _vehicle(scene), somewhere(scene)
+    if number is None or "position" in scene.loads[number]:
+        return middle, None
     from masonry_cd.app.limit_structure import limit_structure
 
-    middle = _placed(scene, number, 0.0)
     structure = limit_structure(middle)
     try:
         found = _crossing(middle, structure, number)
     except InputError as error:
         raise scene.at_fault(error) from None
     if found is None:
-        return _placed(scene, number, _range(structure, number)[0]), None
-    return _placed(scene, number, float(found.position[found.worst])), found
+        return _placed(middle, number, _range(structure, number)[0]), None
+    return _placed(middle, number, float(found.position[found.worst])), found
+
+
+def somewhere(scene: Scene) -> Scene:
+    """A scene whose limit analysis multiplies the vehicle that it has no place for, at some place; the scene itself where there is none."""
+    number = _vehicle(scene)
+    if number is None:
+        return scene
+    asked = replace(scene, limit={**scene.limit, "live": scene.limit.get("live", [number])})
+    return asked if "position" in scene.loads[number] else _placed(asked, number, 0.0)
 
 
 def _vehicle(scene: Scene) -> int | None:

@@ -107,7 +107,8 @@ def limit_bracket(case: Case) -> dict[str, float | None] | None:
 
     scene, assembly, forces = case.scene, case.assembly, case.loading.forces
     own = sum(table.get("kind") == "tie" for table in scene.loads)
-    if assembly.count > FEW or not assembly.fixed.any() or (forces is not None and len(forces.ties) != own):
+    filled = any(block.carried is not None for block in assembly.blocks)  # what fill presses and resists with is not among these loads
+    if assembly.count > FEW or filled or not assembly.fixed.any() or (forces is not None and len(forces.ties) != own):
         return None
     patterns = [table for table in scene.loads if _grows(table) or table.get("kind") in ("settlement", "spreading")]
     if len(patterns) != 1 or patterns[0]["kind"] not in ("push", "tilt"):

@@ -16,6 +16,7 @@ from masonry_cd.analysis.limit.analysis import Collapse
 from masonry_cd.analysis.limit.macro import FREE, PartMechanism
 from masonry_cd.analysis.limit.mechanism import Mechanism
 from masonry_cd.analysis.limit.part import BED
+from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.limit_macro import MacroCase, least_rows, lines
 from masonry_cd.app.macro_verdicts import MacroRow, way_words
 from masonry_cd.mechanics.model.joints import Joints
@@ -24,7 +25,7 @@ from reports.limit.macro_page import CSV, JSON, PAGE, PICTURES, MacroPage, damag
 if TYPE_CHECKING:
     from reports.limit.picture import Subject
 
-MACRO_OUTPUTS = (CSV, JSON, PAGE)
+MACRO_OUTPUTS = files_of("limit --macro-elements")
 
 
 def macro_summary(case: MacroCase) -> dict[str, Any]:
@@ -43,6 +44,7 @@ def macro_summary(case: MacroCase) -> dict[str, Any]:
         "parts": [_part(case, k) for k in range(len(case.parts))],
         "left_open": list(_left_open(table)),
         "lines": lines(case),
+        "modelled": list(case.modelled),
         "notes": list(case.notes),
         "seconds": case.seconds,
     }

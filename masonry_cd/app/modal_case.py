@@ -21,6 +21,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from masonry_cd.analysis.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
 from masonry_cd.analysis.modal.modes import METHODS, Modes, modal
+from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import finite_number
@@ -32,13 +33,13 @@ JointStiffness = tuple[float, float] | tuple[np.ndarray, np.ndarray]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 START = 1e9  # modulus from which a fit starts where none is given [Pa]
 ALIKE = 0.8  # MAC below which a pair is reported as doubtful
-OUTPUTS = ("modal.json", "modal.csv", *(f"shapes_{m}.csv" for m in METHODS), *(f"modes_{m}.png" for m in METHODS), "mesh_convergence.csv")
+OUTPUTS = files_of("modal")
 
 
 class ModalOptions(BaseModel):
     """What the command can be asked for."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     young: Annotated[Positive | dict[str, Positive], Unit("Pa")] | None = None
     """Modulus of the masonry, or moduli by group of blocks and ``default``; that of the scene's masonry when not given."""

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.atomic import replacing
 
-NAMES = ("plan.json", "plan.svg", "plan_left.csv")
+NAMES = tuple(name for name in files_of("build") if name.startswith("plan"))  # plan.json, plan.svg, plan_left.csv
 
 
 def is_of_plan(scene: Scene) -> bool:
@@ -52,10 +53,10 @@ def write_plan_files(scene: Scene, folder: Path, picture: bool) -> list[Path]:
 
 
 def _draw(tables: dict[str, Any], path: Path, title: str) -> None:
-    from reports.drawing.plan_picture import WallDrawing, plan_picture
+    from reports.drawing.plan_picture import plan_picture
     from structures.plans.outlines import outline_of
 
-    walls = [WallDrawing(*outline_of(wall)) for wall in tables["walls"]]
+    walls = [outline_of(wall) for wall in tables["walls"]]
     others = [(vault["shape"], np.array(vault["corners"], dtype=float)) for vault in tables.get("vaults", ()) if vault.get("corners")]
     for column in tables.get("columns", ()):
         at, half = np.array(column["at"], dtype=float), 0.5 * float(column.get("size", 0.6))

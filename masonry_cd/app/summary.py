@@ -17,10 +17,11 @@ from masonry_cd.analysis.pushover import push_lines
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.app.left_out import elasticity_left_out
 from masonry_cd.app.load_factor import joints_in_words, outcome_lines
+from masonry_cd.app.modelled import masses
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_summary import steps_in_words, time_step_lines, time_step_summary
 from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.quantities import in_words, length
+from masonry_cd.foundation.quantities import counted, in_words, length
 from masonry_cd.io.summary_file import FORMAT
 from masonry_cd.mechanics.dynamics.adaptive import error_tolerance
 from masonry_cd.mechanics.model.masonry_kinds import facts
@@ -87,6 +88,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
             "at_rest": report.at_rest,
             "lift_share": report.lift_share,
         },
+        "modelled": [masses(case.assembly), *case.notes, *case.loading.lines],
         "loads": case.loading.summary,
         **({} if case.scene.material.masonry is None else {"masonry": facts(case.scene.material.masonry)}),
         **elasticity_left_out(case),
@@ -115,6 +117,16 @@ def write_json(summary: dict[str, Any], path: Path) -> None:
         part.write_text(as_json(summary), encoding="utf-8")
 
 
+def crushed_lines(s: dict[str, Any]) -> list[str]:
+    """What crushed, and what is no longer known of it; nothing where nothing did."""
+    out = (
+        [f"crushing: {counted(s['joints_crushed'], 'joint')}, by {length(s['crushed_max'])} at the most"] if s.get("joints_crushed") else []
+    )
+    if lost := s.get("crushing_forgotten"):
+        out.append(f"crushing: of {counted(lost, 'joint')} it is forgotten: the blocks came far apart, or met again with other faces")
+    return out
+
+
 def closing_lines(summary: dict[str, Any]) -> list[str]:
     """What happened, in words."""
     s, solver, energy = summary, summary["solver"], summary["energy"]
@@ -124,8 +136,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if reported else ""
     deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
-    joints = "1 joint" if s.get("joints_crushed") == 1 else f"{s.get('joints_crushed')} joints"
-    crushed = [f"crushing: {joints}, by {length(s['crushed_max'])} at the most"] if s.get("joints_crushed") else []
+    crushed = crushed_lines(s)
     on = f" on {solver['threads']} threads" if solver["threads"] > 1 else ""
     return [
         f"{s['title']}: {steps_in_words(s)} in {in_words(s['stepping_seconds'])}, "

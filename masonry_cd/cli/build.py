@@ -46,9 +46,9 @@ def build(
 ) -> None:
     """Build the structure of a scene alone.
 
-    DIR gets blocks.json, which kind = "file" reads back, or the blocks in other formats, and structure.png. Where blocks are refused,
-    problem.png shows which. A building's plan is written as plan.json, to be corrected and read again, and drawn as plan.svg;
-    plan_left.csv lists what of a drawing was not understood.
+    DIR gets blocks.json, which kind = "file" reads back, or the blocks in other formats, and structure.png. The fill of a bridge is in
+    blocks.json, and in fill.json beside other formats. Where blocks are refused, problem.png shows which. A building's plan is written as
+    plan.json, to be corrected and read again, and drawn as plan.svg; plan_left.csv lists what of a drawing was not understood.
 
     \b
     Examples:
@@ -62,10 +62,12 @@ def build(
     with errors_reported():
         if picture:
             require("structure.png", "pyvista", "matplotlib", "PIL", without=" (or go without: --no-picture)")
+        from masonry_cd.analysis.outputs.folders import files_of
         from masonry_cd.app import plan_files
 
         formats = _formats(format_)
-        free_folder(output, (*(f"blocks.{name}" for name in formats), *plan_files.NAMES), force)
+        marks = [name for name in files_of("build") if not name.startswith("blocks.") or name.removeprefix("blocks.") in formats]
+        free_folder(output, tuple(marks), force)
         from masonry_cd.app.scene import read_scene
 
         asked = read_scene(scene, [*(set_ or ()), *_repairs(repair)])
@@ -73,11 +75,11 @@ def build(
         from masonry_cd.app.case import make_structures
         from masonry_cd.app.doubts import structure_doubts
         from structures import summary
-        from structures.files import blockfile, meshfile
+        from structures.files import blockfile, fillfile, meshfile
         from structures.geometry.checks import Unsound
 
         try:
-            blocks, notes, ties = make_structures(asked)[:3]
+            blocks, notes, ties, fills = make_structures(asked)
         except Unsound as fault:
             if picture:
                 _draw_problem(fault, output)
@@ -88,11 +90,15 @@ def build(
         output.mkdir(parents=True, exist_ok=True)
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:
-            (blockfile if path.suffix == ".json" else meshfile).write(path, blocks)
-        riding = sum(block.carried.mass for block in blocks if block.carried is not None)
-        if riding:
-            names = ", ".join(path.name for path in written)
-            warn([f"files of blocks hold no fill: {riding:.4g} kg that ride on the blocks are missing in {names}"])
+            if path.suffix == ".json":
+                blockfile.write(path, blocks, fills)
+            else:
+                meshfile.write(path, blocks)
+        if fills and formats != ("json",):
+            written.append(output / fillfile.FILL_FILE)
+            fillfile.write(written[-1], blocks, fills)
+            nameless = ", ".join(f"blocks.{name}" for name in formats if name not in ("json", *meshfile.MARKED))
+            warn([f"{nameless} keep no names of blocks, by which {fillfile.FILL_FILE} puts the fill back"] if nameless else [])
         if plan_files.is_of_plan(asked):
             written += plan_files.write_plan_files(asked, output, picture)
         if picture:
@@ -106,12 +112,12 @@ def build(
 
 def _formats(asked: list[str] | None) -> tuple[str, ...]:
     """The formats of blocks to write, each once."""
+    from masonry_cd.analysis.outputs.folders import BLOCKS
     from masonry_cd.foundation.errors import InputError
 
-    known = ("json", "obj", "stl", "vtu", "vtm", "vtkhdf", "step", "brep", "msh")
     for name in asked or ():
-        if name not in known:
-            raise InputError(f'--format: "{name}" is none; formats: {", ".join(known)}')
+        if name not in BLOCKS:
+            raise InputError(f'--format: "{name}" is none; formats: {", ".join(BLOCKS)}')
     return tuple(dict.fromkeys(asked or ("json",)))
 
 

@@ -73,4 +73,4 @@ Numbers = Annotated[tuple[float, ...], BeforeValidator(_numbers), WithJsonSchema
 class Table(BaseModel):
     """A table of a scene file: it refuses keys that it does not know, and does not change."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)

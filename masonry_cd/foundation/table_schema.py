@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The JSON schema of a table of the scene file, drawn from its pydantic model, in the form that editors of TOML read (draft 7).
 
-The text of a key is the description of its field, or the docstring under it, and the unit that the field declares, in brackets. Tables
+The text of a key is the docstring under its field, and the unit that the field declares, in brackets. Tables
 inside a table are written in their place, without references; TOML has no null, so a key that may be left out has no such value.
 """
 
 from __future__ import annotations
 
-import ast
-import inspect
 import json
 import math
-import textwrap
 from collections.abc import Callable
 from typing import Any
 
@@ -35,12 +32,7 @@ def table_schema(model: type[BaseModel]) -> Schema:
 
 def key_texts(model: type[BaseModel]) -> dict[str, str]:
     """What is said of each key of a model, its unit in brackets behind it; those without a word or a unit are left out."""
-    texts: dict[str, str] = {}
-    for part in reversed(model.__mro__):
-        if part is not BaseModel and issubclass(part, BaseModel):
-            texts |= _docstrings(part)
-    texts |= {name: field.description for name, field in model.model_fields.items() if field.description}
-    plain = {name: " ".join(texts.get(name, "").replace("``", "").split()) for name in model.model_fields}
+    plain = {name: " ".join((field.description or "").replace("``", "").split()) for name, field in model.model_fields.items()}
     said = {model.model_fields[name].alias or name: in_brackets(text, unit_of(model.model_fields[name])) for name, text in plain.items()}
     return {name: text for name, text in said.items() if text}
 
@@ -83,21 +75,6 @@ def one_or_by_name(model: type[BaseModel]) -> Later:
         schema["anyOf"] = [made[0], {"type": "object", "additionalProperties": made[0]}]
 
     return Later((model,), add)
-
-
-def _docstrings(model: type[BaseModel]) -> dict[str, str]:
-    """The texts under the keys in the body of a class; none where its source is not at hand."""
-    try:
-        (body,) = ast.parse(textwrap.dedent(inspect.getsource(model))).body
-    except (OSError, TypeError):
-        return {}
-    assert isinstance(body, ast.ClassDef)
-    texts = {}
-    for key, below in zip(body.body, body.body[1:], strict=False):
-        said = isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant) and isinstance(below.value.value, str)
-        if said and isinstance(key, ast.AnnAssign) and isinstance(key.target, ast.Name):
-            texts[key.target.id] = ast.literal_eval(below.value)  # type: ignore[attr-defined]
-    return texts
 
 
 class _WithTexts(GenerateJsonSchema):

@@ -133,6 +133,7 @@ def _block(given: Any, index: int) -> Block:
         vertices=numbers(table["vertices"], f"{where}: vertices", (-1, 3)),
         faces=_faces(table["faces"], where),
         parts=given.parts if isinstance(given, Block) else (),
+        carried=given.carried if isinstance(given, Block) else None,
         **common,
     )
 

@@ -45,14 +45,14 @@ class Structure(Sequence[Block]):
 
     @cached_property
     def table(self) -> DataFrame:
-        """A row per block: group, fixed, volume [m3], mass [kg], x, y, z of its centre of mass [m]."""
+        """A row per block: group, fixed, volume [m3], mass [kg], x, y, z of its centre of mass [m]; fill on it counts in the latter two."""
         made = [block.mass_properties for block in self.blocks]
-        volume, centre = np.array([item.volume for item in made]), np.array([item.centre for item in made])
+        heavy, centre = np.array([item.volume for item in made]), np.array([item.centre for item in made])
         columns: dict[str, Any] = {
             "group": [block.group for block in self.blocks],
             "fixed": [block.fixed for block in self.blocks],
-            "volume": volume,
-            "mass": volume * [block.density for block in self.blocks],
+            "volume": heavy - [block.carried_volume for block in self.blocks],
+            "mass": heavy * [block.density for block in self.blocks],
         }
         return frame_of(columns | dict(zip("xyz", centre.T, strict=True)), index=self.names, name="block")
 

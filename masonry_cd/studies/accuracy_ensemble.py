@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from masonry_cd.analysis.outputs import NUMBERS, SUMMARY, lengths_in
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
 from masonry_cd.studies.accuracy import NOTHING_DRAWN
@@ -39,7 +40,8 @@ MATTERS = 0.02  # ... that is larger than this share of the finest median
 LEAST_LENGTH = 1e-5  # [m], a tenth of the smallest crack that counts: biases below do not matter
 LEAST_DRIFT = 1e-5  # its like of a drift
 ASKED = (*NOTHING_DRAWN, "report.damage=true", "run.until_still=false", "run.threads=1")  # grades, runs of one length, a process each
-MEASURES = ("opening_max", "sliding_max", "displacement_max", "drift")
+LENGTHS = lengths_in(SUMMARY)
+MEASURES = LENGTHS | {"drift": NUMBERS["residual_drift"]}  # by the keys that tables of this study have
 
 Row = dict[str, Any]
 
@@ -135,7 +137,7 @@ def run_member(member: Member) -> Row:
     loading = replace(case.loading, support_velocity=member.factor * case.loading.support_velocity)
     summary = run_and_discard(replace(case, loading=loading))
     whole = summary["parts"][-1]
-    found = {key: summary[key] for key in ("opening_max", "sliding_max", "displacement_max", "collapsed_blocks", "steps")}
+    found = {key: summary[key] for key in (*LENGTHS, "collapsed_blocks", "steps")}
     more = {key: summary["solver"][key] for key in ("steps_missed", "error_max")}
     return found | {"drift": whole["residual_drift"], "grade": whole["grade"]} | more | {"seconds": summary["processor"]}
 

@@ -21,6 +21,7 @@ from masonry_cd.io.lock import locked
 from masonry_cd.studies.accuracy_case import markdown, numbers_asked, solvers_asked, tolerances_asked, write_rows
 from masonry_cd.studies.accuracy_ensemble import (
     LEAST,
+    LENGTHS,
     MATTERS,
     MEASURES,
     PERTURBED,
@@ -37,12 +38,6 @@ from masonry_cd.studies.study.folder import digest_of
 
 OUTPUTS = ("accuracy.csv", "accuracy.json", "accuracy.md", "accuracy.png", "members.csv")
 KEPT = "runs.jsonl"  # what has ended
-NAMES = {
-    "opening_max": "largest opening",
-    "sliding_max": "largest sliding",
-    "displacement_max": "largest displacement",
-    "drift": "residual drift",
-}
 
 Say = Callable[[str], None]
 
@@ -150,9 +145,9 @@ def _for_reading(row: EnsembleRow) -> dict[str, Any]:
     """A setting as a row of accuracy.md: medians, quartiles and chances."""
     out: dict[str, Any] = {"solver": row.setting.solver, "dt [ms]": 1e3 * row.setting.dt, "tolerance": f"{row.setting.tolerance:g}"}
     for key in MEASURES:
-        spread, factor, unit = row.spreads[key], 100.0 if key == "drift" else 1e3, "%" if key == "drift" else "mm"
+        spread, (unit, factor) = row.spreads[key], MEASURES[key].shown
         text = f"{factor * spread.median:.3g} ({factor * spread.low:.3g} to {factor * spread.high:.3g})"
-        out[f"{NAMES[key]} [{unit}], chance"] = text if row.finest else f"{text}, {spread.chance:.2g}"
+        out[f"{MEASURES[key].name} [{unit}], chance"] = text if row.finest else f"{text}, {spread.chance:.2g}"
     missed = sum(member["steps_missed"] for member in row.members) / max(1, sum(member["steps"] for member in row.members))
     return out | {"grades": grades_of(row), "steps missed [%]": 100.0 * missed, "CPU per run [s]": row.seconds}
 
@@ -160,13 +155,10 @@ def _for_reading(row: EnsembleRow) -> dict[str, Any]:
 def lines_of(title: str, rows: Sequence[EnsembleRow]) -> list[str]:
     """The ensembles in words, the last line says which setting is good enough."""
     finest, count, best = rows[-1], len(rows[0].members), good_enough(rows)
-    opening, moved = finest.spreads["opening_max"], finest.spreads["displacement_max"]
     seen = 1.96 * math.sqrt(2.0 / count)
     lines = [
         f"{title}: {len(rows)} settings of {count} members, whose amplitudes differ by {PERTURBED:g}",
-        f"finest, {finest.setting}: largest opening {length(opening.median)} ({length(opening.low)} to {length(opening.high)}), "
-        f"largest displacement {length(moved.median)} ({length(moved.low)} to {length(moved.high)}), "
-        f"{in_words(finest.seconds)} of the processor a run",
+        "; ".join([f"finest, {finest.setting}", *(_spread(finest, key) for key in LENGTHS), f"{in_words(finest.seconds)} of CPU a run"]),
     ]
     lines += [_bias_line(row) for row in rows[:-1]]
     lines.append(
@@ -180,16 +172,22 @@ def lines_of(title: str, rows: Sequence[EnsembleRow]) -> list[str]:
     return [*lines, f"good enough: {best.setting}: no bias shows, {costs}"]
 
 
+def _spread(row: EnsembleRow, key: str) -> str:
+    """``largest opening 2 mm (1.8 mm to 2.1 mm)``"""
+    found = row.spreads[key]
+    return f"{MEASURES[key].name} {length(found.median)} ({length(found.low)} to {length(found.high)})"
+
+
 def _bias_line(row: EnsembleRow) -> str:
     """Where a setting is biased, and how that compares with its spread."""
-    shown = [(NAMES[key], spread) for key, spread in row.spreads.items() if spread.biased]
+    shown = [(MEASURES[key], spread) for key, spread in row.spreads.items() if spread.biased]
     if not shown:
         return f"{row.setting}: no bias shows"
     found = [
-        f"{name} {100.0 * spread.bias:+.2g} %"
-        if name == NAMES["drift"]
-        else f"{name} {'+' if spread.bias > 0 else '-'}{length(abs(spread.bias))}"
-        for name, spread in shown
+        f"{number.name} {'+' if spread.bias > 0 else '-'}{length(abs(spread.bias))}"
+        if number.unit
+        else f"{number.name} {100.0 * spread.bias:+.2g} %"
+        for number, spread in shown
     ]
     larger = sum(not spread.within for _, spread in shown)
     words = "more than its spread" if larger == len(shown) else "less than its spread" if not larger else f"{larger} beyond their spread"

@@ -10,11 +10,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.studies.accuracy_ensemble import EnsembleRow
+from masonry_cd.studies.accuracy_ensemble import LENGTHS, EnsembleRow
 from reports.drawing.figure import FAINT, INK, plain_axes, save
 from reports.study.plots import MARKERS, colour, halo, legend, logarithmic, sheet
 
-PANELS = {"opening_max": "largest opening [mm]", "sliding_max": "largest sliding [mm]", "displacement_max": "largest displacement [mm]"}
 MM = 1e3
 
 
@@ -26,9 +25,9 @@ def ensemble_picture(rows: Sequence[EnsembleRow], title: str, path: Path) -> Non
     """
     finest, count = rows[-1], len(rows[0].members)
     facts = f"{count} members each: median and quartiles; strip: quartiles of the finest setting; hollow: a bias shows; labels: tolerance"
-    figure, panels = sheet(f"Error against run time: {title}", facts, len(PANELS))
+    figure, panels = sheet(f"Error against run time: {title}", facts, len(LENGTHS))
     lines = list(dict.fromkeys((row.setting.solver, row.setting.dt) for row in rows))
-    for axes, (key, words) in zip(panels, PANELS.items(), strict=True):
+    for axes, (key, number) in zip(panels, LENGTHS.items(), strict=True):
         best = finest.spreads[key]
         axes.axhspan(MM * best.low, MM * best.high, color="#e3e6e9", zorder=0)
         axes.axhline(MM * best.median, color=FAINT, linewidth=1.0, zorder=1)
@@ -40,7 +39,7 @@ def ensemble_picture(rows: Sequence[EnsembleRow], title: str, path: Path) -> Non
         axes.margins(x=0.12, y=0.12)
         _widen(axes)
         logarithmic(axes.xaxis)
-        plain_axes(axes, words, "processor time of a run, median [s]")
+        plain_axes(axes, number.title, "processor time of a run, median [s]")
     legend(panels[0], min(4, len(lines)))
     save(figure, path)
 

@@ -17,9 +17,11 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.outputs import SUMMARY, lengths_in
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 
+LENGTHS = lengths_in(SUMMARY)
 MEASURES = ("normal_force", "shear_force", "opening", "sliding")  # [N], [N], [m], [m]
 LOADED = 0.01  # joints with less than this share of the largest mean normal force are not reported as the most varying
 ORDERED = "nlgs"  # the solver whose answer depends on the order of its sweeps
@@ -81,7 +83,7 @@ def study_seeds(path: Path, overrides: Sequence[str], count: int, say: Callable[
     ends = list(zip(joints.block_a.tolist(), joints.block_b.tolist(), strict=True))
     support = np.array([fixed[a] or fixed[b] for a, b in ends], dtype=bool)
     values = {measure: np.array([run[measure] for run in runs]) for measure in MEASURES}
-    keys = ("opening_max", "sliding_max", "displacement_max", "joints_opened", "joints_slid", "joints_separated", "collapsed_blocks")
+    keys = (*LENGTHS, "joints_opened", "joints_slid", "joints_separated", "collapsed_blocks")
     missed = [float(run["summary"]["solver"]["steps_missed"]) for run in runs]
     return SeedStudy(
         solver=ORDERED,
@@ -121,12 +123,7 @@ def seed_lines(study: SeedStudy) -> list[str]:
         else "no joint of a support carries",
     ]
     damage = study.damage
-    for key, words in (
-        ("opening_max", "largest opening"),
-        ("sliding_max", "largest sliding"),
-        ("displacement_max", "largest displacement"),
-    ):
-        lines.append(f"{words}: {length(min(damage[key]))} to {length(max(damage[key]))}")
+    lines += [f"{number.name}: {length(min(damage[key]))} to {length(max(damage[key]))}" for key, number in LENGTHS.items()]
     counts = (("joints_opened", "opened"), ("joints_slid", "slid"), ("joints_separated", "separated"))
     lines.append("joints: " + ", ".join(f"{_counts(damage[key])} {word}" for key, word in counts))
     return lines

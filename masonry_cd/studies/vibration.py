@@ -49,7 +49,7 @@ OUTPUTS = ("vibration.json", "vibration.csv", "sweep.csv", "sweep.png")
 class VibrationOptions(BaseModel):
     """What the command can be asked for."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     modes: Annotated[int, Field(ge=1, le=500)] = 6
     """Modes to compare."""

@@ -8,12 +8,13 @@ from typing import Any
 
 from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Known, as_facts, read_assessment
 from masonry_cd.analysis.assessment.verdict import lines_of, on_the_whole, to_pin_down, verdict, warnings_of
+from masonry_cd.analysis.outputs.folders import files_of
 from reports.assess.page import PAGE, write_page
 from reports.assess.picture import PICTURE, tornado
 from reports.assess.tables import CSV, write_table
 from reports.study.tables import write_json
 
-FILES = (CSV, FILE, PICTURE, PAGE)
+FILES = files_of("assess")
 
 
 def write_assessment(folder: Path) -> Assessment:

@@ -23,7 +23,7 @@ from masonry_cd.foundation.quantities import nice
 from reports.drawing import palette
 from reports.drawing.parts import ColourClasses, Panel, Sign, View
 from reports.drawing.render import SAMPLES, Canvas
-from reports.drawing.scene import Scene
+from reports.drawing.scene import Scene, ties_of
 
 WIDTH = 1800  # of the sheet
 MARGIN = 40
@@ -32,6 +32,7 @@ FACTS = ((14.0, 2), (12.0, 3), (10.5, 4))  # sizes of the letters of facts [poin
 STRIP = 220  # height of the keys below, with their margins
 COLUMN = 430  # width of the keys beside
 TRIAD = 80.0  # width of the axes beside a scale bar
+LABELLED = 12  # ties; of more, those that pull most
 SEEN = 0.05  # share of its length that an axis must show in a picture to be drawn
 INK, FAINT, COLOURS = palette.INK, palette.FAINT, palette.CURVES
 
@@ -146,7 +147,6 @@ class Sheet:
 
     def __init__(self, plan: Layout) -> None:
         self.plan = plan
-        self._image: np.ndarray | None = None  # of the model
         self.figure = blank((plan.size[0] / 100, plan.size[1] / 100))
 
     def axes(self, left: float, bottom: float, width: float, height: float) -> Any:
@@ -172,7 +172,10 @@ class Sheet:
     def drawn_on(cls, canvas: Canvas, scene: Scene, panels: Sequence[Panel] | None = None) -> Sheet:
         """The sheet of a scene, drawn on a canvas of its size, with all of its key or some ``panels``."""
         sheet = cls.around(scene, panels)
-        sheet._image = canvas.draw(replace(scene, window=scene.window.fitted(sheet.plan.pixels)))
+        fitted = replace(scene, window=scene.window.fitted(sheet.plan.pixels))
+        axes = sheet.model(fitted)
+        axes.imshow(canvas.draw(fitted), extent=(*axes.get_xlim(), *axes.get_ylim()), interpolation="none", aspect="auto")
+        label_ties(axes, fitted)
         return sheet
 
     @classmethod
@@ -181,8 +184,18 @@ class Sheet:
         from reports.drawing.vector import draw_polygons
 
         sheet = cls.around(scene)
-        draw_polygons(sheet.axes(*sheet.plan.model), replace(scene, window=scene.window.fitted(sheet.plan.pixels)))
+        fitted = replace(scene, window=scene.window.fitted(sheet.plan.pixels))
+        axes = sheet.model(fitted)
+        draw_polygons(axes, fitted)
+        label_ties(axes, fitted)
         return sheet
+
+    def model(self, scene: Scene) -> Any:
+        """The axes of the model, in metres of the plane of the picture."""
+        axes = self.axes(*self.plan.model)
+        axes.set_xlim(scene.window.left, scene.window.right)
+        axes.set_ylim(scene.window.bottom, scene.window.top)
+        return axes
 
     @classmethod
     def around(cls, scene: Scene, panels: Sequence[Panel] | None = None) -> Sheet:
@@ -278,10 +291,6 @@ class Sheet:
         out = np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
         if under is not None:
             np.minimum(out, under, out=out)
-        if self._image is not None:
-            left, bottom, width, height = self.plan.model
-            top = len(out) - bottom - height
-            out[top : top + height, left : left + width] = self._image
         return out
 
     def save(self, path: Path) -> None:
@@ -290,13 +299,33 @@ class Sheet:
         Raises:
             InputError: the file cannot be written.
         """
-        from PIL import Image
+        save(self.figure, path)
 
-        try:
-            with replacing(path) as part:
-                Image.fromarray(self.pixels()).save(part, format="png", dpi=(100, 100))
-        except OSError as error:
-            raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+
+def label_ties(axes: Any, scene: Scene) -> None:
+    """The labels of its ties, of many those that pull most, beside their middles."""
+    ties = ties_of(scene)
+    for i in [i for i in np.argsort(-ties.tension, kind="stable")[:LABELLED].tolist() if ties.texts[i]]:
+        flat, colour = scene.view.plane(ties.ends[i]), palette.PULLING if ties.tension[i] > 0.0 else FAINT
+        along = np.abs(np.ptp(flat, axis=0))
+        beside = (0, 12) if along[0] >= along[1] else (30, 0)
+        words = {
+            "fontsize": 12,
+            "weight": "bold",
+            "color": colour,
+            "ha": "center",
+            "va": "center",
+            "path_effects": halo(),
+            "parse_math": False,
+        }
+        axes.annotate(ties.texts[i], flat.mean(axis=0), beside, textcoords="offset points", annotation_clip=True, **words)
+
+
+def halo() -> list[Any]:
+    """White around a text, so that it can be read over lines."""
+    from matplotlib.patheffects import withStroke
+
+    return [withStroke(linewidth=3.0, foreground="white")]
 
 
 def _draw_sign(axes: Any, sign: Sign, left: float, bottom: float) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.deformed import Solids, base_shift, solids_of
+from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.io.results import Results
 from reports.drawing.figure import COLOURS, INK, blank, plain_axes, zero_line
@@ -28,9 +28,11 @@ def history_figure(results: Results, names: Sequence[str] = (), axis: str = "") 
     Raises:
         InputError: no block has a name, or no such axis.
     """
-    solids, time = solids_of(results.blocks), np.asarray(results.time, dtype=float)
-    chosen = _chosen(results, solids, names)
-    moved, velocity = _motions(results, solids, chosen)
+    run, time = Measured(results), np.asarray(results.time, dtype=float)
+    chosen = _chosen(run, names)
+    moved = np.stack([run.moved(block) for block in chosen], axis=1)  # (F, n, 3) relative to the base [m]
+    held = results.support  # whose velocity is that of the base [m/s]
+    velocity = np.asarray(results.velocity[: results.frames, held, :3], dtype=float) if held >= 0 else np.zeros((results.frames, 3))
     along = _axis(axis, moved)
     figure = blank((11.0, 6.2), 110)
     figure.subplots_adjust(left=0.09, right=0.97, bottom=0.09, top=0.86, hspace=0.3)
@@ -51,27 +53,13 @@ def history_figure(results: Results, names: Sequence[str] = (), axis: str = "") 
     return figure
 
 
-def _chosen(results: Results, solids: Solids, names: Sequence[str]) -> list[int]:
+def _chosen(run: Measured, names: Sequence[str]) -> list[int]:
     """Indices of the blocks."""
-    known = [block.name for block in results.blocks]
+    known = [block.name for block in run.results.blocks]
     unknown = next((name for name in names if name not in known), None)
     if unknown is not None:
         raise InputError(f'no block is named "{unknown}"{suggest(unknown, known)}; the first are {", ".join(known[:5])}')
-    if names:
-        return [known.index(name) for name in names]
-    free = np.flatnonzero(~solids.fixed)
-    return [int(free[np.argmax(solids.centre[free, 2])])]
-
-
-def _motions(results: Results, solids: Solids, chosen: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Displacements (F, n, 3) of some blocks relative to the base [m], and the velocity (F, 3) of the base [m/s]."""
-    moved, velocity = np.empty((results.frames, len(chosen), 3)), np.zeros((results.frames, 3))
-    for frame in range(results.frames):
-        position = np.asarray(results.position[frame], dtype=float)
-        moved[frame] = position[list(chosen)] - solids.centre[list(chosen)] - base_shift(results, solids, position)
-        if results.support >= 0:
-            velocity[frame] = results.velocity[frame][results.support, :3]
-    return moved, velocity
+    return [known.index(name) for name in names] or [run.highest]
 
 
 def _axis(asked: str, moved: np.ndarray) -> int:

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from masonry_cd.mechanics.model.wall_outline import WallOutline
 from reports.drawing.figure import blank, save
 from reports.drawing.palette import EDGE, FAINT, INK, OPENED, STONE
 
@@ -16,18 +17,7 @@ WIDE = 14.0  # of the drawing [inches]
 GAP = 1.5  # between elevations [m]
 
 
-class WallDrawing(NamedTuple):
-    """A wall as drawn."""
-
-    name: str
-    line: np.ndarray  # (P, 2) axis in plan [m]
-    thickness: float  # [m]
-    top: np.ndarray  # (T, 2) distance along the axis, z [m]
-    base: float  # z [m]
-    openings: Sequence[tuple[str, np.ndarray]]  # name, corners (Q, 2): distance along the axis, z [m]
-
-
-def plan_picture(walls: Sequence[WallDrawing], others: Sequence[tuple[str, np.ndarray]], path: Path, title: str) -> None:
+def plan_picture(walls: Sequence[WallOutline], others: Sequence[tuple[str, np.ndarray]], path: Path, title: str) -> None:
     """Draw a plan above the elevations of its walls, each seen from its right side.
 
     Args:
@@ -62,7 +52,7 @@ def plan_picture(walls: Sequence[WallDrawing], others: Sequence[tuple[str, np.nd
     save(figure, path, title)
 
 
-def _ground(axes: Any, walls: Sequence[WallDrawing], low: np.ndarray) -> None:
+def _ground(axes: Any, walls: Sequence[WallOutline], low: np.ndarray) -> None:
     """The ground of all walls as one."""
     import shapely
     from matplotlib.patches import PathPatch
@@ -75,7 +65,7 @@ def _ground(axes: Any, walls: Sequence[WallDrawing], low: np.ndarray) -> None:
         axes.add_patch(PathPatch(rings, facecolor=STONE, edgecolor=EDGE, linewidth=0.8))
 
 
-def _in_plan(axes: Any, wall: WallDrawing, low: np.ndarray) -> None:
+def _in_plan(axes: Any, wall: WallOutline, low: np.ndarray) -> None:
     """What is in a wall in plan: its openings, white, and its name."""
     line = wall.line - low
     for _, outline in wall.openings:
@@ -111,7 +101,7 @@ def _extents(axes: Any, size: np.ndarray) -> None:
         _words(axes, 0.5 * (np.array(a) + np.array(b)), words, 8, turn)
 
 
-def _elevations(axes: Any, walls: Sequence[WallDrawing], width: float, under: float) -> float:
+def _elevations(axes: Any, walls: Sequence[WallOutline], width: float, under: float) -> float:
     """The elevations in rows below a level; how far down they reach."""
     left, row = 0.0, 0.0
     for wall in walls:
@@ -124,7 +114,7 @@ def _elevations(axes: Any, walls: Sequence[WallDrawing], width: float, under: fl
     return under - row - 2.0 * GAP
 
 
-def _elevation(axes: Any, wall: WallDrawing, corner: np.ndarray) -> None:
+def _elevation(axes: Any, wall: WallOutline, corner: np.ndarray) -> None:
     length = float(wall.top[-1, 0])
     ring = np.array([(0.0, wall.base), (length, wall.base), *wall.top[::-1]]) + corner
     axes.fill(*ring.T, facecolor=STONE, edgecolor=EDGE, linewidth=0.8)

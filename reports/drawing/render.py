@@ -13,15 +13,12 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.freed_memory import give_back_freed_memory
-from reports.drawing import palette
-from reports.drawing.parts import Layer, Lines, Ties, View, Window
+from reports.drawing.parts import Layer, Lines, View, Window
 from reports.drawing.scene import Scene, cut_layers, joint_layers, placed, tie_layers, ties_of
 
 SAMPLES = 2  # of a picture, in each direction
 LIGHTS = (((-0.5, 0.6, 0.9), 0.50), ((0.9, 0.1, 0.5), 0.16), ((0.0, 0.0, 1.0), 0.12))  # towards the light (right, up, viewer), strength
 AMBIENT = 0.45
-LABELLED = 12  # ties; of more, those that pull most
-LETTERS = 17  # height of a label [pixels]
 NO_CONTEXT = (
     "pictures: no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1 (or go without: report.crack_map = false)"
 )
@@ -69,10 +66,9 @@ class Canvas:
         give_back_freed_memory()
 
     def draw(self, scene: Scene) -> np.ndarray:
-        """Draw a scene, seen as the canvas was made for, into an image (height, width, 3) uint8 on white."""
-        ties, window = ties_of(scene), scene.window
-        layers = placed([*cut_layers(scene), *joint_layers(scene), *tie_layers(ties)], self._view, window.height)
-        return labelled(self._drawn(layers, window), ties, self._view, window)
+        """Draw a scene, seen as the canvas was made for, but for words, into an image (height, width, 3) uint8 on white."""
+        layers = [*cut_layers(scene), *joint_layers(scene), *tie_layers(ties_of(scene))]
+        return self._drawn(placed(layers, self._view, scene.window.height), scene.window)
 
     def _drawn(self, layers: Sequence[Layer], window: Window) -> np.ndarray:
         """The image of layers as they lie."""
@@ -163,31 +159,3 @@ def _aim(camera: Any, layers: Sequence[Layer], view: View, window: Window) -> No
     camera.up = view.up
     camera.parallel_scale = window.height / 2
     camera.clipping_range = (0.5 * span, 2.5 * span)
-
-
-def labelled(image: np.ndarray, ties: Ties, view: View, window: Window) -> np.ndarray:
-    """An image (H, W, 3) uint8 of a window with the labels of its ties, of many those that pull most."""
-    shown = [i for i in np.argsort(-ties.tension, kind="stable")[:LABELLED].tolist() if ties.texts[i]]
-    if not shown:
-        return image
-    from PIL import Image, ImageDraw
-
-    picture = Image.fromarray(image)
-    pen = ImageDraw.Draw(picture)
-    metre = image.shape[1] / window.width
-    for i in shown:
-        (x, y), (u, v) = view.plane(ties.ends[i].mean(axis=0)[None])[0], np.diff(view.plane(ties.ends[i]), axis=0)[0]
-        above = (0, -0.9 * LETTERS) if abs(u) >= abs(v) else (2.2 * LETTERS, 0)
-        colour = palette.PULLING if ties.tension[i] > 0.0 else "#5a5a5a"
-        at = ((x - window.left) * metre + above[0], (window.top - y) * metre + above[1])
-        pen.text(at, ties.texts[i], fill=colour, font=_font(), anchor="mm", stroke_width=3, stroke_fill="white")
-    return np.asarray(picture)
-
-
-@cache
-def _font() -> Any:
-    """The letters of matplotlib's pictures."""
-    from matplotlib import get_data_path
-    from PIL import ImageFont
-
-    return ImageFont.truetype(f"{get_data_path()}/fonts/ttf/DejaVuSans-Bold.ttf", LETTERS)

@@ -19,7 +19,7 @@ from reports.drawing.bands import DrawnJoints
 from reports.drawing.painter import EDGE_ON, Planes, painting_order
 from reports.drawing.parts import AMONG, Lines, Surface, View
 from reports.drawing.render import AMBIENT, LIGHTS
-from reports.drawing.scene import Scene, cut_layers, joint_layers, ties_of
+from reports.drawing.scene import Scene, cut_layers, joint_layers, tie_layers, ties_of
 
 OUTLINE = 0.55  # width of the edges of blocks [points]
 POINT = 0.72 / 2.0  # points of a line that is a pixel of the sampled image wide
@@ -48,17 +48,12 @@ class _Painting:
 
 def draw_polygons(axes: Any, scene: Scene) -> None:
     """Draw a scene into axes of its window's shape."""
-    axes.set_xlim(scene.window.left, scene.window.right)
-    axes.set_ylim(scene.window.bottom, scene.window.top)
     _place(axes, _painted(scene))
     for layer in cut_layers(scene):
         if isinstance(layer, Lines) and not layer.outline:
             _draw_lines(axes, layer, scene.view)
-    ties = ties_of(scene)
-    for ends, text, tension in zip(ties.ends, ties.texts, ties.tension, strict=True):
-        flat, colour = scene.view.plane(ends), palette.PULLING if tension > 0.0 else palette.SLACK
-        axes.plot(*flat.T, color=colour, linewidth=1.6, solid_capstyle="butt")
-        axes.annotate(text, flat.mean(axis=0), (0, 5), textcoords="offset points", color=colour, fontsize=6, ha="center")
+    for lines in tie_layers(ties_of(scene)):
+        _draw_lines(axes, lines, scene.view)
 
 
 def _painted(scene: Scene) -> _Painting:

@@ -16,6 +16,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import finite_number
 from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes
 
+FORCES = (("displacement [mm]", 1e3), ("force [kN]", 1e-3))
 POINTS = 4000  # of a curve that are drawn
 SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "normal_force", "depth"), "cracks": ("opening", "slip")}
 WORDS = {"points": "displacement", "joint_gauges": "joint", "cracks": "crack gauge", "supports": "reaction"}
@@ -27,47 +28,42 @@ INSIDE = 5  # curves at most whose legend goes into the plot
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
 
 
-def curves_figure(curves: Sequence[Curve], measured: Sequence[Curve] = (), title: str = "", size: tuple[float, float] = (7.0, 4.6)) -> Any:
-    """Curves of force against displacement; measured ones in grey, with points."""
-    figure = blank(size, layout="constrained")
-    axes = figure.add_subplot()
-    for name, u, f in measured:
-        axes.plot(1e3 * u, 1e-3 * f, color=FAINT, lw=1.2, marker="o", ms=3.0, label=name)
-    for k, (name, u, f) in enumerate(curves):
-        every = max(1, len(u) // POINTS)
-        axes.plot(1e3 * u[::every], 1e-3 * f[::every], color=COLOURS[k % len(COLOURS)], lw=1.3, label=name)
-    plain_axes(axes, "force [kN]", "displacement [mm]")
-    axes.axhline(0.0, color=FAINT, lw=0.6)
-    if len(curves) + len(measured) > 1:
-        axes.legend(frameon=False, fontsize=8)
-    if title:
-        axes.set_title(title, color=INK, fontsize=11, loc="left")
-    return figure
-
-
-def beside_figure(
-    computed: Sequence[Curve], others: Sequence[Curve], labels: tuple[str, str], title: str, points: Sequence[Curve] = ()
+def curves_figure(
+    curves: Sequence[Curve],
+    measured: Sequence[Curve] = (),
+    title: str = "",
+    axes_of: tuple[tuple[str, float], tuple[str, float]] = FORCES,
+    points: Sequence[Curve] = (),
 ) -> Any:
-    """Curves over any axis, those that were measured or come from others, and points of these with no line between.
+    """Curves over each other, those that were measured or come from others in grey, and points of these with no line between.
 
-    As many sets of points as computed curves are taken for theirs, in their order, and have their colours.
+    As many sets of points as curves are taken for theirs, in their order, and have their colours.
+
+    Args:
+        curves: what was computed.
+        measured: by whom else.
+        title: of the figure.
+        axes_of: what the axes are called, and the factors into their units.
+        points: of others.
     """
-    figure = blank((7.0, 4.2), layout="constrained")
+    figure = blank((7.0, 4.4), layout="constrained")
     axes = figure.add_subplot()
-    for k, (name, x, y) in enumerate([*others, *points]):
-        look = {"marker": "os^vD<>"[k % 7], "ms": 4.0, "markevery": max(1, len(x) // 12)}
-        of_curve = k - len(others) if len(points) == len(computed) else -1  # points that belong to curves have their colours
-        colour = COLOURS[of_curve % len(COLOURS)] if of_curve >= 0 else FAINT
-        axes.plot(x, y, color=colour, lw=1.0, ls="--" if k < len(others) and len(x) > 1 else "none", label=name, **look)
-    for k, (name, x, y) in enumerate(computed):
-        marker, line = ("x", "none") if len(x) <= FEW else ("", "-")
-        axes.plot(x, y, color=COLOURS[k % len(COLOURS)], lw=1.4, label=name, marker=marker, ls=line)
-    plain_axes(axes, labels[1], labels[0])
-    axes.set_title(title, color=INK, fontsize=11, loc="left")
-    if len(computed) + len(others) + len(points) > INSIDE:
-        figure.legend(frameon=False, fontsize=7, loc="outside right upper")
-    else:
-        axes.legend(frameon=False, fontsize=7)
+    (across, along_x), (up, along_y) = axes_of
+    for k, (name, x, y) in enumerate([*measured, *points]):
+        look = {"marker": "os^vD<>"[k % 7], "ms": 4.0, "markevery": max(1, len(x) // 12), "lw": 1.0, "label": name}
+        of_curve = k - len(measured) if len(points) == len(curves) else -1
+        look["color"] = COLOURS[of_curve % len(COLOURS)] if of_curve >= 0 else FAINT
+        axes.plot(along_x * x, along_y * y, ls="--" if k < len(measured) and len(x) > 1 else "none", **look)
+    for k, (name, x, y) in enumerate(curves):
+        every, few = max(1, len(x) // POINTS), len(x) <= FEW
+        look = {"marker": "x" if few else "", "ls": "none" if few else "-", "color": COLOURS[k % len(COLOURS)], "lw": 1.3, "label": name}
+        axes.plot(along_x * x[::every], along_y * y[::every], **look)
+    plain_axes(axes, up, across)
+    axes.axhline(0.0, color=FAINT, lw=0.6)
+    count = len(curves) + len(measured) + len(points)
+    if count > 1:
+        (figure if count > INSIDE else axes).legend(frameon=False, fontsize=8, loc="outside right upper" if count > INSIDE else "best")
+    axes.set_title(title, color=INK, fontsize=11, loc="left", parse_math=False)
     return figure
 
 
@@ -86,6 +82,7 @@ def gauges_figure(gauges: Mapping[str, Mapping[str, History]], title: str = "") 
             every = max(1, len(columns["time"]) // POINTS)
             axes.plot(columns["time"][::every], columns[column][::every], color=COLOURS[k % len(COLOURS)], lw=1.0, label=name)
         plain_axes(axes, f"{column}\n[{unit_of_column(column)}]", "time [s]" if axes is grid[-1] else "")
+        axes.ticklabel_format(axis="y", useOffset=False)
         axes.legend(frameon=False, fontsize=7, loc="upper right", title=WORDS[kind], title_fontsize=7)
     if title:
         figure.suptitle(title, color=INK, fontsize=11, x=0.01, ha="left")

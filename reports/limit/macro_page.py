@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.limit.outcome import on_the_check
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
-from reports.limit.page import VERDICTS, on_the_check
+from reports.limit.page import VERDICTS, doubts
 from reports.page.document import Head, pictures, write_document
 from reports.page.templates import Badge
 from reports.page.title_block import rows_of
@@ -59,7 +60,7 @@ def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> 
         path,
         "macro_elements.html",
         title=summary["title"],
-        page=Head(summary["title"], summary["lines"][:1], summary["notes"], _tiles(summary, page), block, on_the_check(summary["verdict"])),
+        page=Head(summary["title"], summary["lines"][:1], doubts(summary), _tiles(summary, page), block, on_the_check(summary["verdict"])),
         csv=CSV,
         columns=columns,
         rows=[_row(page, row) for row in least],
@@ -71,6 +72,7 @@ def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> 
         held=page.held,
         undecided=[*dict.fromkeys(row["undecided"] for row in least if row["undecided"])],
         left_open=summary["left_open"],
+        modelled=summary["modelled"],
         drawn=pictures(drawn),
         command=page.command,
         scene=page.scene,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.limit.outcome import SURE
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.foundation.quantities import force
 from reports.page.document import Head, pictures, write_document
@@ -33,12 +34,7 @@ CERTIFICATE = {
     "friction": ("Strength", "largest force beyond what friction or a bond allows, over the mean weight of a block"),
     "flow": ("Flow rule", "by how much a joint closes that must not, over the largest velocity"),
 }
-VERDICTS = {"satisfied": "good", "not decided": "look", "NOT satisfied": "doubtful"}  # and how they are coloured
-CHECKED = {
-    "satisfied": "the check by a code is met",
-    "not decided": "the check by a code decides nothing here",
-    "NOT satisfied": "the check by a code is not met",
-}
+VERDICTS = {state: sure for state, (sure, _) in SURE.items()}  # how states of a check are coloured
 STATES = {"hinge": "hinges", "slide": "slide", "hinge_and_slide": "hinge and slide", "open": "open"}
 
 
@@ -70,7 +66,7 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
         path,
         "limit.html",
         title=summary["title"],
-        page=Head(summary["title"], page.lines, summary["notes"], _numbers(summary), block, on_the_check(summary["verdict"])),
+        page=Head(summary["title"], page.lines, doubts(summary), _numbers(summary), block, Verdict(**summary["on_the_whole"])),
         summary=summary,
         verdicts=VERDICTS,
         states=STATES,
@@ -85,9 +81,9 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
     )
 
 
-def on_the_check(found: Mapping[str, Any] | None) -> Verdict | None:
-    """The verdict of a check by a code as the head of a page has it; None where none was asked for."""
-    return None if found is None else Verdict(found["state"], "", found["reason"], VERDICTS[found["state"]], CHECKED[found["state"]], "")
+def doubts(summary: Mapping[str, Any]) -> list[str]:
+    """What must not be overlooked of the notes: those on what is modelled have a section of their own."""
+    return [note for note in summary["notes"] if note not in summary["modelled"]]
 
 
 def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:

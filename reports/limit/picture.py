@@ -17,10 +17,9 @@ from masonry_cd.foundation.quantities import counted, force
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import next_in_loop
-from reports.drawing.figure import Sheet
+from reports.drawing.figure import LABELLED, Sheet
 from reports.drawing.palette import AT_WORK, INK, MOVES, PULLING, REST, STANDS, THRUST
 from reports.drawing.parts import BEFORE, BEHIND, Layer, Lines, Panel, Sign, Surface, View, painted, ribbon, view_named
-from reports.drawing.render import LABELLED
 from reports.drawing.scene import Scene
 from reports.drawing.solids import auto_view, block_layers, structure_window, two_colours, within_sight
 from reports.limit.ties import LimitTie, drawn_ties

@@ -30,9 +30,8 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing import palette
 from reports.drawing.bands import DrawnJoints
-from reports.drawing.figure import Sheet, in_metres, save
+from reports.drawing.figure import LABELLED, Sheet, in_metres, save
 from reports.drawing.parts import BEHIND, Layer, Panel, Sign, Surface, Ties, painted
-from reports.drawing.render import LABELLED
 from reports.drawing.scene import Scene
 from reports.drawing.solids import block_layers, structure_window, two_colours, within_sight
 from reports.drawing.ties import ties_at

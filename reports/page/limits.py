@@ -17,7 +17,6 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import JointLaw, Material
 from reports.drawing.figure import in_metres
-from reports.page.loads import point_loads
 from reports.page.section import Section
 from reports.page.templates import Badge
 from reports.page.words import PageContext, capital, number
@@ -33,7 +32,7 @@ def limits(context: PageContext) -> Mapping[str, Any]:
         "left_out": not_modelled(context),
         "stress": context.results.has_stress,
         "pressure": None if context.results.has_stress else _pressure(context.results),
-        "points": counted(count, "point load") if (count := point_loads(context)) else "",
+        "points": counted(count, "point load") if (count := _kinds(context).count("point")) else "",
     }
 
 
@@ -59,14 +58,14 @@ _PLANE = (
 
 def not_modelled(context: PageContext) -> list[str]:
     """What the run says nothing of, beside what its blocks are and what is not among them."""
-    kinds = [load.get("kind") for load in context.tables.get("loads", [])]
+    kinds = _kinds(context)
     lines = [
         "Wear of the joints: friction is the same at every speed and after any sliding, and edges do not spall.",
         "The ground: supports move as prescribed, without soil beneath them that yields, sinks or radiates energy."
         + ("" if {"settlement", "spreading"} & set(kinds) else " They do not settle."),
     ]
     lines += [f"{capital(said)}." for said in left_out_lines(context.summary)]
-    moving = moving_axes(context.results)
+    moving = context.moving_axes
     if moving and "z" not in moving:
         lines.append("The vertical component of the motion: the base moves along " + " and ".join(moving) + " only.")
     elif "z" in moving and len(moving) == 1:
@@ -82,18 +81,9 @@ def not_modelled(context: PageContext) -> list[str]:
     return lines
 
 
-def moving_axes(results: Results) -> list[str]:
-    """The axes along which supports move, over the frames."""
-    fixed = np.flatnonzero([block.fixed for block in results.blocks])
-    if not len(fixed) or results.frames < 2:
-        return []
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    rows = max(1, CHUNK_BYTES // (24 * len(results.blocks)))
-    start = np.asarray(results.position[0], dtype=float)[fixed]
-    for first in range(0, results.frames, rows):
-        moved = np.asarray(results.position[first : min(first + rows, results.frames)], dtype=float)[:, fixed] - start
-        low, high = np.minimum(low, moved.min(axis=(0, 1))), np.maximum(high, moved.max(axis=(0, 1)))
-    return [axis for axis, span in zip("xyz", high - low, strict=True) if span > 1e-9]
+def _kinds(context: PageContext) -> list[str]:
+    """Of the loads."""
+    return [str(load.get("kind")) for load in context.tables.get("loads", [])]
 
 
 def largest_pressure(results: Results) -> tuple[float, int, float] | None:
@@ -212,7 +202,7 @@ def _kilo(value: float) -> str:
 
 def _base(context: PageContext) -> str:
     """How the supports move."""
-    count, moving = int(context.solids.fixed.sum()), moving_axes(context.results)
+    count, moving = int(context.solids.fixed.sum()), context.moving_axes
     if not count:
         return "No block is a support."
     supports = "The support is rigid" if count == 1 else f"The {count} supports are rigid"

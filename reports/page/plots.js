@@ -16,10 +16,10 @@ function short(value, digits = 4) {
   return `${Number(mantissa)}·10${[...power.replace("+", "")].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("")}`.replace("-", "−");
 }
 
-/* Round numbers between two bounds, about `count` of them. */
+/* Round numbers between two bounds, two or more, about so many. */
 function ticks(low, high, about) {
   const raw = (high - low) / about, power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * [1, 2, 5, 10].find((s) => s * power >= raw * 0.999), out = [];
+  const step = power * [1, 2, 5, 10].find((s) => s * power >= 0.6 * raw), out = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) out.push(Number((k * step).toPrecision(12)));
   return out;
 }

@@ -22,7 +22,7 @@ from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.io.results import Results
 from reports.drawing.figure import in_metres
-from reports.page.support_motion import SupportMotion, support_motions
+from reports.page.support_motion import STILL, SupportMotion, support_motions
 
 TABLES = {"structure": "Structure", "material": "Material", "run": "Computation", "report": "Report"}
 
@@ -76,6 +76,12 @@ class PageContext:
     def motions(self) -> tuple[SupportMotion, ...]:
         """How the supports move, each motion by its own."""
         return support_motions(self.results, self.solids)
+
+    @property
+    def moving_axes(self) -> list[str]:
+        """The axes along which supports move."""
+        spans = [np.ptp(motion.displacement, axis=0) for motion in self.motions]
+        return [axis for k, axis in enumerate("xyz") if any(span[k] > STILL for span in spans)]
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -208,13 +214,13 @@ def _shown(one: Number, context: PageContext) -> str:
 def settings(context: PageContext) -> list[tuple[str, list[tuple[str, str]]]]:
     """The scene's tables, the loads with what they amount to, and the versions, as titled lists of terms."""
     tables = context.tables
-    stands = [(f"Structure {table.get('name', k + 1)}", _terms(table)) for k, table in enumerate(tables.get("structures", []))]
-    boxes = stands + [(title, _terms(tables[key])) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
+    stands = [(f"Structure {table.get('name', k + 1)}", terms(table)) for k, table in enumerate(tables.get("structures", []))]
+    boxes = stands + [(title, terms(tables[key])) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
     amounts = context.summary.get("loads", {}).get("tables", [])
     for k, load in enumerate(tables.get("loads", [])):
         after = amounts[k].get("after", {}) if k < len(amounts) else {}
-        boxes.insert(1 + (len(stands) or 1) + k, (f"Load {k + 1}", _terms(load) + _peaks(after)))
-    boxes.append(("Versions", _terms(context.results.versions)))
+        boxes.insert(1 + (len(stands) or 1) + k, (f"Load {k + 1}", terms(load) + _peaks(after)))
+    boxes.append(("Versions", terms(context.results.versions)))
     return [(title, rows) for title, rows in boxes if rows]
 
 
@@ -224,7 +230,7 @@ def _peaks(after: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [(name, number(after[key], unit)) for key, (name, unit) in known.items() if isinstance(after.get(key), (int, float))]
 
 
-def _terms(table: Mapping[str, Any]) -> list[tuple[str, str]]:
+def terms(table: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Keys of a table and their values, as one reads them."""
     return [(key.replace("_", " "), _plain(value)) for key, value in table.items()]
 

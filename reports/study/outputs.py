@@ -14,9 +14,10 @@ from masonry_cd.analysis.fragility.fits import Fit, Fits, fit_study
 from masonry_cd.analysis.fragility.folder import Study, read_study
 from masonry_cd.analysis.fragility.sensitivity import Correlation, correlations
 from masonry_cd.analysis.fragility.verdict import verdict_of
+from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.foundation.errors import InputError
 from reports.study.fragility_picture import fragility_picture
-from reports.study.joint_maps import TABLE, draw_joint_maps
+from reports.study.joint_maps import draw_joint_maps
 from reports.study.page import PAGE, Said, write_page
 from reports.study.run_pictures import cloud_picture, ida_picture, quantities_of, spread_picture, stripes_picture
 from reports.study.tables import (
@@ -31,10 +32,8 @@ from reports.study.tables import (
 from reports.study.tornado_picture import tornado_picture
 from reports.study.words import counts, lines_of, spreads, warnings_of
 
-FILES = (
-    "fragility.csv", "fragility.json", "fragility.xml", "sensitivity.csv", TABLE, "summary.json", PAGE, "fragility.png", "ida.png",
-    "cloud.png", "stripes.png", "spread.png", "tornado.png", "median_opening.png",
-)  # fmt: skip
+MADE = ("runs.csv", "runs.parquet", "limits.csv")  # by the study itself, run by run
+FILES = tuple(name for name in files_of("study") if name not in MADE)
 MAPS = "probability_*.png"
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.outputs import NUMBERS
-from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes
+from reports.drawing.figure import COLOURS, FAINT, INK, blank, halo, plain_axes
 
 DPI = 150
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -67,13 +67,6 @@ def legend(axes: Any, columns: int = 1, **more: Any) -> None:
         texts = axes.legend(fontsize=9.5, frameon=False, labelcolor=INK, **options).get_texts()
         for text in texts:
             text.set_parse_math(False)
-
-
-def halo() -> list[Any]:
-    """White around a text, so that it can be read over lines."""
-    from matplotlib.patheffects import withStroke
-
-    return [withStroke(linewidth=3.0, foreground="white")]
 
 
 def limit_line(axes: Any, limit: LimitState, k: int, factor: float, across: bool) -> None:

@@ -15,10 +15,11 @@ from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.ida import QUANTILES, Curve, demand_quantiles, quantiles
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.fragility.measures import label
+from masonry_cd.analysis.outputs import STUDY_PAGE, lengths_in
 from reports.drawing.figure import FAINT, INK, plain_axes, save
 from reports.study.plots import MARKERS, PALE, PANELS, colour, legend, limit_line, logarithmic, quantity, sheet
 
-GENERAL = ("max_opening", "max_sliding", "displacement_max")  # drawn where the limit states look at none that is continuous
+GENERAL = tuple(lengths_in(STUDY_PAGE))  # drawn where the limit states look at none that is continuous
 
 
 def quantities_of(study: Study) -> list[str]:

@@ -90,21 +90,25 @@ def layout_of(keys: BridgeTable) -> Layout:
     faults += _of_counts(keys)
     if faults:
         raise InputErrors(faults)
-    lefts = _lefts(keys)
-    faults = _overlaps(keys.spans, lefts)
-    profiles = []
-    for i, (span, left) in enumerate(zip(keys.spans, lefts, strict=True)):
-        try:
-            profiles.append(profile_of(span, left))
-        except InputError as fault:
-            faults.append(str(fault).replace("structure.", f"structure.spans[{i}].", 1))
+    faults = _overlaps(keys.spans, _lefts(keys))
     if faults:
         raise InputErrors(faults)
-    made = Layout(keys, tuple(profiles), tuple(_supports(keys, profiles)), _deck(keys, profiles))
+    made = laid_out(keys)
     faults = [*_of_seats(made), *_of_deck(made), *_of_walls(made)]
     if faults:
         raise InputErrors(faults)
     return made
+
+
+def laid_out(keys: BridgeTable) -> Layout:
+    """The spans of sound keys on their supports."""
+    profiles = []
+    for i, (span, left) in enumerate(zip(keys.spans, _lefts(keys), strict=True)):
+        try:
+            profiles.append(profile_of(span, left))
+        except InputError as fault:
+            raise InputError(str(fault).replace("structure.", f"structure.spans[{i}].", 1)) from None
+    return Layout(keys, tuple(profiles), tuple(_supports(keys, profiles)), _deck(keys, profiles))
 
 
 def _of_span(span: SpanTable, where: str) -> list[str]:

@@ -13,8 +13,8 @@ import numpy as np
 
 from structures.building.axes import Facet, legs_of, place
 from structures.building.columns import Row
-from structures.building.polygons import without_straight
 from structures.building.table import ArcadeTable, BuildingTable, BuildingWallTable, ButtressTable
+from structures.geometry.polygons import without_straight
 
 RING = 0.38  # of a column: most that the ring of an arch takes of what two of them spring from
 

@@ -90,6 +90,7 @@ class Leg:
     keys: BuildingWallTable
     facets: tuple[Facet, ...]
     closed: bool = False  # its last facet goes on in its first
+    length: float = math.inf  # of the axis of its wall [m]
     tops: tuple[tuple[float, float], ...] = field(default=())  # distance along the axis, z, of the profile of its top [m]
 
     @property
@@ -103,9 +104,19 @@ class Leg:
         return self.keys.base
 
     def top(self, facet: Facet, s: float) -> float:
-        """z of the top over a place of one of its facets [m]; beyond its ends the profile goes on level."""
+        """z of the top over a place of one of its facets [m].
+
+        Beyond the ends of the axis, up to the far faces of the walls there, a top that falls goes on falling, one that rises ends level.
+        """
         at, z = zip(*self.tops, strict=True)
-        return float(np.interp(facet.at_of(s), at, z))
+        there = facet.at_of(s)
+        level = float(np.interp(there, at, z))
+        for end, inner, beyond in ((0, 1, there - at[0]), (-1, -2, at[-1] - there)):
+            run = abs(at[inner] - at[end])
+            ends = abs(at[end] - (0.0, self.length)[end]) < 1e-6
+            if beyond < 0.0 and ends and run > 1e-6 and z[inner] > z[end]:
+                level = max(self.base, z[end] + beyond * (z[inner] - z[end]) / run)
+        return level
 
     def tops_between(self, facet: Facet, low: float, high: float) -> list[tuple[float, float]]:
         """s, z of the profile between two places of a facet, both of them included [m]."""
@@ -135,8 +146,8 @@ def legs_of(number: int, keys: BuildingWallTable) -> list[Leg]:
     gentle = [abs(turn) <= (SHARPEST if c else GENTLE) for turn, c in zip(turns, curved, strict=False)]
     chains = _chains(facets, [turn if g else None for turn, g in zip(turns, gentle, strict=True)], closed)
     if closed and len(chains) == 1 and gentle[-1]:
-        return [Leg(number, 0, keys, chains[0], True, tops)]
-    return [Leg(number, k, keys, chain, False, tops) for k, chain in enumerate(chains)]
+        return [Leg(number, 0, keys, chains[0], True, bends[-1].length, tops)]
+    return [Leg(number, k, keys, chain, False, bends[-1].length, tops) for k, chain in enumerate(chains)]
 
 
 def place(point: np.ndarray) -> str:

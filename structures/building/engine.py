@@ -17,11 +17,10 @@ from masonry_cd.foundation.errors import InputErrors
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
-from structures.building import columns, junctions, openings, polygons, vaults
+from structures.building import columns, junctions, openings, vaults
 from structures.building.added_walls import added
 from structures.building.axes import SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
-from structures.building.cuts import with_pockets
 from structures.building.footprints import Plan, order
 from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay
@@ -29,7 +28,10 @@ from structures.building.slivers import Stone, joined
 from structures.building.stones import Part, across, parts_of, stone, welded
 from structures.building.table import BuildingTable, BuildingWallTable
 from structures.building.widths import NARROW
+from structures.geometry import polygons
+from structures.layout.pockets import with_pockets
 
+SLIVER = 0.1  # of the thickness of a vault: what it leaves of a stone that is thinner goes to another
 LEAST_SEAT = 0.02  # share of the footprint of a wall that something has to be under
 
 
@@ -62,7 +64,8 @@ def blocks_of(table: BuildingTable, density: float) -> list[Block]:
     blocks = [block for number in range(len(table.walls)) for block in _wall_blocks(walls, number, laid, density)]
     vaulted = [block for vault in over for block in vaults.blocks_of(vault, table.block_length, density)]
     if vaulted:
-        blocks = list(with_pockets(blocks, [part for block in vaulted for part in block.convex_parts]))
+        thin = SLIVER * min(vault.keys.thickness for vault in over)
+        blocks = with_pockets(blocks, [part for block in vaulted for part in block.convex_parts], thin)
     blocks += [block for row in rows for block in columns.blocks_of(row, table, density)]
     return welded([*blocks, *vaulted])
 

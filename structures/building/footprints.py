@@ -20,8 +20,8 @@ from shapely.geometry.base import BaseGeometry
 from masonry_cd.mechanics.model.polygon import clip
 from structures.building.axes import SAME, Leg, place
 from structures.building.junctions import Arm, Junction, Pair
-from structures.building.polygons import without_straight
 from structures.building.widths import NARROW, without_tails
+from structures.geometry.polygons import without_straight
 
 LEAST_AREA = 1e-10  # what is smaller in plan is rounding [m2]
 

@@ -9,13 +9,13 @@ from itertools import pairwise
 import numpy as np
 from shapely.geometry import Polygon
 
-from structures.building import polygons
 from structures.building.axes import SAME, Leg, place
 from structures.building.beds import course_range
 from structures.building.footprints import Plan
 from structures.building.frames import Around, Frame, frame_of
 from structures.building.panels import Laying
 from structures.building.table import BuildingTable
+from structures.geometry import polygons
 
 LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction or another frame [m]
 Frames = dict[tuple[int, int], list[Frame]]

@@ -18,12 +18,12 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, Polygon
 
-from structures.building import polygons
 from structures.building.axes import SAME, Facet, Leg
 from structures.building.beds import course_range
 from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.table import Bond
+from structures.geometry import polygons
 from structures.layout.coursing import LEAST_BOND, LEAST_UNIT
 
 THIN = 0.3  # a stone lower than this of a course is joined to another one

@@ -8,6 +8,7 @@ it is an upright prism over its plan; under a sloping top there it is the prism 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -17,13 +18,13 @@ from shapely.geometry import Polygon
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
-from masonry_cd.mechanics.model.polygon import loop_planes
-from structures.building import polygons
 from structures.building.axes import SAME, Facet
 from structures.building.panels import Piece
 from structures.building.widths import fat_pieces
+from structures.geometry import polygons
 from structures.geometry.compound_block import compound_block
 from structures.geometry.convex import halves
+from structures.geometry.outer_shell import is_closed, outer_shell
 from structures.geometry.prism import between, prism_xz
 
 Part = tuple[np.ndarray, Faces]
@@ -88,25 +89,14 @@ def _placed(local: np.ndarray, facet: Facet) -> np.ndarray:
 
 
 def stone(name: str, parts: Sequence[Part], density: float, group: str) -> Block:
-    """One block of convex parts that touch; their shell is made of cells, where they do not share whole faces."""
-    try:
-        return compound_block(name, parts, density, group)
-    except InputError:
-        cells = [Block(name, *part, density, group) for part in parts]
-        planes = [loop_planes([vertices[list(face)] for face in faces]) for vertices, faces in parts]
-        for k, (normals, offsets) in enumerate(planes):
-            low, high = parts[k][0].min(axis=0) - WELD, parts[k][0].max(axis=0) + WELD
-            for normal, offset in zip(normals, offsets, strict=True):
-                cells = [half for cell in cells for half in _cut(cell, normal, float(offset), low, high) if half is not None]
-        whole = compound_block(name, [(cell.vertices, cell.faces) for cell in cells], density, group)
-        return replace(whole, parts=tuple(Polyhedron(*part) for part in parts))
-
-
-def _cut(cell: Block, normal: np.ndarray, offset: float, low: np.ndarray, high: np.ndarray) -> Sequence[Block | None]:
-    """A cell cut by a plane, where it touches the box of the part that the plane bounds."""
-    if (cell.vertices.max(axis=0) < low).any() or (cell.vertices.min(axis=0) > high).any():
-        return [cell]
-    return halves(cell, normal, offset)
+    """One block of convex parts that touch, whether or not they share whole faces."""
+    with suppress(InputError):
+        whole = compound_block(name, parts, density, group)
+        if is_closed(whole.faces):
+            return whole
+    solids = tuple(Polyhedron(*part) for part in parts)
+    shell = outer_shell(solids)
+    return Block(name, shell.vertices, shell.faces, density, group, parts=solids)
 
 
 def welded(blocks: Sequence[Block]) -> list[Block]:

@@ -23,10 +23,10 @@ from shapely.geometry.base import BaseGeometry
 
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from structures.building import polygons
 from structures.building.axes import Facet, Leg, place
 from structures.building.footprints import Plan
 from structures.building.table import BuildingTable, BuildingVaultTable
+from structures.geometry import polygons
 from structures.geometry.convex import halves
 from structures.layout import rings
 from structures.layout.arch_profiles import RingTable, joints_of

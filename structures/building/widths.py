@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from structures.building import polygons
+from structures.geometry import polygons
 
 NARROW = 0.15  # of the thickness of its wall: what is narrower in plan is a sliver
 TOUCH = 1e-7  # what is this close is one [m]

@@ -7,8 +7,9 @@
 Faces are zero-based loops of vertices, counter-clockwise seen from outside. A block that is not convex lists the convex parts that
 fill it, ``"parts": [{"vertices": ..., "faces": ...}, ...]``, besides its own shell. A sphere has ``"centre": [x, y, z]`` and
 ``"radius": r`` instead of vertices and faces. Name, density, group and units have defaults:
-b0, b1 ...; the material's density; ``base`` for fixed blocks and ``block`` for the others; metres. Other keys at the top
-level are left alone, so that a program may keep its own notes in the same file.
+b0, b1 ...; the material's density; ``base`` for fixed blocks and ``block`` for the others; metres. ``"fills"`` and ``"carried"`` are the
+fill of bridges (:mod:`structures.files.fillfile`). Other keys at the top level are left alone, so that a program may keep its own notes
+in the same file.
 """
 
 from __future__ import annotations
@@ -28,8 +29,10 @@ from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.files import read_text
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 from masonry_cd.mechanics.model.sphere import ball_centre
+from structures.files import fillfile
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.convex import split
 from structures.geometry.merge_coplanar import merge_coplanar
@@ -46,7 +49,7 @@ Loops = Annotated[list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_le
 class Part(BaseModel):
     """A convex part of a block."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     vertices: Vertices
     faces: Loops
@@ -55,7 +58,7 @@ class Part(BaseModel):
 class _Keys(BaseModel):
     """What any block of a block file has."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     name: str | None = Field(None, min_length=1)
     density: Annotated[float, Unit("kg/m3"), Field(gt=0, allow_inf_nan=False)] | None = None
@@ -110,7 +113,7 @@ def read(path: Path, density: float) -> list[Block]:
 
 def read_unchecked(path: Path, density: float) -> list[Block]:
     """The blocks of a block file, whose shells may be open, or reach into each other."""
-    content = _load(path)
+    content = load(path)
     scale = _scale(content, path)
     entries = content.get("blocks")
     if not isinstance(entries, list) or not entries:
@@ -118,7 +121,19 @@ def read_unchecked(path: Path, density: float) -> list[Block]:
     return [_block(entry, i, density, scale, path) for i, entry in enumerate(entries)]
 
 
-def write(path: Path, blocks: Sequence[Block]) -> None:
+def read_fill(path: Path) -> dict[str, Any]:
+    """What a block file says of fill, see :func:`structures.files.fillfile.with_fill`.
+
+    Raises:
+        InputError: in units that are not those of fill.
+    """
+    content = load(path)
+    if _scale(content, path) != 1.0 and any(key in content for key in fillfile.KEYS):
+        raise InputError(f"{path.name}: {' and '.join(fillfile.KEYS)} are in metres; give the blocks in metres as well")
+    return content
+
+
+def write(path: Path, blocks: Sequence[Block], fills: Sequence[Fill] = ()) -> None:
     """Write a block file in metres, one block per line; reading it gives the same blocks to the bit. A density of NaN is left out."""
     lines = []
     for block in blocks:
@@ -133,7 +148,8 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
             entry["parts"] = [{"vertices": p.vertices.tolist(), "faces": [list(face) for face in p.faces]} for p in block.parts]
         lines.append(json.dumps(entry))
     with replacing(path) as part:
-        part.write_text('{"units": "m", "blocks": [\n' + ",\n".join(lines) + "\n]}\n", encoding="utf-8")
+        fill = "".join(f',\n"{key}": {json.dumps(value)}' for key, value in fillfile.entries(blocks, fills).items())
+        part.write_text('{"units": "m", "blocks": [\n' + ",\n".join(lines) + f"\n]{fill}}}\n", encoding="utf-8")
 
 
 def _form(block: Block) -> dict[str, Any]:
@@ -153,8 +169,12 @@ def _once(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:
     return made
 
 
-def _load(path: Path) -> dict[str, Any]:
-    """Parse the JSON text."""
+def load(path: Path, key: str = "blocks") -> dict[str, Any]:
+    """The object that a JSON file holds, which has a key.
+
+    Raises:
+        InputError: one line that names the file and, where the text is at fault, the line.
+    """
     try:
         content = json.loads(read_text(path, path.name, "utf-8-sig"), object_pairs_hook=lambda pairs: _once(pairs, path))
     except OSError as failure:
@@ -170,7 +190,7 @@ def _load(path: Path) -> dict[str, Any]:
     except RecursionError:
         raise InputError(f"{path.name}: lists or objects nested too deep") from None
     if not isinstance(content, dict):
-        raise InputError(f'{path.name}: must be an object with the key "blocks"')
+        raise InputError(f'{path.name}: must be an object with the key "{key}"')
     return content
 
 

@@ -72,7 +72,7 @@ def read_vtu(path: Path) -> Answer:
             number_of = {old: new for new, old in enumerate(used)}
             faces: Faces = tuple(tuple(number_of[i] for i in face) for face in loops)
             found.append(Piece(int(number), f"b{int(number)}", points[used], faces, *_marks(mesh.cell_data, k, len(found) - count)))
-    return found, ()
+    return sorted(found, key=lambda piece: piece.number), ()  # the file has cells of one number of corners together
 
 
 def _marks(data: Any, kind: int, place: int) -> tuple[str, bool]:

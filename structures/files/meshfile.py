@@ -346,13 +346,13 @@ def _write_vtu(path: Path, blocks: Sequence[Block]) -> None:
     cells: dict[str, list[Any]] = {}
     owner: dict[str, list[int]] = {}
     count = 0
-    for number, block in enumerate(blocks):
-        for part in block.convex_parts:
-            kind = f"polyhedron{len(part.vertices)}"
-            cells.setdefault(kind, []).append([np.array(face) + count for face in part.faces])
-            owner.setdefault(kind, []).append(number)
-            points.append(part.vertices)
-            count += len(part.vertices)
+    parted = [(number, part) for number, block in enumerate(blocks) for part in block.convex_parts]
+    for number, part in sorted(parted, key=lambda pair: len(pair[1].vertices)):  # meshio reads cells of fewer corners first
+        kind = f"polyhedron{len(part.vertices)}"
+        cells.setdefault(kind, []).append([np.array(face) + count for face in part.faces])
+        owner.setdefault(kind, []).append(number)
+        points.append(part.vertices)
+        count += len(part.vertices)
     groups = list(dict.fromkeys(block.group for block in blocks))
     fixed, group = np.array([b.fixed for b in blocks], dtype=int), np.array([groups.index(b.group) for b in blocks])
     data = {

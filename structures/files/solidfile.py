@@ -57,7 +57,7 @@ def _solid(gmsh: Any, block: Block) -> int:
                     sides.append(edges.setdefault((a, b), occ.addLine(points[a], points[b])))
             faces.append(occ.addPlaneSurface([occ.addCurveLoop(sides)]))
         tag = int(occ.addVolume([occ.addSurfaceLoop(faces)]))
-        volume, wanted = abs(float(occ.getMass(3, tag))), block.mass_properties.volume
+        volume, wanted = abs(float(occ.getMass(3, tag))), block.mass_properties.volume - block.carried_volume
     except Exception as failure:  # gmsh raises plain ones
         reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
         raise InputError(f'block "{block.name}": its faces make no solid ({reason})') from None
@@ -70,7 +70,7 @@ def _mesh(gmsh: Any, blocks: Sequence[Block], tags: Sequence[int]) -> None:
     """Mesh all solids, elements about as large as the smaller blocks allow."""
     for group in dict.fromkeys(block.group for block in blocks):
         gmsh.model.addPhysicalGroup(3, [tag for tag, block in zip(tags, blocks, strict=True) if block.group == group], name=group)
-    sizes = np.array([block.mass_properties.volume for block in blocks if not block.fixed] or [1.0])
+    sizes = np.array([block.mass_properties.volume - block.carried_volume for block in blocks if not block.fixed] or [1.0])
     gmsh.option.setNumber("Mesh.MeshSizeMax", COARSE * float(np.median(sizes)) ** (1.0 / 3.0))
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
     gmsh.model.mesh.generate(3)

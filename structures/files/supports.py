@@ -40,14 +40,16 @@ Corner = Annotated[tuple[Coordinate, Coordinate, Coordinate], Field(strict=False
 class Where(BaseModel):
     """One rule: what a block has to fulfil, all of what is given."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
-    below: Annotated[float, Unit("m"), Field(allow_inf_nan=False)] | None = Field(None, description="height under which its centre lies")
-    box: Annotated[tuple[Corner, Corner], Field(strict=False)] | None = Field(
-        None, description="two corners of a box in which its centre lies"
-    )
-    group: str | None = Field(None, description="of the block; * stands for anything")
-    name: str | None = Field(None, description="of the block; * stands for anything")
+    below: Annotated[float, Unit("m"), Field(allow_inf_nan=False)] | None = None
+    """height under which its centre lies"""
+    box: Annotated[tuple[Corner, Corner], Field(strict=False)] | None = None
+    """two corners of a box in which its centre lies"""
+    group: str | None = None
+    """of the block; * stands for anything"""
+    name: str | None = None
+    """of the block; * stands for anything"""
 
     @model_validator(mode="after")
     def _something(self) -> Self:
@@ -81,7 +83,7 @@ Rules = Annotated[
 class Supports(BaseModel):
     """The key by itself."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     fixed: Rules = ()
 

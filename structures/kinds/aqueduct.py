@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Aqueducts and arcades: piers, semicircular rings and spandrels in courses, in one to three tiers.
 
-Each tier (:mod:`structures.layout.aqueduct_tier`) is a plane figure cut along its joints (:mod:`structures.geometry.solid`) and drawn
-out along y. Upper tiers stand on the level top of the tier below, by default with the same pitch. The measures are of the order of
-Roman work in large squared blocks: the default is three openings of 5 m on piers of 2 m.
+A tier is a bridge (:mod:`structures.bridge`) of equal semicircular spans on equal piers, with masonry in place of fill: a plane figure that
+is cut along its joints (:mod:`structures.bridge.tier`, :mod:`structures.geometry.solid`) and drawn out along y. Upper tiers stand on the
+level top of the tier below, by default with the same pitch. The measures are of the order of Roman work in large squared blocks: the
+default is three openings of 5 m on piers of 2 m.
 
 Groups, for friction and for damage by part: ``base``, ``pier1`` ..., ``arch1`` ..., ``spandrel1`` ... over the pier of that
 number, ``top`` for the courses that run over the crowns, and ``channel`` for walls and slabs of the channel on top; from a second
@@ -28,16 +29,19 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import polygon_centroid
 from structures import size
+from structures.bridge.masonry import drawn_out
+from structures.bridge.table import AbutmentTable, BridgeTable, SpanTable, SupportTable
+from structures.bridge.tier import LEAST_BED, Tier, feet, joints, outline
 from structures.geometry.checks import check
 from structures.geometry.prism import box, prism_xz, rectangle
 from structures.geometry.solid import cut_solid
 from structures.layout import wall_plan
-from structures.layout.aqueduct_tier import LEAST_BED, Tier, feet, joints, outline
 from structures.schema import Length
 
 LEAST_RING = 0.001  # thickness of the arches [m]: thinner ones would be lost among corners that are taken for one
 LEAST_CHANNEL = 0.1  # height of the walls of the channel, in courses
 LEAST_GAP = 0.4  # between two rings at the springing, in courses
+MOST_VOUSSOIRS = 2000  # to an arch, as of any ring
 LEAST_CHORD = 0.35  # of a voussoir on the extrados, in courses
 
 
@@ -68,7 +72,7 @@ Counts = Annotated[tuple[int, ...], BeforeValidator(_per_tier("", int)), WithJso
 class AqueductTable(BaseModel):
     """The [structure] table of an aqueduct. Plural types take one value, or a list with one value per tier."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     tiers: int = Field(1, ge=1, le=3, description="rows of arches on one another")
     spans: Counts = Field((3,), description="number of arches")
@@ -179,24 +183,23 @@ def _tier(aqueduct: AqueductTable, i: int, below: Tier | None) -> Tier:
         raise InputError(f"structure.ring_thickness: must be at least {LEAST_RING:g} m, got {thickness:g}")
     extrados = math.pi * (0.5 * clear_span + thickness)
     natural = max(5, 2 * round((extrados / (1.2 * course) - 1) / 2) + 1)  # odd: with a keystone
-    spans = _of_tier(aqueduct, "spans", i)
-    length = spans * (clear_span + pier_width) + pier_width
-    return Tier(
-        number=i + 1,
-        foot=below.top if below else 0.0,
-        centre=below.centre if below else 0.5 * length,
-        spans=spans,
-        clear_span=clear_span,
-        pier_width=pier_width,
-        pier_courses=_of_tier(aqueduct, "pier_courses", i),
-        pier_blocks=aqueduct.pier_blocks,
-        course=course,
-        ring_thickness=thickness,
-        voussoirs=_of_tier(aqueduct, "voussoirs", i) or natural,
+    courses = _of_tier(aqueduct, "pier_courses", i)
+    span = SpanTable.model_construct(
+        shape="semicircular", span=clear_span, thickness=thickness, voussoirs=_of_tier(aqueduct, "voussoirs", i) or natural,
+        springing=(below.top if below else 0.0) + courses * course,
+    )  # fmt: skip
+    pier = {"width": pier_width, "height": courses * course, "course_height": course, "rigid": False}
+    count, pitch = _of_tier(aqueduct, "spans", i), clear_span + pier_width
+    length = count * pitch + pier_width
+    centre = below.centre if below else 0.5 * length
+    starts = [centre - 0.5 * length + n * pitch + pier_width for n in range(count)]
+    bridge = BridgeTable.model_construct(
+        spans=tuple(span.model_copy(update={"start": start}) for start in starts), width=_of_tier(aqueduct, "width", i),
+        piers=(SupportTable.model_construct(**pier),), abutments=(AbutmentTable.model_construct(**pier),),
         cover=_of_tier(aqueduct, "cover", i) or 1.5 * course,
-        unit=aqueduct.unit_length or 2.0 * course,
-        width=_of_tier(aqueduct, "width", i),
-    )
+    )  # fmt: skip
+    unit = aqueduct.unit_length or 2.0 * course
+    return Tier(i + 1, bridge, centre, courses, aqueduct.pier_blocks, course, unit)
 
 
 def _of_tier(aqueduct: AqueductTable, key: str, i: int) -> Any:
@@ -220,7 +223,12 @@ def _check_arch(tier: Tier) -> None:
         raise InputError(
             f"structure.clear_span: must be at least {LEAST_GAP * tier.course:g} m{where}, {LEAST_GAP:g} courses, got {tier.clear_span:g}"
         )
+    if tier.ring_thickness >= tier.clear_span:
+        raise InputError(
+            f"structure.ring_thickness: must be below the clear span, {tier.clear_span:g} m{where}, got {tier.ring_thickness:g}"
+        )
     most = math.floor(math.pi / (2.0 * math.asin(min(1.0, 0.5 * LEAST_CHORD * tier.course / tier.outer))))
+    most = min(most, MOST_VOUSSOIRS)
     if not 3 <= tier.voussoirs <= most:
         raise InputError(f"structure.voussoirs: must be 3 to {most} for courses of {tier.course:g} m{where}, got {tier.voussoirs}")
     if tier.cover < LEAST_BED * tier.course - 1e-9:
@@ -263,7 +271,7 @@ def _named(tier: Tier, pieces: list[np.ndarray], density: float, prefix: str) ->
         letter = "v" if group.startswith("arch") else ""
         for number, (_, piece) in enumerate(sorted(groups[group], key=lambda item: item[0]), start=1):
             name = f"{prefix}{group}.{letter}{number}"
-            vertices, faces = prism_xz(piece, -0.5 * tier.width, 0.5 * tier.width)
+            vertices, faces = drawn_out(tier.layout, piece, -0.5 * tier.width, 0.5 * tier.width)
             blocks.append(Block(name, vertices, faces, density, prefix + group))
     return blocks
 

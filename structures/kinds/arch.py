@@ -46,15 +46,18 @@ _ABUTMENT: dict[str, Any] = {"anyOf": [{"type": "boolean"}, {"type": "number", "
 class ArchTable(RingTable):
     """The [structure] table of an arch."""
 
-    width: Length = Field(1.0, description="across the arch, along y")
+    width: Length = 1.0
+    """across the arch, along y"""
     abutment: Annotated[float | None, Unit("m"), BeforeValidator(_abutment), WithJsonSchema(_ABUTMENT)] = Field(
-        math.nan,
-        description="true: fixed blocks at the springings; a number: their depth; false: none",
-        json_schema_extra={"default": True},
+        math.nan, json_schema_extra={"default": True}
     )
-    buttress_width: Length | None = Field(None, description="along x; with it the arch stands on buttresses")
-    buttress_height: Length | None = Field(None, description="below the springing; by default twice the width of the buttress")
-    buttress_courses: int | None = Field(None, ge=1, le=1000, description="by default blocks half as high as wide")
+    """true: fixed blocks at the springings; a number: their depth; false: none"""
+    buttress_width: Length | None = None
+    """along x; with it the arch stands on buttresses"""
+    buttress_height: Length | None = None
+    """below the springing; by default twice the width of the buttress"""
+    buttress_courses: int | None = Field(None, ge=1, le=1000)
+    """by default blocks half as high as wide"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:

@@ -30,15 +30,23 @@ from structures.schema import Height, Length, Table
 class DomeTable(Table):
     """The [structure] table of a dome."""
 
-    span: Length = Field(6.0, description="clear, between opposite sides")
+    span: Length = 6.0
+    """clear, between opposite sides"""
     thickness: Length = Field(0.5)
-    sides: int = Field(16, ge=4, le=128, description="flat sides in plan")
-    rows: int | None = Field(None, ge=2, le=500, description="by default stones as high as the dome is thick")
-    unit_length: Length | None = Field(None, description="of a stone along its row; by default 1.5 thicknesses")
-    oculus: Height = Field(0.0, description="clear width of the opening at the top; 0: closed by a key")
-    drum_height: Height = Field(0.0, description="of the upright wall below")
-    drum_thickness: Length | None = Field(None, description="by default 1.6 thicknesses")
-    base_depth: Length | None = Field(None, description="of the base; by default the thickness")
+    sides: int = Field(16, ge=4, le=128)
+    """flat sides in plan"""
+    rows: int | None = Field(None, ge=2, le=500)
+    """by default stones as high as the dome is thick"""
+    unit_length: Length | None = None
+    """of a stone along its row; by default 1.5 thicknesses"""
+    oculus: Height = 0.0
+    """clear width of the opening at the top; 0: closed by a key"""
+    drum_height: Height = 0.0
+    """of the upright wall below"""
+    drum_thickness: Length | None = None
+    """by default 1.6 thicknesses"""
+    base_depth: Length | None = None
+    """of the base; by default the thickness"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:

@@ -7,13 +7,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
 from masonry_cd.foundation.quantities import length
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
-from structures.files import blockfile, meshfile
+from structures import Made
+from structures.files import blockfile, fillfile, meshfile
 from structures.files.blockfile import METRES, sound
 from structures.files.formats import CAD, endings, format_of
 from structures.files.supports import Rules, with_supports
@@ -29,25 +30,54 @@ from structures.schema import Height, Length
 class FileTable(BaseModel):
     """The [structure] table of a block file."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
-    path: str = Field(description="of the block file, relative to the scene file")
-    units: Literal["m", "cm", "mm"] | None = Field(None, description="of a mesh that does not say it, such as OBJ, STL or VTU")
-    up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
-    fixed: Rules = Field(
-        (),
-        description='supports: names (* stands for anything), "ground" for what touches it, tables of below, box, group, name, or a list',
-    )
-    repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
-    flatness: Height | None = Field(None, description="faces this near to a plane are made flat; a thousandth of the block when not given")
-    chord: Length | None = Field(None, description="how far flat facets may be off the curved faces of a STEP or BREP file")
-    overlap: Length | None = Field(None, description="blocks of any file may be this deep in each other; the depth is reported")
-    gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file")
+    path: str
+    """of the block file, relative to the scene file"""
+    units: Literal["m", "cm", "mm"] | None = None
+    """of a mesh that does not say it, such as OBJ, STL or VTU"""
+    up: Literal["y", "z"] | None = None
+    """which axis of such a file points upwards"""
+    fixed: Rules = ()
+    """supports: names (* stands for anything), "ground" for what touches it, tables of below, box, group, name, or a list"""
+    repair: bool = False
+    """mend duplicate corners and the orientation of faces of such a file"""
+    flatness: Height | None = None
+    """faces this near to a plane are made flat; a thousandth of the block when not given"""
+    chord: Length | None = None
+    """how far flat facets may be off the curved faces of a STEP or BREP file"""
+    overlap: Length | None = None
+    """blocks of any file may be this deep in each other; the depth is reported"""
+    gaps: Length | None = None
+    """close gaps up to this width between blocks of any file"""
+    fill: str | None = None
+    """a file with the fill of a bridge, as build writes it beside blocks in other formats; a block file holds its own"""
 
 
-def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
-    """Read the block file that a [structure] table names; the notes say how far closing gaps has moved corners."""
+def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
+    """Read the blocks that a [structure] table names, and their fill; the notes say how far closing gaps has moved corners."""
     keys = parse_table(FileTable, table, "structure")
+    blocks, notes = _read(keys, density, folder)
+    content, source = _fill_of(keys, folder)
+    blocks, fills = fillfile.with_fill(blocks, content, source, Path(keys.path).name)
+    return Made(blocks, notes, (), fills)
+
+
+def _fill_of(keys: FileTable, folder: Path) -> tuple[Mapping[str, Any], str]:
+    """What files say of fill, and the name of that which does."""
+    path = Path(keys.path)
+    is_own = format_of(folder / path) == "json"
+    if keys.fill is None:
+        return (blockfile.read_fill(folder / path), path.name) if is_own else ({}, path.name)
+    if is_own:
+        raise InputError(f"structure.fill: belongs to blocks in other formats; {path.name} holds its own")
+    if not is_file(folder / keys.fill):
+        raise InputError(f'structure.fill: no file "{keys.fill}" in {folder}')
+    return blockfile.load(folder / keys.fill, fillfile.FILLS), Path(keys.fill).name
+
+
+def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], list[str]]:
+    """The blocks, and lines on what was changed in them."""
     path = Path(keys.path)
     if not is_file(folder / path):
         raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')

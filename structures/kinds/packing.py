@@ -34,21 +34,36 @@ MOST_PLACES = 1e6  # in a layer of the loose spheres, and of small ones in the c
 class PackingTable(Table):
     """The [structure] table of a packing."""
 
-    diameters: tuple[Length, ...] = Field((0.1,), strict=False, min_length=1, max_length=20, description="of the spheres")
-    shares: tuple[Share, ...] | None = Field(None, strict=False, description="of each diameter, in any unit; by default equal ones")
-    share_of: Literal["number", "volume"] = Field("number", description="what the shares are shares of")
-    count: int | None = Field(None, ge=1, description="number of spheres; or fill")
-    fill: Length = Field(0.5, description="height that they fill when they have settled, at a solid fraction of 0.6; or count")
-    form: Literal["box", "cylinder"] = Field("box", description="of the container")
-    length: Length = Field(1.0, description="clear, of a box along x")
-    width: Length = Field(1.0, description="clear, of a box along y")
-    diameter: Length = Field(1.0, description="clear, of a cylinder")
-    walls: bool = Field(True, description="false leaves them out: the spheres fall on the floor as a heap")
-    height: Length | None = Field(None, description="of the walls; by default as high as the loose spheres reach")
-    wall_thickness: Length | None = Field(None, description="by default the largest diameter of the spheres")
-    sides: int = Field(24, ge=6, le=128, description="plates of a cylinder")
-    seed: int = Field(0, ge=0, description="of where the spheres lie; equal seeds give equal places")
-    base_depth: Length | None = Field(None, description="of the floor; by default the thickness of the walls")
+    diameters: tuple[Length, ...] = Field((0.1,), strict=False, min_length=1, max_length=20)
+    """of the spheres"""
+    shares: tuple[Share, ...] | None = Field(None, strict=False)
+    """of each diameter, in any unit; by default equal ones"""
+    share_of: Literal["number", "volume"] = "number"
+    """what the shares are shares of"""
+    count: int | None = Field(None, ge=1)
+    """number of spheres; or fill"""
+    fill: Length = 0.5
+    """height that they fill when they have settled, at a solid fraction of 0.6; or count"""
+    form: Literal["box", "cylinder"] = "box"
+    """of the container"""
+    length: Length = 1.0
+    """clear, of a box along x"""
+    width: Length = 1.0
+    """clear, of a box along y"""
+    diameter: Length = 1.0
+    """clear, of a cylinder"""
+    walls: bool = True
+    """false leaves them out: the spheres fall on the floor as a heap"""
+    height: Length | None = None
+    """of the walls; by default as high as the loose spheres reach"""
+    wall_thickness: Length | None = None
+    """by default the largest diameter of the spheres"""
+    sides: int = Field(24, ge=6, le=128)
+    """plates of a cylinder"""
+    seed: int = Field(0, ge=0)
+    """of where the spheres lie; equal seeds give equal places"""
+    base_depth: Length | None = None
+    """of the floor; by default the thickness of the walls"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:

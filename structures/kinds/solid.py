@@ -48,21 +48,30 @@ SECONDS = 600.0  # of processor time, unless the scene says otherwise [s]: tower
 class SolidTable(BaseModel):
     """The [structure] table of a solid that is cut into blocks."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
-    path: str = Field(description="of the solid, relative to the scene file")
-    units: Literal["m", "cm", "mm"] | None = Field(None, description="of a .geo or .brep file, which does not say")
-    up: Literal["y", "z"] = Field("z", description="which axis of the file points upwards")
-    course_height: Length = Field(description="aimed at: the height is divided into whole courses")
-    unit_length: Length | None = Field(None, description="of a stone; by default two courses")
-    bond: Literal["running", "stack"] = Field("running", description="running: every second course is shifted by half a stone")
-    chord: Length | None = Field(None, description="how far a flat facet may be off the curved face that it stands for")
-    tolerance: Length = Field(1e-6, description="corners this close to a joint's plane lie in it")
-    trusted: bool = Field(
-        False, description="of older scenes with a .geo file, which is a program; alone it has no effect: --trust runs it"
-    )
-    time_limit: Annotated[float, Unit("s")] = Field(SECONDS, gt=0, le=DAY, description="processor time that reading and cutting may take")
-    base_depth: Length | None = Field(None, description="of the fixed block underneath; by default a course")
+    path: str
+    """of the solid, relative to the scene file"""
+    units: Literal["m", "cm", "mm"] | None = None
+    """of a .geo or .brep file, which does not say"""
+    up: Literal["y", "z"] = "z"
+    """which axis of the file points upwards"""
+    course_height: Length
+    """aimed at: the height is divided into whole courses"""
+    unit_length: Length | None = None
+    """of a stone; by default two courses"""
+    bond: Literal["running", "stack"] = "running"
+    """running: every second course is shifted by half a stone"""
+    chord: Length | None = None
+    """how far a flat facet may be off the curved face that it stands for"""
+    tolerance: Length = 1e-6
+    """corners this close to a joint's plane lie in it"""
+    trusted: bool = False
+    """of older scenes with a .geo file, which is a program; alone it has no effect: --trust runs it"""
+    time_limit: Annotated[float, Unit("s")] = Field(SECONDS, gt=0, le=DAY)
+    """processor time that reading and cutting may take"""
+    base_depth: Length | None = None
+    """of the fixed block underneath; by default a course"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:

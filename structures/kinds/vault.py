@@ -34,14 +34,21 @@ from structures.schema import Length
 class VaultTable(RingTable):
     """The [structure] table of a vault."""
 
-    form: Literal["barrel", "cross"] = Field("barrel", description="a barrel, or two that cross on four piers")
-    span: Length | None = Field(4.0, description="clear, between the springings of the intrados")
+    form: Literal["barrel", "cross"] = "barrel"
+    """a barrel, or two that cross on four piers"""
+    span: Length | None = 4.0
+    """clear, between the springings of the intrados"""
     thickness: Length = Field(0.5)
-    voussoirs: int = Field(15, ge=3, le=500, description="to a ring")
-    length: Length | None = Field(None, description="of a barrel, along y; by default its span")
-    unit_length: Length | None = Field(None, description="of a block along the vault; by default 1.2 thicknesses")
-    pier: Length | None = Field(None, description="width of the piers of a cross vault; by default 1.3 thicknesses")
-    bonded: bool = Field(True, description="of a barrel; false: separate rings")
+    voussoirs: int = Field(15, ge=3, le=500)
+    """to a ring"""
+    length: Length | None = None
+    """of a barrel, along y; by default its span"""
+    unit_length: Length | None = None
+    """of a block along the vault; by default 1.2 thicknesses"""
+    pier: Length | None = None
+    """width of the piers of a cross vault; by default 1.3 thicknesses"""
+    bonded: bool = True
+    """of a barrel; false: separate rings"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:

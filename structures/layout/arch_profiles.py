@@ -41,16 +41,22 @@ COS30 = math.sqrt(0.75)
 class RingTable(Table):
     """The keys of a ring of voussoirs."""
 
-    shape: Literal["circular", "pointed", "three-centred", "flat"] = Field("circular", description="of the intrados")
-    span: Length | None = Field(None, description="clear, between the springings of the intrados")
-    radius: Length | None = Field(None, description="of the middle line")
-    rise: Length | None = Field(None, description="clear, from the springing to the crown of the intrados")
-    embrace: Annotated[float, Unit("degrees")] | None = Field(None, gt=0, le=180, description="angle between the springing joints")
-    skew: Annotated[float, Unit("degrees")] | None = Field(
-        None, gt=0, le=45, description="of the outermost joints of a flat arch to the upright; by default 20"
-    )
-    thickness: Length = Field(description="of the ring")
-    voussoirs: int = Field(27, ge=2, le=2000, description="to the ring")
+    shape: Literal["circular", "pointed", "three-centred", "flat"] = "circular"
+    """of the intrados"""
+    span: Length | None = None
+    """clear, between the springings of the intrados"""
+    radius: Length | None = None
+    """of the middle line"""
+    rise: Length | None = None
+    """clear, from the springing to the crown of the intrados"""
+    embrace: Annotated[float, Unit("degrees")] | None = Field(None, gt=0, le=180)
+    """angle between the springing joints"""
+    skew: Annotated[float, Unit("degrees")] | None = Field(None, gt=0, le=45)
+    """of the outermost joints of a flat arch to the upright; by default 20"""
+    thickness: Length
+    """of the ring"""
+    voussoirs: int = Field(27, ge=2, le=2000)
+    """to the ring"""
 
 
 def joints_of(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:

@@ -18,15 +18,24 @@ from structures.schema import Height, Length, Table
 class ColumnTable(Table):
     """The [structure] table of a column."""
 
-    height: Length = Field(6.0, description="with plinth and capital")
-    diameter: Length = Field(0.9, description="of the shaft at its foot")
-    top_diameter: Length | None = Field(None, description="of the shaft at its top; by default 0.85 of the foot")
-    drums: int = Field(7, ge=1, le=500, description="of the shaft")
-    sides: int = Field(12, ge=4, le=64, description="flat sides of a drum")
-    plinth: Height = Field(0.3, description="height of the plinth, 0 for none")
-    capital: Height = Field(0.5, description="height of the capital with its abacus, 0 for none")
-    width: Length | None = Field(None, description="of plinth and abacus; by default 1.3 diameters")
-    base_depth: Length = Field(0.5, description="of the base")
+    height: Length = 6.0
+    """with plinth and capital"""
+    diameter: Length = 0.9
+    """of the shaft at its foot"""
+    top_diameter: Length | None = None
+    """of the shaft at its top; by default 0.85 of the foot"""
+    drums: int = Field(7, ge=1, le=500)
+    """of the shaft"""
+    sides: int = Field(12, ge=4, le=64)
+    """flat sides of a drum"""
+    plinth: Height = 0.3
+    """height of the plinth, 0 for none"""
+    capital: Height = 0.5
+    """height of the capital with its abacus, 0 for none"""
+    width: Length | None = None
+    """of plinth and abacus; by default 1.3 diameters"""
+    base_depth: Length = 0.5
+    """of the base"""
 
 
 def column(centre: tuple[float, float], foot: float, keys: ColumnTable, density: float, prefix: str = "", group: str = "") -> list[Block]:

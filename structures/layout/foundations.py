@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
@@ -39,8 +38,10 @@ Cuts = tuple[float, ...]
 class FoundationsTable(Table):
     """The table ``structure.foundations``."""
 
-    x: int | Annotated[list[float], Unit("m")] | None = Field(None, description="number of strips along x, or where to cut")
-    y: int | Annotated[list[float], Unit("m")] | None = Field(None, description="likewise along y")
+    x: int | Annotated[list[float], Unit("m")] | None = None
+    """number of strips along x, or where to cut"""
+    y: int | Annotated[list[float], Unit("m")] | None = None
+    """likewise along y"""
 
 
 def in_pieces(blocks: Sequence[Block], asked: object) -> list[Block]:

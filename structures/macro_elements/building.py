@@ -5,20 +5,24 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 
+from masonry_cd.mechanics.model.polygon import loop_area, loop_normal
 from structures.macro_elements import walls
 from structures.macro_elements.element import AROUND, HINGES, OVERTURNING, MacroElement, Vector
 from structures.macro_elements.layout import Layout
 
 COURSE, COLUMN = re.compile(r"\d+$"), re.compile(r"c\d+$")  # second part of the name of a stone of a wall, and of a column
 END = 0.1  # share of the length of a wall that its end is
-ALIGNED = 0.1  # by how much a wall in the frame of x and y may be out of it, the sine of the angle
+LIKE = 0.9  # cosine of the angle between the faces of a stone that count as faces of its wall and the direction across that, at least
+ONE = 1e-3  # faces turned by less are alike [rad]
+STRAIGHT = 0.8  # share of the faces of a wall that lie alike, at least; with less it is curved and has no plane of its own
 
 
 def parts(layout: Layout) -> list[MacroElement]:
-    """Every wall out of its plane, to both sides, and in it where it lies along x or y; corners; vaults; columns."""
+    """Every wall out of its plane, to both sides, and in it where it is straight; corners; vaults; columns."""
     free = np.flatnonzero(~layout.fixed)
     by_wall: dict[str, list[int]] = {}
     for block in free.tolist():
@@ -38,9 +42,40 @@ def parts(layout: Layout) -> list[MacroElement]:
 
 def _wall(layout: Layout, name: str, own: np.ndarray) -> list[MacroElement]:
     """A wall by its name."""
-    out = _across(layout, own)
+    out, straight = _facing(layout, own, _across(layout, own))
     found = walls.out_of_plane(layout, name, own, (out, (-out[0] + 0.0, -out[1] + 0.0, 0.0)), _eaves(layout, own, out), "wall")
-    return found + (walls.in_plane(layout, name, name) if min(abs(out[0]), abs(out[1])) < ALIGNED else [])
+    return found + (_in_plane(layout, name, out) if straight else [])
+
+
+def _in_plane(layout: Layout, name: str, out: Vector) -> list[MacroElement]:
+    """A wall in its own plane, which has a normal."""
+    along = np.array([-out[1], out[0]])
+    if abs(along).max() == 1.0:  # along x or y
+        return walls.in_plane(layout, name, name)
+    ways = tuple((round(sign * along[0], 9), round(sign * along[1], 9), 0.0) for sign in (1.0, -1.0))
+    return [replace(one, directions=ways) for one in walls.in_plane(layout.turned(along), name, name)]
+
+
+def _facing(layout: Layout, own: np.ndarray, across: Vector) -> tuple[Vector, bool]:
+    """The normal of the faces of a wall, near a direction across it, and whether most of them have it."""
+    areas, angles = [], []
+    for k in own.tolist():
+        block = layout.blocks[k]
+        for face in block.faces:
+            loop = block.vertices[list(face)]
+            normal = loop_normal(loop)
+            if abs(normal[0] * across[0] + normal[1] * across[1]) > LIKE:
+                areas.append(loop_area(loop))
+                angles.append(math.atan2(normal[1], normal[0]) % math.pi)
+    if not areas:
+        return across, False
+    area, angle = np.array(areas), np.array(angles)
+    _, bins = np.unique(np.round(angle / ONE) % round(math.pi / ONE), return_inverse=True)
+    best = int(np.flatnonzero(bins == np.bincount(bins, area).argmax())[0])
+    alike = np.abs((angle - angle[best] + 0.5 * math.pi) % math.pi - 0.5 * math.pi) < ONE
+    x, y = math.cos(angle[best]), math.sin(angle[best])
+    sign = math.copysign(1.0, x * across[0] + y * across[1])
+    return (round(sign * x, 9) + 0.0, round(sign * y, 9) + 0.0, 0.0), bool(area[alike].sum() > STRAIGHT * area.sum())
 
 
 def _across(layout: Layout, own: np.ndarray) -> Vector:

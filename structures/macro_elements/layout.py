@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,6 +38,7 @@ class Layout:
     fixed: np.ndarray  # (B,)
     low: np.ndarray  # (B, 3) [m]
     high: np.ndarray  # (B, 3) [m]
+    blocks: Sequence[Block]
 
     @classmethod
     def of(cls, blocks: Sequence[Block]) -> Layout:
@@ -47,7 +48,16 @@ class Layout:
         high = np.array([block.vertices.max(axis=0) for block in blocks])
         wall, piece = (np.array([part[k] for part in parts], dtype=object) for k in (0, 1))
         group = np.array([block.group for block in blocks], dtype=object)
-        return cls(wall, piece, group, np.array([block.fixed for block in blocks]), low, high)
+        return cls(wall, piece, group, np.array([block.fixed for block in blocks]), low, high, blocks)
+
+    def turned(self, along: np.ndarray) -> Layout:
+        """Seen with a unit vector (2,) of the plan as x, so that a wall along it lies as one along x does."""
+        turn = np.array([along, [-along[1], along[0]]])
+        plans = [block.vertices[:, :2] @ turn.T for block in self.blocks]
+        low, high = (
+            np.column_stack([[end(plan, axis=0) for plan in plans], z[:, 2]]) for end, z in ((np.min, self.low), (np.max, self.high))
+        )
+        return replace(self, low=low, high=high)
 
     @property
     def middle(self) -> np.ndarray:

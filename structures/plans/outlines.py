@@ -5,33 +5,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from masonry_cd.mechanics.model.wall_outline import WallOutline
 from structures.plans.edges import Edge, angle_between, circle_through
 
 PARTS = 12  # chords of a half circle in a drawing
 
 
-class Outline(NamedTuple):
-    """A wall as drawn."""
-
-    name: str
-    line: np.ndarray  # (P, 2) axis in plan [m]
-    thickness: float  # [m]
-    top: np.ndarray  # (T, 2) distance along the axis, z [m]
-    base: float  # z [m]
-    openings: tuple[tuple[str, np.ndarray], ...]  # name, and corners (Q, 2): distance along the axis, z [m]
-
-
-def outline_of(wall: Mapping[str, Any]) -> Outline:
+def outline_of(wall: Mapping[str, Any]) -> WallOutline:
     """A wall of a building's table as drawn."""
     line, length = axis_line(wall["axis"])
     base = float(wall.get("base", 0.0))
     top = wall.get("top") or [[0.0, wall.get("height", 0.0)], [length, wall.get("height", 0.0)]]
     openings = tuple((str(o.get("name") or ""), _shifted(opening_outline(o), base)) for o in wall.get("openings", ()))
-    return Outline(str(wall["name"]), line, float(wall["thickness"]), _shifted(np.array(top, dtype=float), base), base, openings)
+    return WallOutline(str(wall["name"]), line, float(wall["thickness"]), _shifted(np.array(top, dtype=float), base), base, openings)
 
 
 def _shifted(points: np.ndarray, up: float) -> np.ndarray:

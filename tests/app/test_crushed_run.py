@@ -3,14 +3,19 @@
 
 import csv
 import json
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
+import pytest
 from models import box, ground
 
+from masonry_cd.analysis.damage.joint_damage import crushing
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines
+from masonry_cd.app.summary import closing_lines, crushed_lines
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing.palette import CRUSHED
 from reports.drawing.parts import painted
@@ -50,3 +55,22 @@ def test_crushed_joints_are_counted_tabled_and_marked(tmp_path):
         assert scene.joints is not None
         assert tuple(scene.joints.colours[1][0]) == tuple(painted(CRUSHED, 1)[0])
     assert json.loads((tmp_path / "out/summary.json").read_text())["crushed_max"] > 1e-6
+
+
+def test_a_strength_below_the_stress_of_the_dead_loads_names_the_joint(tmp_path):
+    """A beam on two stones whose beds bear 29 kPa."""
+    stones = [box("west", (-1.0, 0.0, 0.0), (-0.5, 0.5, 0.5)), box("east", (0.5, 0.0, 0.0), (1.0, 0.5, 0.5))]
+    blockfile.write(tmp_path / "blocks.json", [ground(), *stones, box("beam", (-1.0, 0.0, 0.5), (1.0, 0.5, 1.0))])
+    (tmp_path / "scene.toml").write_text(SCENE.replace("STRENGTH", "2e4"))
+    words = r'the joint "ground" - "(west|east)".* crushes at 20 kPa under the dead loads alone: .* with a mean stress of '
+    with pytest.raises(InputError, match=words):
+        run_case(prepare(read_scene(tmp_path / "scene.toml")), tmp_path / "out")
+
+
+def test_crushing_that_is_forgotten_is_counted():
+    """Three joints over three frames: one keeps what it is shorter by, one loses it, one was never crushed."""
+    history = np.array([[0.0, 0.0, 0.0], [1e-4, 2e-4, 0.0], [3e-4, 0.0, 0.0]])
+    results = SimpleNamespace(has_joint_history=lambda name: True, joint_history=lambda name: history)
+    found = crushing(cast(Results, results))
+    assert found == {"joints_crushed": 1, "crushed_max": 3e-4, "crushing_forgotten": 1}
+    assert crushed_lines(found)[-1].startswith("crushing: of 1 joint it is forgotten")

@@ -10,16 +10,17 @@ import pytest
 from models import box, ground
 from typer.testing import CliRunner
 
-from masonry_cd.app.limit_case import limit_case, lines
+from masonry_cd.app.limit_case import limit_case, lines, write
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model.blocks import Block
 from structures.files import blockfile
 
 
-def scene(folder: Path, tables: str, joints: str = "") -> Path:
-    """A pillar without a table [run]."""
-    blockfile.write(folder / "blocks.json", [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 1.5))])
+def scene(folder: Path, tables: str, joints: str = "", blocks: list[Block] | None = None) -> Path:
+    """A pillar, or other blocks, without a table [run]."""
+    blockfile.write(folder / "blocks.json", blocks or [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 1.5))])
     path = folder / "scene.toml"
     path.write_text(
         f'structure = {{kind = "file", path = "blocks.json"}}\nmaterial = {{density = 2000.0, friction = 0.6{joints}}}\n{tables}'
@@ -61,3 +62,24 @@ def test_what_is_run_needs_one(tables, message, tmp_path):
     if not tables:
         with pytest.raises(InputError, match="run: missing"):
             read_scene(tmp_path / "scene.toml")
+
+
+@pytest.mark.parametrize("courses", [1, 3])
+def test_a_wall_wedged_between_rigid_cheeks_leans_out_alone(courses, tmp_path):
+    """With dilation it would have to part its cheeks, which are fixed, and bears any multiple; without, it overturns about its edge."""
+    cheeks = [box("left", (0.0, -1.6, 0.0), (1.0, -1.0, 3.0), fixed=True), box("right", (0.0, 1.0, 0.0), (1.0, 1.6, 3.0), fixed=True)]
+    high = 3.0 / courses
+    slab = [box(f"slab{k}", (0.0, -1.0, k * high), (0.5, 1.0, (k + 1) * high)) for k in range(courses)]
+    check = '[limit.check]\nspectrum = "EC8"\nag = 4.0\ndisplacements = false\n'
+    path = scene(tmp_path, f"[limit]\npush = '-x'\n{check}", blocks=[ground(5.0), *slab, *cheeks])
+    case = limit_case(path)
+    assert case.analysis.unlimited and not case.analysis.endless
+    assert case.analysis.least is not None and case.analysis.least.optimum.factor == pytest.approx(0.5 / 3.0, rel=1e-3)
+    assert case.verdict is not None and case.verdict.state == "NOT satisfied" and case.verdict.search is not None
+    assert case.verdict.search.associated is None
+    words = lines(case)
+    assert any("no finite associated load factor" in line for line in words) and any("is the least found" in line for line in words)
+    write(case, tmp_path / "out", pictures=False)
+    made = json.loads((tmp_path / "out" / "limit.json").read_text())
+    assert made["no_finite_factor"] and made["associated"] is None and made["least"]["factor"] == pytest.approx(0.5 / 3.0, rel=1e-3)
+    assert made["mechanism"]["of"] == "least" and len(made["mechanism"]["moving_blocks"]) == courses

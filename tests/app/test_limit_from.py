@@ -94,8 +94,8 @@ def test_a_wrong_folder_is_said_before_anything_is_analysed(left, monkeypatch):
 @pytest.mark.parametrize(
     ("now", "whole", "words"),
     [
-        ({"unlimited": True}, {}, "no finite load factor beside load factor 0.3333 as built"),
-        ({}, {"unlimited": True}, "load factor 0.3333 beside no finite load factor as built"),
+        ({"unlimited": True, "least": None}, {}, "no finite load factor beside load factor 0.3333 as built"),
+        ({}, {"unlimited": True, "least": None}, "load factor 0.3333 beside no finite load factor as built"),
         ({}, {"standing": 0.5}, "as built it did not stand under its dead loads; load factor 0.3333 now"),
         ({"standing": 0.25}, {}, "as built it bore its dead loads, and now 25 % of them"),
         ({}, {"least": None}, "both associated: a search came to no end"),

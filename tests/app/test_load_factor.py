@@ -145,3 +145,28 @@ def test_the_dry_wall_of_ferris_and_tin_loi(kind: str, tmp_path: Path, shared: P
     found = summary["load_factor"]["given_way"]
     print(f"{kind}: lambda {found:.4f}, exact (associated) {case['lambda_associated_computed']:.4f}")
     assert found == pytest.approx(case["lambda_associated_computed"], rel=0.03)
+
+
+def test_a_push_on_a_bridge_is_not_compared_with_a_limit_analysis_that_knows_no_fill(tmp_path: Path) -> None:
+    scene = """
+[structure]
+kind = "bridge"
+spans = [{span = 4.0, rise = 1.2, thickness = 0.4, voussoirs = 5}]
+fill = {passive_shaken = 0.0}
+[material]
+density = 2000.0
+friction = 0.6
+[[loads]]
+kind = "push"
+direction = "x"
+rate = 0.05
+[[loads]]
+kind = "vehicle"
+axles = [1e4]
+position = 1.0
+[run]
+dt = 2e-3
+duration = 0.01
+"""
+    (tmp_path / "scene.toml").write_text(scene)
+    assert limit_bracket(prepare(read_scene(tmp_path / "scene.toml"))) is None

@@ -8,7 +8,8 @@ import json
 
 import pytest
 
-from benchmarks.turns import SHARES, Tree, machine_of, row
+from benchmarks.served import machine_of
+from benchmarks.turns import SHARES, Tree, row
 from masonry_cd.foundation.errors import InputError
 
 
@@ -28,7 +29,7 @@ class Counted:
 
 def test_a_line_has_the_ratio_of_the_seconds_and_the_steps_missed_in_both_trees():
     beside, here = Counted(2e-3, 2), Counted(1e-3, 0)
-    line = row((beside, here), "tower50", (), 2)
+    line = row((beside, here), "tower50", ([], []), 2)
     assert line == f"| tower50 | 4 | 200 | 2 | 1 | 0.50 | {2 * SHARES} | 0 | 1.0e-07 | 1.0e-09 |"
     assert sum(what for what in here.asked if isinstance(what, int)) == 400
 

@@ -29,7 +29,7 @@ FIRST_HOUR = DOCS / "tutorials" / "first_hour.md"
 IN_A_SCENE = re.findall(r"^\| `(.+?)` \| `(.+?)` \| `(.+?)` \| `(.+?)` \|$", FIRST_HOUR.read_text(encoding="utf-8"), re.MULTILINE)
 ON_THE_LINE = re.findall(r"^\| `masonry-cd (.+?)` \| `(.+?)` \|$", FIRST_HOUR.read_text(encoding="utf-8"), re.MULTILINE)
 FOLLOWED = [ROOT / "README.md", DOCS / "index.md", *sorted(DOCS.glob("tutorials/*.md")), *sorted(DOCS.glob("howto/*.md"))]
-QUICK = ("docs/howto/blocks.md", "docs/howto/code_check.md", "docs/howto/compare.md", "docs/tutorials/first_report.md")
+QUICK = ("docs/howto/blocks.md", "docs/howto/code_check.md", "docs/howto/compare.md")
 LONG = pytest.mark.slow(reason="types every command of a page: runs, pictures and reports, 5 to 20 s")
 
 
@@ -41,7 +41,7 @@ def lines_of(first: str) -> list[tuple[str, str]]:
 def test_lines_are_found_and_loops_undone():
     assert list(typed("a \\\n  1  # why\n\nfor x in 2 3; do\n  b --set k=$x\ndone\n")) == ["a 1", "b --set k=2", "b --set k=3"]
     assert len(lines_of("masonry-cd")) >= 100
-    assert {name for name, _ in lines_of("masonry-cd")} >= {"README.md", "docs/command_reference.md", "docs/tutorials/sweep.md"}
+    assert {name for name, _ in lines_of("masonry-cd")} >= {"README.md", "docs/command_reference.md", "docs/tutorials/first_hour.md"}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=page_name)

@@ -14,19 +14,15 @@ import numpy as np
 import pytest
 import scenes
 from doc_pages import DOCS, PAGES, page_name
-from models import stepper
+from models import stepper, tower
 
 import masonry_cd.mechanics.solvers
-import structures
-import structures.kinds
 from masonry_cd import __version__
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.friction.problem import Problem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 ROOT = Path(__file__).resolve().parents[2]
-EXAMPLES = dict(re.findall(r"The whole file, `([\w/]+\.py)`:\n\n```python\n(.*?)```", (DOCS / "architecture.md").read_text(), re.DOTALL))
-STACK, JACOBI = "structures/kinds/stack.py", "masonry_cd/mechanics/solvers/jacobi.py"
+JACOBI = ROOT / "examples" / "solver" / "jacobi.py"
 
 
 def loaded(path: Path, name: str) -> ModuleType:
@@ -53,31 +49,19 @@ def found(picture: ModuleType) -> dict[str, tuple]:
 
 
 @pytest.fixture
-def example(tmp_path: Path) -> Iterator[ModuleType]:
-    """The examples of architecture.md as modules, each from a file of its own."""
-    names = []
-    both = ModuleType("examples")
-    for place, code in EXAMPLES.items():
-        path = tmp_path / Path(place).name
-        path.write_text(code)
-        names.append(f"example_{path.stem}")
-        setattr(both, path.stem, loaded(path, names[-1]))
-    yield both
-    for name in names:
-        del sys.modules[name]
+def jacobi() -> Iterator[ModuleType]:
+    """The example of a solver as a module."""
+    yield loaded(JACOBI, "example_jacobi")
+    del sys.modules["example_jacobi"]
 
 
 @pytest.fixture
-def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The examples put where the program looks for kinds and solvers."""
-    for place, package in ((STACK, structures.kinds), (JACOBI, masonry_cd.mechanics.solvers)):
-        folder = tmp_path / package.__name__
-        folder.mkdir()
-        (folder / Path(place).name).write_text(EXAMPLES[place])
-        monkeypatch.setattr(package, "__path__", [*package.__path__, str(folder)])
+def added(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The example put where the program looks for solvers."""
+    package = masonry_cd.mechanics.solvers
+    monkeypatch.setattr(package, "__path__", [*package.__path__, str(JACOBI.parent)])
     yield
-    for place in (STACK, JACOBI):
-        sys.modules.pop(place.removesuffix(".py").replace("/", "."), None)
+    sys.modules.pop("masonry_cd.mechanics.solvers.jacobi", None)
 
 
 def test_every_package_of_the_tree_is_drawn(picture: ModuleType, found: dict[str, tuple]) -> None:
@@ -105,31 +89,21 @@ def test_imports_are_read_with_their_place(found: dict[str, tuple]) -> None:
     assert all(name not in package.imports + package.lazy for name, package in found.items())
 
 
-def test_the_example_of_a_structure_builds(example: ModuleType) -> None:
-    plate, *cubes = example.stack.build({"cubes": 4, "side": 0.25}, 2000.0, ROOT)
-    assert plate.fixed
-    assert [cube.name for cube in cubes] == ["cube1", "cube2", "cube3", "cube4"]
-    assert max(float(cube.vertices[:, 2].max()) for cube in cubes) == 1.0
-    with pytest.raises(InputError, match=r"structure\.cubs: unknown key \(did you mean \"cubes\"\?\)"):
-        example.stack.build({"cubs": 4}, 2000.0, ROOT)
-
-
 @pytest.mark.parametrize("problem", [scenes.tower(3), scenes.tower(2).to_local()], ids=["bodies", "local"])
-def test_the_example_of_a_solver_solves(example: ModuleType, problem: Problem) -> None:
-    solution = example.jacobi.solve(problem, Options(tolerance=1e-6))
+def test_the_example_of_a_solver_solves(jacobi: ModuleType, problem: Problem) -> None:
+    solution = jacobi.solve(problem, Options(tolerance=1e-6))
     assert 0 < solution.iterations < 2000
     assert natural_map_error(problem, solution.impulse) < 1e-6
-    again = example.jacobi.solve(problem, Options(tolerance=1e-6))
+    again = jacobi.solve(problem, Options(tolerance=1e-6))
     assert np.array_equal(solution.impulse, again.impulse)
-    missed = example.jacobi.solve(problem, Options(tolerance=1e-12, max_iterations=40))
+    missed = jacobi.solve(problem, Options(tolerance=1e-12, max_iterations=40))
     assert missed.iterations == 40
 
 
 @pytest.mark.usefixtures("added")
-def test_one_file_adds_a_kind_and_one_a_solver() -> None:
-    blocks = structures.build({"kind": "stack", "cubes": 2}, 2000.0, ROOT)
+def test_one_file_adds_a_solver() -> None:
     assert "jacobi" in SOLVERS
-    machine = stepper(blocks, 5, solver="jacobi", tolerance=1e-6)
+    machine = stepper(tower(2), 5, solver="jacobi", tolerance=1e-6)
     reports = [machine.step() for _ in range(5)]
     assert reports[0].iterations > 0
     assert max(report.error for report in reports) < 1e-6
@@ -139,7 +113,7 @@ def test_one_file_adds_a_kind_and_one_a_solver() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=page_name)
 def test_files_that_a_page_names_are_there(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    named = {name for name in re.findall(r"`((?:[\w-]+/)+[\w-]+\.\w+)`", text) if name not in EXAMPLES}
+    named = set(re.findall(r"`((?:[\w-]+/)+[\w-]+\.\w+)`", text))
     named = {name for name in named if (ROOT / name.split("/")[0]).is_dir() and not name.startswith("out/")}
     assert sorted(name for name in named if not (ROOT / name).exists()) == []
     links = {link.split("#")[0] for link in re.findall(r"\]\(([^)\s]+)\)", text) if "://" not in link}
@@ -173,4 +147,5 @@ def test_every_validation_test_is_described() -> None:
 
 def test_the_reference_of_scenes_is_what_is_generated():
     reference = loaded(DOCS / "write_scene_reference.py", "write_scene_reference")
-    assert reference.PAGE.read_text(encoding="utf-8") == reference.page(), "python docs/write_scene_reference.py"
+    for page, text in reference.pages().items():
+        assert page.read_text(encoding="utf-8") == text, "python docs/write_scene_reference.py"

@@ -355,6 +355,29 @@ def test_no_tile_stands_alone_on_a_wide_page(page):
     page.size(1500, 1000)
 
 
+AUDIT = """const out = [], all = (what) => [...document.querySelectorAll(what)];
+    all("h1, h2, h3").reduce((last, h) => { if (+h.tagName[1] > last + 1) out.push(h.textContent); return +h.tagName[1]; }, 0);
+    for (const e of all("img")) if (!e.alt) out.push("a picture without words");
+    for (const e of all("input, select")) if (!e.labels.length && !e.ariaLabel) out.push(`no label: ${e.id}`);
+    for (const e of all("button, a")) if (!e.textContent.trim() && !e.ariaLabel) out.push("a button without a name");
+    for (const e of all("table")) if (!e.querySelector("th[scope]")) out.push("a table without headings");
+    for (const e of all(".scroll, canvas, pre#scene")) if (e.tabIndex < 0) out.push(`out of reach of the keyboard: ${e.className || e.id}`);
+    return out"""
+
+
+def test_headings_labels_and_the_keyboard_lead_through_the_page(page):
+    assert page.run(AUDIT) == []
+
+
+def test_every_axis_has_two_ticks_or_more_and_none_crowds(page):
+    """Whatever a plot spans; one that goes from -48 to 48 had its zero alone."""
+    plots = """return [...document.querySelectorAll(".plot:not([hidden]) svg")].map((plot) =>
+        [plot.querySelectorAll("text[text-anchor=end]:not(.level)").length, plot.querySelectorAll("text[text-anchor=middle]").length])"""
+    counts = page.run(plots)
+    assert len(counts) >= 2
+    assert all(2 <= count <= 11 for both in counts for count in both), counts
+
+
 def test_all_columns_of_the_joints_are_seen_at_1400_pixels(page):
     """With names and numbers as long as those of the demo."""
     page.size(1400, 1000)

@@ -94,8 +94,14 @@ def test_supports_that_move_alike_are_one_motion(tmp_path):
 
 def test_loads_are_listed_and_not_said_to_be_left_out(tmp_path):
     said, _ = page(tmp_path, result(tmp_path))
-    assert "load 1, settlement right 30 mm along −z 0 to 0.5 s" in said
-    assert "load 2, point beam at (1, 0.5, 0.5) m 400 kN along −z in full from 0 s on" in said
-    assert "load 3, push all free blocks from 0 at 0.05 of the weight per second along x" in said
-    assert "load 4, tie beam to left diameter 20 mm, 5 kN at the start throughout" in said
-    assert "live loads beyond the 1 point load of Loads in the model , water" in said
+    assert "Load 1: settlement, supports right, direction -z, displacement 0.03, duration 0.5" in said
+    assert "Load 4: tie, blocks beam, left, diameter 0.02, tension 5000" in said
+    assert "live loads beyond the 1 point load of Masses, ties and loads in the model , water" in said
+
+
+def test_what_a_run_said_before_it_began_is_what_is_modelled(tmp_path):
+    with Results.open(result(tmp_path)) as results:
+        modelled = ["masses: 2.5 t free to move, beam 2.5 t", 'loads[1] point load of 4e+05 N on "beam"']
+        write_page(results, tmp_path / "report.html", {"modelled": modelled})
+    said = unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert '<li>Masses: 2.5 t free to move, beam 2.5 t</li><li>Load 2: point load of 4e+05 N on "beam"</li>' in said

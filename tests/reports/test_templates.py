@@ -15,6 +15,7 @@ from made_run import at_rest, box, shifted, write_run
 from made_study import Made, write_study_folder
 
 from masonry_cd.analysis.damage.part_damage import part_damage
+from masonry_cd.analysis.limit.outcome import on_the_whole
 from masonry_cd.io.results import Results
 from reports.assess.outputs import write_assessment
 from reports.limit.page import STATES, LimitPage, write_limit_page
@@ -37,10 +38,11 @@ def run_page(folder: Path, title: str = "A wall") -> str:
 def limit_page(folder: Path, title: str = "An arch") -> str:
     summary = {
         "title": title, "version": "0", "stands": True, "bears_nothing": False, "no_finite_factor": False, "associated": 0.2, "least": None,
-        "blocks": 2, "joints": 1, "notes": [title], "check": None, "ties": [], "certificate": None,
+        "blocks": 2, "joints": 1, "notes": [title], "modelled": ["masses: 1 t"], "check": None, "ties": [], "certificate": None,
         "verdict": {"state": "not decided", "reason": title}, "solver": {"method": "m", "iterations": 1},
         "mechanism": {"of": "associated", "moving_blocks": [title]} | {f"joints_{key}": 0 for key in STATES},
     }  # fmt: skip
+    summary["on_the_whole"] = on_the_whole(summary).as_dict()
     write_limit_page(LimitPage(summary, [title], title, [], {"project": title}), [], folder / "limit.html")
     return (folder / "limit.html").read_text(encoding="utf-8")
 

@@ -18,9 +18,10 @@ import structures
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties
+from structures.bridge.masonry import arches, supports
+from structures.bridge.tier import outline
 from structures.geometry import solid
 from structures.kinds import aqueduct
-from structures.layout.aqueduct_tier import outline
 
 CASES: dict[str, dict[str, object]] = {
     "default": {},
@@ -189,3 +190,24 @@ def test_a_missing_geometry_kernel_names_the_packages_to_install(monkeypatch: py
     monkeypatch.setitem(sys.modules, "gmsh", None)
     with pytest.raises(InputError, match="apt-get install libglu1-mesa libgl1"):
         build()
+
+
+def test_rings_and_piers_are_those_of_the_bridge_that_it_is_a_preset_of() -> None:
+    """Of the spandrels alone a bridge has others: its walls end at each arch, which may be of any shape."""
+    keys = {"spans": 2, "clear_span": 4.7, "pier_width": 2.1, "pier_courses": 5, "pier_blocks": 1}
+    (tier,) = aqueduct.tiers_of(aqueduct.AqueductTable.model_validate(keys))
+    assert tier.left == pytest.approx([support.left for support in tier.layout.supports], abs=1e-12)
+    assert tier.right == pytest.approx([support.right for support in tier.layout.supports], abs=1e-12)
+    made = [block for part in (arches, supports) for block in part(tier.layout, 2200.0)[0] if not block.fixed]
+    own = {block.name: block for block in build(**keys) if block.group.startswith(("arch", "pier"))}
+    names = {"abutment1": "pier1", "pier1": "pier2", "abutment2": "pier3"}  # an aqueduct counts its ends among its piers
+    assert len(made) == len(own)
+    for block in made:
+        group = names.get(block.group, block.group)
+        corners = own[f"{group}.{block.name.split('.')[1]}"].vertices
+        assert np.abs(corners[:, None] - block.vertices).max(axis=2).min(axis=0) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_ring_as_thick_as_its_opening_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^structure\.ring_thickness: must be below the clear span, 0\.6 m, got 0\.7$"):
+        build(clear_span=0.6, ring_thickness=0.7, pier_width=2.0)

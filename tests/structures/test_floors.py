@@ -100,7 +100,7 @@ def test_a_structure_in_its_place_takes_its_floors_along():
         ({"walls": ["sooth"]}, 'structure.floors[0].walls: "sooth" is no group or block (did you mean "south"?); groups: '),
         ({"height": 9.0}, "structure.floors[0].height: no block of south, north stands at or below z = 8.75 to 9 m"),
         ({"bearing": 0.6}, "structure.floors[0].bearing: must be at most the depth of its wall in the south, 0.5 m, got 0.6"),
-        ({"height": 2.755}, 'structure.floors[0]: of block "south.6.1" a sliver of 5 mm would remain beside it at z = 2.505 m; the face'),
+        ({"bearing": 0.495}, 'structure.floors[0]: of block "south.6.2" a sliver of 5 mm would remain beside it; another height, '),
         ({"inside": [0.0, 2.2]}, 'structure.floors[0].inside: no room about x = 0 m, y = 2.2 m at this height: block "north.6.'),
         ({"inside": [0.0, 9.0]}, "structure.floors[0].inside: no room about x = 0 m, y = 9 m at this height: it lies outside the walls"),
         ({"walls": ["south"]}, 'structure.floors[0].inside: no room about x = 0 m, y = -2.25 m at this height: block "south.6.'),
@@ -198,3 +198,46 @@ def test_anchors_hold_a_wall_back_by_their_yield_force(strength):
     pushed = sum(DENSITY * area * z for area, _, z in wall) + MASS * span * (foot - 0.5 * psi * SLAB)
     tied = 2.0 * strength / (GRAVITY * LONG) * (HIGH - 0.5 * SLAB)
     assert factor_of(blocks, -1.0, 0.0, bars) == pytest.approx((held + tied) / pushed, rel=1e-5)
+
+
+OUT_OF_SQUARE = [(0.0, 0.0), (4.0, 0.6), (3.6, 4.2), (-0.5, 3.4)]
+
+
+def out_of_square(**floor: Any) -> structures.Made:
+    walls = [
+        {"name": name, "axis": [OUT_OF_SQUARE[k], OUT_OF_SQUARE[(k + 1) % 4]], "thickness": 0.5, "height": 2.4}
+        for k, name in enumerate(("a", "b", "c", "d"))
+    ]
+    keys = {"kind": "building", "walls": walls, "block_length": 0.8, "course_height": 0.4}
+    return structures.make(
+        keys | {"floors": [{"height": 1.9, "thickness": 0.2, "mass": 300.0, "walls": ["a", "c"]} | floor]}, 2000.0, Path()
+    )
+
+
+def test_a_floor_fills_a_room_whose_walls_are_out_of_square():
+    made = out_of_square(anchors={"spacing": 1.5})
+    slab = named(made.blocks, "floor1")
+    plan = slab.vertices[slab.vertices[:, 2] > 1.8][:, :2]
+    assert len(plan) == 4
+    for k, beyond in ((0, 0.2), (1, -0.01), (2, 0.2), (3, -0.01)):  # a seat, a gap
+        start, end = np.array(OUT_OF_SQUARE[k]), np.array(OUT_OF_SQUARE[(k + 1) % 4])
+        along = (end - start) / np.hypot(*(end - start))
+        inward = (plan - start) @ [-along[1], along[0]]
+        assert np.sort(inward)[:2] == pytest.approx([0.25 - beyond] * 2, abs=1e-9)
+    across = np.array([bar.points[1] - bar.points[0] for bar in made.ties])
+    assert len(across) >= 4
+    assert (np.abs(across[:, 2]) < 1e-9).all()
+    names = {name.split(".")[0] for bar in made.ties for name in bar.blocks}
+    assert names == {"floor1", "a", "c"}
+
+
+def test_a_floor_in_strips_is_one_block_for_each_and_bears_on_what_lies_across_its_span():
+    made = out_of_square(strips=4, span=90.0, walls=["*"])
+    strips = [block for block in made.blocks if block.group == "floor1"]
+    assert [block.name for block in strips] == ["floor1.1", "floor1.2", "floor1.3", "floor1.4"]
+    assert "of 4 strips" in made.notes[-1]
+    assert "in the south, north" in made.notes[-1]
+    whole = out_of_square(span=90.0, walls=["*"])
+    assert volume(strips) == pytest.approx(volume([named(whole.blocks, "floor1")]), rel=1e-9)
+    with pytest.raises(InputError, match=r"span: none of a, c lies across 0 degrees"):
+        out_of_square(span=0.0)

@@ -40,6 +40,18 @@ def test_blocks_come_back(tmp_path: Path, suffix: str) -> None:
     assert [len(b.faces) for b in again] == [6] * len(blocks)  # triangles of one plane are one face again
 
 
+@pytest.mark.parametrize("suffix", ["obj", "vtu", "vtm", "vtkhdf"])
+def test_blocks_of_several_numbers_of_corners_keep_their_names(tmp_path: Path, suffix: str) -> None:
+    """A VTU has the cells with one number of corners together, whatever the order of the blocks."""
+    corners = {"four": 4, "three": 3, "other four": 4}
+    shapes = {name: np.array([[3.0 * k, 0.0], [3.0 * k + 1.0, 0.0], [3.0 * k + 1.0, 1.0], [3.0 * k, 1.0]])[:n] for k, (name, n) in
+              enumerate(corners.items())}  # fmt: skip
+    blocks = [Block(name, *prism_xz(shape, 0.0, 1.0), 2000.0, f"group {name}") for name, shape in shapes.items()]
+    meshfile.write(tmp_path / f"blocks.{suffix}", blocks)
+    found = {block.name: (block.group, len(block.vertices)) for block in file(tmp_path, f"blocks.{suffix}")}
+    assert found == {name: (f"group {name}", 2 * n) for name, n in corners.items()}
+
+
 @pytest.mark.parametrize("suffix", ["vtu", "vtm"])
 def test_bent_blocks_keep_their_parts(tmp_path: Path, suffix: str) -> None:
     blocks = build("vault", form="cross", voussoirs=7)

@@ -10,11 +10,20 @@ import numpy as np
 import pytest
 
 import structures
-from structures.variants import rebonded, resized
+from structures.variants import rebonded, refilled, resized
 
 TABLES: list[dict[str, Any]] = [
     {"kind": "arch", "span": 4.0, "thickness": 0.4, "voussoirs": 15},
     {"kind": "aqueduct", "spans": 1},
+    {
+        "kind": "bridge",
+        "spans": [
+            {"span": 5.0, "rise": 1.5, "thickness": 0.4},
+            {"span": 4.0, "rise": 3.0, "thickness": 0.4, "shape": "pointed", "rings": 2},
+        ],
+        "walls": {"thickness": 0.4},
+        "abutments": [{"rigid": False}],
+    },
     {"kind": "church", "block_length": 1.4, "windows": 0, "apse": False, "tower": False},
     {"kind": "column"},
     {"kind": "dome", "sides": 8},
@@ -67,6 +76,7 @@ def test_blocks_of_a_file_have_no_size() -> None:
         ({"kind": "wall", "leaves": 2}, ["half the through-stones"]),
         ({"kind": "wall", "noise": {"size": 1e-6, "seed": 4}}, ["other seed of the noise"]),
         ({"kind": "arch", "span": 4.0, "thickness": 0.4}, []),
+        ({"kind": "bridge", "spans": [{"span": 5.0, "rise": 1.5, "thickness": 0.6, "rings": 3}]}, ["rings as one"]),
     ],
 )
 def test_other_bonds_are_other_blocks(table: dict[str, Any], names: list[str]) -> None:
@@ -77,3 +87,27 @@ def test_other_bonds_are_other_blocks(table: dict[str, Any], names: list[str]) -
         made = structures.make(other, 2000.0, Path()).blocks
         same = len(made) == len(first) and all(np.array_equal(a.vertices, b.vertices) for a, b in zip(made, first, strict=True))
         assert not same
+
+
+def test_other_fills_are_the_same_blocks_under_other_assumptions() -> None:
+    table = {
+        "kind": "bridge",
+        "spans": [{"span": 5.0, "rise": 1.5, "thickness": 0.4}],
+        "fill": {"passive": 0.6},
+        "walls": {"thickness": 0.4},
+    }
+    (first,) = structures.make(table, 2000.0, Path()).fills
+    found = refilled(table)
+    assert {about: [name for name, _ in some] for about, some in found.items()} == {
+        "resistance": ["none", "twice"],
+        "spread": ["2:1"],
+        "pressure": ["active", "none"],
+        "angle": ["25 degrees", "35 degrees"],
+    }
+    made = {about: [structures.make(other, 2000.0, Path()).fills[0] for _, other in some] for about, some in found.items()}
+    assert [(fill.passive, fill.passive_shaken) for fill in made["resistance"]] == [(0.0, 0.0), (1.0, 0.6)]
+    assert [fill.spread for fill in made["spread"]] == ["2:1"]
+    assert [fill.coefficients[fill.pressure] for fill in made["pressure"]] == pytest.approx([1.0 / 3.0, 0.0])
+    assert made["angle"][0].coefficients["passive"] < first.coefficients["passive"] < made["angle"][1].coefficients["passive"]
+    assert refilled({"kind": "wall"}) == {}
+    assert refilled({**table, "walls": None})["pressure"] == []

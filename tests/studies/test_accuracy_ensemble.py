@@ -79,7 +79,7 @@ def test_the_cheapest_setting_without_a_bias_is_good_enough():
     assert not rows[0].spreads["opening_max"].within
     assert good_enough(rows) is rows[1]
     lines = lines_of("A scene", rows)
-    assert "tolerance 0.001: a bias shows, largest opening +2" in lines[2]
+    assert "tolerance 0.001: a bias shows, largest displacement +2" in lines[2]
     assert lines[-1].startswith(
         "good enough: auto, dt 4 ms, tolerance 1e-05: no bias shows, 4.0 s of the processor a run, where the finest"
     )

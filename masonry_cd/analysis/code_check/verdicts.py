@@ -23,7 +23,7 @@ WORST_FIRST = (NOT_SATISFIED, NOT_DECIDED, SATISFIED)
 class SearchNumbers:
     """The search for the least factor without dilation."""
 
-    associated: float  # the factor of sliding that dilates, an upper value
+    associated: float | None  # the factor of sliding that dilates, an upper value; None where it is not finite
     least: float | None  # None: not searched for, or no start came to an end
     starts: int  # that were made; 0: no search
     ended: int  # that came to an end

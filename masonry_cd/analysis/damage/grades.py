@@ -76,7 +76,7 @@ Five = Annotated[tuple[float, float, float, float, float], BeforeValidator(_five
 class Grades(BaseModel):
     """The table ``[report.grades]``: lower bounds of D1 to D5, and what the grades are called."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     width: Annotated[Five, Unit("m")] = (1e-4, 5e-3, 15e-3, 25e-3, INF)
     """Residual opening or sliding."""

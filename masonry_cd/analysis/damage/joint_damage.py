@@ -94,11 +94,13 @@ def bonds(results: Results) -> dict[str, int]:
 
 
 def crushing(results: Results) -> dict[str, Any]:
-    """Joints that were crushed, and by how much the most of them at the end [m]; nothing in a run whose joints cannot."""
+    """Joints that were crushed, by how much the most of them at the end [m], and how many a frame shows crushed that no longer know it, as
+    their blocks came far apart or met with other faces; nothing in a run whose joints cannot."""
     if not results.has_joint_history(CRUSHED):
         return {}
-    by = results.joint_history(CRUSHED)[-1]
-    return {"joints_crushed": int((by > 0.0).sum()), "crushed_max": float(by.max(initial=0.0))}
+    history = results.joint_history(CRUSHED)
+    by, lost = history[-1], (history > 0.0).any(axis=0) & ~(history[-1] > 0.0)
+    return {"joints_crushed": int((by > 0.0).sum()), "crushed_max": float(by.max(initial=0.0)), "crushing_forgotten": int(lost.sum())}
 
 
 def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds | None = None) -> np.ndarray:

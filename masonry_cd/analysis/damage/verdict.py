@@ -108,8 +108,7 @@ def checks_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState 
     if "penetration_max" in summary:
         found.append(_overlap(summary, thresholds))
     if "time_step_remarks" in summary:
-        remarks = summary["time_step_remarks"]
-        found.append(Finding(TIME_STEP, LOOK if remarks else GOOD, "; ".join(map(str, remarks))))
+        found.append(_time_step(summary))
     return Checks(tuple(found))
 
 
@@ -181,3 +180,13 @@ def _overlap(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:
     most = debris if summary.get("collapsed_blocks") else min(max(usual, moved), debris)
     verdict = graded(deepest, (DEPTH[0] * threshold, most))
     return Finding(OVERLAP, verdict, f"blocks overlap by up to {length(deepest)}{where}")
+
+
+def _time_step(summary: Mapping[str, Any]) -> Finding:
+    """Whether the time step resolves the shaking and the blocks."""
+    remarks, adapted = summary["time_step_remarks"], summary.get("time_step")
+    if remarks:
+        return Finding(TIME_STEP, LOOK, "; ".join(map(str, remarks)))
+    if adapted:
+        return Finding(TIME_STEP, GOOD, f"{length(adapted['shortest'], 's')} to {length(adapted['longest'], 's')}, by the local error")
+    return Finding(TIME_STEP, GOOD, length(summary["dt"], "s") if "dt" in summary else "")

@@ -22,6 +22,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
+HELD = 5.0  # load factor, in the weight of what is free, that a structure without a finite associated one is searched up to, tenfold
 CAP = 1e4  # largest factor looked for, with the live loads scaled to the dead ones
 STANDS = 1e-5  # a structure stands that bears its dead loads but for this share
 NOTHING = 1e-6  # share of the dead loads below which live ones count as none; the cone programmes end at 1e-8
@@ -99,12 +100,17 @@ class Analysis:
     least_mechanism: Mechanism | None
     starts: int  # of the search for it that were made
     remarks: tuple[str, ...]  # which programmes ended before their tolerance
-    unlimited: bool = False  # any multiple of the live loads is borne; ``associated`` is then what bears the dead ones
+    unlimited: bool = False  # forces bear any multiple of the live loads; ``associated`` is then what bears the dead ones
 
     @property
     def stands(self) -> bool:
         """Whether it bears its dead loads."""
         return self.standing >= 1.0 - STANDS
+
+    @property
+    def endless(self) -> bool:
+        """Whether no finite factor is known: none with dilation, and a search without it found none."""
+        return self.unlimited and self.least is None
 
     @property
     def bears_nothing(self) -> bool:
@@ -161,23 +167,23 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         return Analysis(problem, alone.factor, fall, None, None, 0, _remarks({RESTS: alone}))
     if loads.support_velocity is not None:
         problem = crushable(limit_problem(assembly, joints, loads), assembly, joints)
-    begin = time.perf_counter()
+    begin, endless = time.perf_counter(), False
     try:
         problem, best = solved_finely(problem, lambda finer: largest_factor(finer, options)[0])
     except Unbounded as failure:
         raise InputError(f"limit: no answer: {failure}") from None
     except NoFiniteFactor:
-        still = replace(alone, factor=0.0, velocity=np.zeros(problem.unknowns))
-        answer = replace(_answer(problem, assembly, joints, still, 0.0, time.perf_counter() - begin), factor=math.inf)
-        return Analysis(problem, min(alone.factor, 1.0), answer, None, None, 0, _remarks({RESTS: alone}), unlimited=True)
-    answer = _answer(problem, assembly, joints, best, CAP * _scale(problem), time.perf_counter() - begin)
-    starts = 0 if problem.moves_support else options.starts
+        best, endless = replace(alone, factor=HELD * _scale(problem), velocity=np.zeros(problem.unknowns)), True
+    answer = _answer(problem, assembly, joints, best, 0.0 if endless else CAP * _scale(problem), time.perf_counter() - begin)
+    if endless:
+        answer = replace(answer, factor=math.inf)
+    starts = 0 if problem.moves_support or not problem.live.any() else options.starts
     problem, least = searched_finely(problem, lambda finer: searched(finer, best, starts, options.seed))
     moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
-    programmes = {RESTS: alone, "the load factor, whose certificate says how far it holds": best}
+    programmes = {RESTS: alone} | ({} if endless else {"the load factor, whose certificate says how far it holds": best})
     if least is not None:
         programmes["the least factor"] = least.optimum
-    return Analysis(problem, min(alone.factor, 1.0), answer, least, moves, starts, _remarks(programmes))
+    return Analysis(problem, min(alone.factor, 1.0), answer, least, moves, starts, _remarks(programmes), endless)
 
 
 def largest_factor(problem: LimitProblem, options: Options) -> tuple[Optimum, float]:

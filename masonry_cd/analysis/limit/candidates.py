@@ -24,11 +24,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Analysis, Options, largest_factor, searched, searched_finely
+from masonry_cd.analysis.limit.analysis import HELD, Analysis, Options, largest_factor, searched, searched_finely
 from masonry_cd.analysis.limit.from_mechanisms import Searched, admitted, begun_at
 from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound
 from masonry_cd.analysis.limit.nonassociated_space import MOST
+from masonry_cd.analysis.limit.overturning import overturning_below
+from masonry_cd.analysis.limit.part import Whole
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.foundation.errors import InputError
@@ -88,9 +90,17 @@ def with_mechanisms(analysis: Analysis, assembly: Assembly, joints: Joints, know
     return _begun_at(analysis, assembly, joints, begun) if begun else analysis
 
 
+def with_overturning(analysis: Analysis, whole: Whole, direction: np.ndarray) -> Analysis:
+    """An analysis whose search has begun as well at bodies that would overturn below the least factor that it knows, were they free."""
+    known = analysis.governing.factor if np.isfinite(analysis.governing.factor) else HELD
+    bodies = overturning_below(whole, direction, (1.0 - ALIKE) * known)
+    begun = [analysis.problem.unknowns_of(one.velocity) for one in bodies]
+    return _begun_at(analysis, whole.assembly, whole.joints, begun) if begun else analysis
+
+
 def _begun_at(analysis: Analysis, assembly: Assembly, joints: Joints, mechanisms: Sequence[np.ndarray]) -> Analysis:
     """An analysis whose search has begun at velocities (unknowns,) as well."""
-    before, cap = Searched(analysis.least, analysis.starts), MOST * max(abs(analysis.associated.factor), 1e-3)
+    before, cap = Searched(analysis.least, analysis.starts), MOST * max(abs(analysis.associated.optimum.factor), 1e-3)
     found = before
 
     def search(problem: LimitProblem) -> LeastFound | None:
@@ -113,7 +123,8 @@ def candidates(analysis: Analysis, untied: Untied, assembly: Assembly, joints: J
         joints: of them.
     """
     out: list[Candidate] = []
-    for source, optimum in (*_named("", analysis.associated.optimum, analysis.least), *untied.found):
+    associated = None if analysis.unlimited else analysis.associated.optimum
+    for source, optimum in (*_named("", associated, analysis.least), *untied.found):
         moves = mechanism(analysis.problem, assembly, joints, optimum.velocity)
         factor = tied_factor(analysis.problem, optimum) if UNTIED in source else optimum.factor
         made = Candidate(source, factor, moves, dilation(analysis.problem, optimum))
@@ -130,10 +141,10 @@ def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
     return untied.factor + float(np.sum(longer[grows] * problem.strength[: problem.ties][grows]))
 
 
-def _named(suffix: str, associated: Optimum, least: LeastFound | None) -> list[tuple[str, Optimum]]:
-    """What a search found, the least first, and the associated mechanism."""
+def _named(suffix: str, associated: Optimum | None, least: LeastFound | None) -> list[tuple[str, Optimum]]:
+    """What a search found, the least first, and the associated mechanism where there is one."""
     ends = () if least is None else sorted(least.ends, key=lambda end: end.factor)
-    found = [*((SEARCH, end) for end in ends), (ASSOCIATED, associated)]
+    found = [*((SEARCH, end) for end in ends), *([] if associated is None else [(ASSOCIATED, associated)])]
     return [(source + suffix + (STOPPED if optimum.stopped else ""), optimum) for source, optimum in found]
 
 

@@ -175,7 +175,7 @@ def _spin(whole: Whole, blocks: np.ndarray, place: np.ndarray, direction: np.nda
     out[blocks, 3:] = axis
 
 
-def _toe(whole: Whole, blocks: np.ndarray, direction: np.ndarray, sense: float = 1.0) -> np.ndarray:
+def lowest_toe(whole: Whole, blocks: np.ndarray, direction: np.ndarray, sense: float = 1.0) -> np.ndarray:
     """The lowest corner of some blocks that lies farthest along a push [m]."""
     corners = np.concatenate([whole.assembly.blocks[b].vertices for b in blocks])
     lowest = corners[corners[:, 2] <= corners[:, 2].min() + SAME]
@@ -185,14 +185,14 @@ def _toe(whole: Whole, blocks: np.ndarray, direction: np.ndarray, sense: float =
 def _turned(whole: Whole, bodies: Sequence[np.ndarray], direction: np.ndarray) -> np.ndarray:
     """All bodies as one, about the toe."""
     own, out = np.concatenate(bodies), np.zeros((whole.assembly.count, 6))
-    _spin(whole, own, _toe(whole, own, direction), direction, 1.0, out)
+    _spin(whole, own, lowest_toe(whole, own, direction), direction, 1.0, out)
     return out
 
 
 def _bent(whole: Whole, lower: np.ndarray, upper: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """The lower body about its toe, the upper one back about the edge between the two, so that its top stays in its upright."""
     out = np.zeros((whole.assembly.count, 6))
-    toe, hinge = _toe(whole, lower, direction), _toe(whole, upper, direction, -1.0)
+    toe, hinge = lowest_toe(whole, lower, direction), lowest_toe(whole, upper, direction, -1.0)
     _spin(whole, lower, toe, direction, 1.0, out)
     own = np.array([-direction[1], direction[0], 0.0])
     high = max(_reach(whole, upper)[1] - hinge[2], SAME)
@@ -206,7 +206,7 @@ def _rocking(whole: Whole, bodies: Sequence[np.ndarray], direction: np.ndarray) 
     *piers, rest = bodies
     out = np.zeros((whole.assembly.count, 6))
     for pier in piers:
-        _spin(whole, pier, _toe(whole, pier, direction), direction, 1.0, out)
+        _spin(whole, pier, lowest_toe(whole, pier, direction), direction, 1.0, out)
     low, high = _reach(whole, np.concatenate(piers))
     wide = np.mean([float(np.ptp(whole.box[0][pier] @ direction)) for pier in piers])
     out[rest, :3] = (high - low) * direction + np.array([0.0, 0.0, wide])

@@ -54,6 +54,11 @@ def numbers_in(place: str) -> dict[str, Number]:
     return {key: number for _, key, number in sorted(known, key=lambda one: one[0])}
 
 
+def lengths_in(place: str) -> dict[str, Number]:
+    """Those of them that are lengths."""
+    return {key: number for key, number in numbers_in(place).items() if number.unit == "m"}
+
+
 def values_in(place: str, run: Measured) -> dict[str, Any]:
     """What a format shows of a run."""
     return {key: number.compute(run) for key, number in numbers_in(place).items()}

@@ -123,7 +123,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity
     )
     state = replace(state, learnt=learn(replace(learnt, rate=rate), k, k_end, iterations, factorisations))
-    return Solution(impulse, velocity, iterations, _reason(error, options, iterations < limit), state, error)
+    end = "given up" if iterations < limit else "iteration limit reached"  # without hope, or without a definite matrix
+    return Solution(impulse, velocity, iterations, options.reason("admm", error, end), state, error)
 
 
 def recall(given: ProblemArrays, start: Solution | None) -> tuple[SolverState, Factors, np.ndarray, np.ndarray]:
@@ -149,10 +150,3 @@ def recall(given: ProblemArrays, start: Solution | None) -> tuple[SolverState, F
     if factors is not state.factors or stale != state.learnt.stale:
         state = replace(state, factors=factors, learnt=replace(state.learnt, stale=stale))
     return state, factors, index, block
-
-
-def _reason(error: float, options: Options, given_up: bool = False) -> str:
-    """Say how it ended; given up is what has no hope of an end or no definite matrix."""
-    if error <= options.tolerance:
-        return "admm: converged"
-    return f"admm: {'given up' if given_up else 'iteration limit reached'} at an error of {error:.1e}"

@@ -11,8 +11,8 @@
    and some hardly any. After a step that none solved it is all: the next one begins with impulses that are worse than usual.
 4. Proximal points, by pivoting in a plane and by Newton's method in space, continue from the best so far: they solve what slides or rocks
    as a whole. Pivoting is not asked where friction is ROUGH.
-5. The interior point method begins near the impulses of the last step, not where the others got stuck, and ends nearly all that is left.
-   Half of its way solves hardly anything: it has all of its factorisations, or, on a structure where these would take minutes, none.
+5. The interior point method begins from nothing, not where the others got stuck, and ends nearly all that is left. Half of its way solves
+   hardly anything: it has all of its factorisations, or, on a structure where these would take minutes, none.
 6. A problem without a step before, which is solved once, may take what each method takes by itself.
 
 ``python -m benchmarks.constants`` shows what each constant gains.

@@ -58,5 +58,4 @@ def solve_by_proximal_points(
     elimination = elimination_of(problem, factors.pattern, index, block)
     settings = Settings(0.0, 0.0, 0.0, options.tolerance, options.limit(limit), size_tuple(problem.dimension + 1))
     iterations, error = over_bodies(by_team, problem.arrays(), elimination, settings, impulse, velocity, threads)
-    reason = f"{name}: converged" if error <= options.tolerance else f"{name}: stopped at an error of {error:.1e}"
-    return Solution(impulse, velocity, iterations, reason, state, error)
+    return Solution(impulse, velocity, iterations, options.reason(name, error), state, error)

@@ -53,7 +53,7 @@ def solve_by_sweeps(name: str, extrapolated: bool, problem: Problem, options: Op
     impulse = first_impulse(problem, start)
     settings = SweepSettings(options.tolerance, options.limit(LIMIT), EVERY, extrapolated, options.seed)
     if problem.contacts == 0:  # blocks in the air; nothing is compiled for them
-        return Solution(impulse, problem.body_velocity(impulse), 0, _reason(name, 0.0, options), error=0.0)
+        return Solution(impulse, problem.body_velocity(impulse), 0, options.reason(name, 0.0), error=0.0)
     given, velocity = problem.arrays(), np.empty(problem.v_free.shape)
     scaled, error = begin_sweeps(given, impulse)
     if error <= options.tolerance or settings.limit == 0:
@@ -65,15 +65,10 @@ def solve_by_sweeps(name: str, extrapolated: bool, problem: Problem, options: Op
         history = SweepHistory(np.empty_like(impulse), np.empty_like(scaled.y), np.empty_like(impulse), np.empty(PARTS))
         sweeps, error = run_by_team(sweep_bodies, threads, scaled, joints, history, settings)
     end_sweeps(scaled, given.v_free, impulse, velocity)
-    return Solution(impulse, velocity, sweeps, _reason(name, error, options), error=error)
+    return Solution(impulse, velocity, sweeps, options.reason(name, error, "sweep limit reached"), error=error)
 
 
 def one_by_one(joints: ColouredJoints) -> ColouredJoints:
     """The joints with a colour for each."""
     count = len(joints.order)
     return ColouredJoints(joints.start, np.arange(count), np.arange(count + 1))
-
-
-def _reason(name: str, error: float, options: Options) -> str:
-    """Say how it ended."""
-    return f"{name}: converged" if error <= options.tolerance else f"{name}: sweep limit reached at an error of {error:.1e}"

@@ -35,6 +35,10 @@ class Options:
         """Iterations at most, of a solver whose own limit is given."""
         return own if self.max_iterations is None else self.max_iterations
 
+    def reason(self, name: str, error: float, end: str = "stopped") -> str:
+        """Say how a solver ended, by the error that it leaves."""
+        return f"{name}: converged" if error <= self.tolerance else f"{name}: {end} at an error of {error:.1e}"
+
 
 def cores() -> int:
     """Cores that this process may use: more threads than these would only wait for one another."""

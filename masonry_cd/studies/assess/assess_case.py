@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Known, Member, as_facts
-from masonry_cd.app.case import structure_of
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.summary import write_json
@@ -70,13 +69,13 @@ def _check_statics(plan: Plan) -> list[str]:
     Raises:
         InputError: anything wrong with the structure, the loads or [limit].
     """
-    from masonry_cd.app.static_loads import limit_table, static_loads
+    from masonry_cd.app.limit_structure import limit_structure
+    from masonry_cd.app.limit_vehicle import somewhere
 
     scene: Scene = plan.maker.study.scene
-    made = structure_of(scene)
-    ties = [(bar.where, bar.load()) for bar in made.bars]
+    structure = limit_structure(somewhere(scene))
     try:
-        static_loads(scene.loads, limit_table(scene.limit), scene.run.gravity, scene.folder, made.assembly, ties)
+        structure.loads()
     except InputError as error:
         raise scene.at_fault(error) from None
-    return doubts(scene, made.assembly, made.joints)
+    return doubts(scene, structure.assembly, structure.joints)

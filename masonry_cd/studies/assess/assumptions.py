@@ -5,6 +5,7 @@ joint stiffness   rigid; E the largest, the mean and the least of the masonry's 
 friction          20 % to either side, or the range that [assess] states
 block size        times 0.7 and 1.4, where the kind of structure has a key for it
 bond              straight joints, another seed, where the kind has a key for it
+fill              of a bridge: its resistance, how it spreads wheels, its pressure, its angle of friction
 damping           0, 2 and 5 % of critical, on elastic joints; where the scene's are rigid, all of them on joints of the mean E
 time step         half of it
 tolerance         a tenth of it
@@ -24,7 +25,7 @@ from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.settings import AUTO, LONGEST_STEP, RUNGS
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
-from structures.variants import rebonded, resized
+from structures.variants import rebonded, refilled, resized
 
 Tables = dict[str, Any]
 Change = Callable[[Tables], None]
@@ -83,7 +84,7 @@ def assumptions_of(scene: Scene, tables: Tables, shakes: bool) -> tuple[list[Ass
     asked = scene.assess
     stiffness = _stiffness(scene, asked)
     size, refused = _size(scene, tables)
-    found: list[Assumption | LeftOut] = [stiffness, _friction(tables, asked), size, _bond(tables)]
+    found: list[Assumption | LeftOut] = [stiffness, _friction(tables, asked), size, _bond(tables), *_fill(tables)]
     found += [_damping(scene, asked, stiffness), _step(tables), _tolerance(scene)]
     known, left = [], [] if SIZE in asked.leave_out else refused
     for one in found:
@@ -229,11 +230,28 @@ def _refusal(scene: Scene, tables: Tables, level: Level) -> str:
 def _bond(tables: Tables) -> Assumption | LeftOut:
     """The other bonds that the structures have keys for; structures of one kind together."""
     every = [dict(rebonded(table)) for table in _structures(tables)]
+    return _put_in_turn(BOND, every, f"{_kinds(tables)} has no key for its bond")
+
+
+def _fill(tables: Tables) -> list[Assumption | LeftOut]:
+    """What else may be assumed of the fill of bridges; nothing of scenes without one."""
+    every = [refilled(table) for table in _structures(tables)]
+    crossed = any(load.get("kind") == "vehicle" for load in tables.get("loads") or ())
+    found = list[Assumption | LeftOut]()
+    for about in dict.fromkeys(about for one in every for about in one):
+        made = [dict(one.get(about, ())) for one in every]
+        name = f"fill {about}"
+        unused = about == "spread" and not crossed
+        why = "no vehicle stands on it" if unused else "it presses nothing that may move"
+        found.append(LeftOut(name, why) if unused else _put_in_turn(name, made, why))
+    return found
+
+
+def _put_in_turn(assumption: str, every: list[Tables], why: str) -> Assumption | LeftOut:
+    """An assumption whose levels are other tables of the structures, by their names; left out where there are none."""
     names = dict.fromkeys(name for found in every for name in found)
-    if not names:
-        return LeftOut(BOND, f"{_kinds(tables)} has no key for its bond")
     levels = [Level(name, _put([found.get(name) for found in every])) for name in names]
-    return Assumption(BOND, "as given", tuple(levels), statics=True)
+    return Assumption(assumption, "as given", tuple(levels), statics=True) if levels else LeftOut(assumption, why)
 
 
 def _structures(tables: Tables) -> list[Tables]:

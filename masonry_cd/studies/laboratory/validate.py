@@ -14,7 +14,7 @@ from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.studies.laboratory.case import Case, Found, Row
 from masonry_cd.studies.laboratory.cases import CASES
 from reports.drawing.figure import save
-from reports.laboratory.plots import beside_figure
+from reports.laboratory.plots import curves_figure
 
 TABLE, FIGURE = "table.json", "curves.svg"
 DRAWN = 300  # points of a curve: figures of the page stay small
@@ -50,7 +50,9 @@ def validate(name: str, folder: Path, say: Callable[[str], object]) -> Outcome:
     found = case.compute(folder, say)
     table, figure = folder / TABLE, folder / FIGURE
     table.write_text(json.dumps([row._asdict() for row in found.rows], indent=1) + "\n", encoding="utf-8")
-    save(beside_figure(_thinned(found.computed), found.measured, found.axes, case.title, found.points), figure)
+    across, up = found.axes
+    drawn = curves_figure(_thinned(found.computed), found.measured, case.title, ((across, 1.0), (up, 1.0)), found.points)
+    save(drawn, figure)
     return Outcome([case.title, f"source: {case.source}", *table_lines(found)], [table, figure])
 
 

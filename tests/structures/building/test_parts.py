@@ -159,4 +159,6 @@ def test_each_wall_and_vault_is_a_macro_element_and_a_wall_falls_across_its_axis
     assert np.abs(found["slanted"].directions[0][0]) == pytest.approx(0.5**0.5, abs=0.02)
     assert found["slanted"].directions[0][0] * found["slanted"].directions[0][1] < 0.0
     assert {"b, gable", "b, upper part", "b, in its plane"} <= found.keys()
-    assert "slanted, in its plane" not in found
+    along = found["slanted, in its plane"].directions
+    assert np.abs(along) == pytest.approx(np.array([[0.5**0.5, 0.5**0.5, 0.0]] * 2), abs=1e-9)
+    assert np.sum(np.multiply(*along)) == pytest.approx(-1.0)

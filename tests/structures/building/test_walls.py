@@ -122,3 +122,12 @@ def test_equal_seeds_give_equal_blocks_and_corners_agree_to_the_bit() -> None:
     points = np.unique(np.concatenate([block.vertices for block in one if not block.fixed]), axis=0)
     apart = np.sort(np.linalg.norm(points[:, None] - points[None], axis=2), axis=1)[:, 1]
     assert apart.min() > 1e-6
+
+
+def test_a_gable_goes_on_falling_to_the_far_faces_of_the_walls_at_its_ends_and_a_shed_ends_level() -> None:
+    gable = wall("gable", [[0, 0], [4, 0]], top=[[0, 2.4], [2, 3.4], [4, 2.4]])
+    legs = prepare({"walls": [gable, wall("b", [[0, 0], [0, 3]], 0.5, 2.0)]}).plan.legs
+    assert legs[0].top(legs[0].facets[0], -0.25) == pytest.approx(2.4 - 0.25 * 0.5)
+    shed = prepare({"walls": [wall("shed", [[0, 0], [4, 0]], top=[[0, 2.4], [4, 3.4]])]}).plan.legs[0]
+    assert shed.top(shed.facets[0], -0.2) == pytest.approx(2.35)
+    assert shed.top(shed.facets[0], 4.2) == 3.4

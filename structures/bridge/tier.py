@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One tier of an aqueduct: its outline and its joints in the x-z plane.
+"""One tier of an aqueduct, a bridge whose spandrels are masonry over its whole width: its outline and its joints in the x-z plane.
 
-Piers carry semicircular rings of straight-edged voussoirs; the spandrels between the rings are filled up to a level top.
+Where its piers stand and its rings lie is the layout of a bridge (:mod:`structures.bridge.layout`). The spandrels between the rings are
+filled up to a level top in courses that are keyed to equal rings and run through over the crowns; those of spandrel walls
+(:mod:`structures.bridge.spandrels`) fit arches of any shape, and end at each of them.
 Every spandrel block is convex and touches the ring along whole chords, without a gap or a feather edge:
 
 - On the haunches, where the extrados is steeper than 45 degrees, beds lie at the corners of the extrados, as in
@@ -24,8 +26,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from structures.bridge.layout import Layout, laid_out
+from structures.bridge.profile import profile_of, voussoirs_of
+from structures.bridge.table import BridgeTable
 from structures.geometry.solid import Segment
-from structures.layout.arch_profiles import ring
 
 LEAST_BED = 0.5  # between a bed and the ring below it, in courses
 LEAST_UNIT = 0.35  # between a head joint and the end of its course, in units
@@ -34,27 +38,65 @@ LEAST_BOND = 0.1  # between head joints of successive courses, in units: a short
 
 @dataclass(frozen=True, eq=False)
 class Tier:
-    """The measures of one tier [m]; P piers, P - 1 arches."""
+    """A bridge of equal semicircular spans on equal piers, P of them, whose spandrels are masonry; the measures in [m]."""
 
     number: int
-    foot: float  # absolute height of the foot of the piers
+    keys: BridgeTable
     centre: float  # x of the middle of the tier
-    spans: int
-    clear_span: float
-    pier_width: float
     pier_courses: int
     pier_blocks: int
     course: float
-    ring_thickness: float
-    voussoirs: int
-    cover: float  # masonry above the crown
     unit: float  # length of a spandrel block
-    width: float  # along y
+
+    @cached_property
+    def layout(self) -> Layout:
+        """The spans on their piers."""
+        return laid_out(self.keys)
 
     @property
     def springing(self) -> float:
         """Absolute height of the springing."""
-        return self.foot + self.pier_courses * self.course
+        return self.keys.spans[0].springing
+
+    @property
+    def foot(self) -> float:
+        """Absolute height of the foot of the piers."""
+        return self.springing - self.keys.piers[0].height
+
+    @property
+    def spans(self) -> int:
+        """Number of arches, P - 1."""
+        return len(self.keys.spans)
+
+    @property
+    def clear_span(self) -> float:
+        """Between the faces of the piers."""
+        return self.keys.spans[0].span
+
+    @property
+    def pier_width(self) -> float:
+        """Along the aqueduct."""
+        return self.keys.piers[0].width
+
+    @property
+    def ring_thickness(self) -> float:
+        """Of the arches."""
+        return self.keys.spans[0].thickness
+
+    @property
+    def voussoirs(self) -> int:
+        """To an arch."""
+        return voussoirs_of(self.keys.spans[0])
+
+    @property
+    def cover(self) -> float:
+        """Masonry above the crown."""
+        return self.keys.cover or 0.0
+
+    @property
+    def width(self) -> float:
+        """Along y."""
+        return self.keys.width
 
     @property
     def outer(self) -> float:
@@ -73,7 +115,7 @@ class Tier:
 
     @cached_property
     def left(self) -> np.ndarray:
-        """x of the left face of each pier, (P,)."""
+        """x of the left face of each pier, (P,): that of its support, all by one sum, so that a stone over an axis is in the middle."""
         return self.centre - 0.5 * self.length + self.pitch * np.arange(self.spans + 1)
 
     @cached_property
@@ -89,7 +131,8 @@ class Tier:
     @cached_property
     def arch(self) -> tuple[np.ndarray, np.ndarray]:
         """Joint ends (N + 1, 2) on intrados and extrados of one arch about its centre."""
-        return ring(0.5 * self.clear_span, self.outer, 180.0, self.voussoirs)
+        own = profile_of(self.keys.spans[0].model_copy(update={"springing": 0.0}), -0.5 * self.clear_span)
+        return own.intrados, own.extrados
 
     @cached_property
     def corners(self) -> np.ndarray:

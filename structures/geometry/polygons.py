@@ -52,6 +52,11 @@ def without_straight(ring: np.ndarray, closed: bool = True) -> np.ndarray:
     return np.asarray(ring[np.abs(turn) > SAME * np.hypot(*before.T) * np.hypot(*after.T)])
 
 
+def plan_of(vertices: np.ndarray) -> np.ndarray:
+    """The convex hull (n, 2) in plan of points (m, 3), counter-clockwise."""
+    return loop(shapely.MultiPoint(vertices[:, :2]).convex_hull)
+
+
 def is_rectangle(shape: Polygon) -> bool:
     """Whether its sides are level and upright."""
     left, low, right, high = shape.bounds

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verdict on a limit analysis: the factor that counts, how sure it is, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
+
+SURE = {  # by the state of a check by a code: how sure it is, and that in words
+    "satisfied": (GOOD, "the check by a code is met"),
+    "not decided": (LOOK, "the check by a code decides nothing here"),
+    "NOT satisfied": (DOUBTFUL, "the check by a code is not met"),
+}
+CLOSED = 1e-4  # gap of the certificate up to which the factor counts as known
+APART = 1e-2  # share of the factor by which the least and the associated one may differ and say the same
+
+
+def on_the_check(found: Mapping[str, Any] | None) -> Verdict | None:
+    """The verdict of a check by a code; None where none was asked for."""
+    if found is None:
+        return None
+    sure, words = SURE[found["state"]]
+    return Verdict(found["state"], "", found["reason"], sure, words, "")
+
+
+def on_the_whole(facts: Mapping[str, Any]) -> Verdict:
+    """The verdict on an analysis: of its check by a code where it has one, else of its load factor.
+
+    Args:
+        facts: as in limit.json.
+    """
+    checked = on_the_check(facts["verdict"])
+    if checked is not None:
+        return checked
+    if not facts["stands"]:
+        return Verdict("does not stand", "", "it gives way under its dead loads", DOUBTFUL, "there is no load factor", "")
+    if facts["bears_nothing"]:
+        return Verdict("bears no such load", "", "the least of it sets the structure in motion", GOOD, "there is no load factor", "")
+    if facts["no_finite_factor"]:
+        return Verdict("no finite load factor", "", "on no mechanism does the load do work", LOOK, "read why before you rely on it", "")
+    if facts.get("associated") is None:
+        return Verdict("supports move", "", "what they still bear is in the lines below", LOOK, "there is no load factor", "")
+    return _of_the_factor(facts, facts.get("least"))
+
+
+def _of_the_factor(facts: Mapping[str, Any], least: Mapping[str, Any] | None) -> Verdict:
+    """The verdict on a factor: least without dilation where it was searched for, with how well its starts agree."""
+    upper, gap = facts["associated"], facts["certificate"]["gap"]
+    if gap > CLOSED:
+        why = f"the certificate leaves a gap of {gap:.2g}"
+        return Verdict(f"load factor {upper:.4g}", "", "", DOUBTFUL, "do not rely on this factor: the cone programme did not close", why)
+    if least is None:
+        why = "sliding that opens joints gives an upper value only; the least factor was not searched for"
+        return Verdict(f"load factor at most {upper:.4g}", "", "", LOOK, "read this before you rely on the factor", why)
+    factor, agreeing, starts = least["factor"], least["agreeing"], least["starts"]
+    because = f"least found without dilation; at most {upper:.4g}, of sliding that opens joints"
+    if factor < (1.0 - APART) * upper and 2 * agreeing <= starts:
+        why = f"{agreeing} of {starts} starts of the search came to the least factor; more starts may find less (limit.starts)"
+        return Verdict(f"load factor {factor:.4g}", "", because, LOOK, "read this before you rely on the factor", why)
+    return Verdict(f"load factor {factor:.4g}", "", because, GOOD, "the searches agree, and the certificate closes", "")

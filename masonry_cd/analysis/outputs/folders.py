@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The files that each command may leave in its folder, with what they hold; those of a run are in :mod:`reports.files`.
+
+Commands refuse a folder that holds one of theirs, and take away what a former call wrote; docs/outputs.md lists them.
+"""
+
+from __future__ import annotations
+
+BLOCKS = ("json", "obj", "stl", "vtu", "vtm", "vtkhdf", "step", "brep", "msh")
+FOLDERS: dict[str, dict[str, str]] = {
+    "build": {
+        **{f"blocks.{name}": f"the blocks, as --format {name} asks" for name in BLOCKS},
+        "structure.png": "the blocks by group, with ties",
+        "problem.png": "of blocks that are refused: which, and where",
+        "fill.json": "the fill of a bridge, beside blocks in formats that do not hold it",
+        "plan.json": "the plan of a building, to correct and read again",
+        "plan.svg": "that plan and the elevations of its walls",
+        "plan_left.csv": "what of a drawing was not understood",
+    },
+    "limit": {
+        "limit.json": "factors, mechanism, check and certificate",
+        "blocks.csv": "the velocity of every block in the mechanism",
+        "joints.csv": "every joint: how it moves, and its force at collapse",
+        "ties.csv": "what every tie pulls at collapse",
+        "check.json": "the check by a code",
+        "check.csv": "that check step by step, with its clauses",
+        "mechanism.png": "the mechanism with hinges and slips",
+        "thrust.png": "the line of thrust at collapse",
+        "limit.html": "the page with all of it",
+        "capacity.csv": "the load factor while the mechanism moves on",
+        "capacity.json": "that curve with its bilinear idealisation",
+        "capacity.png": "that curve, and the structure at its points",
+        "crossing.csv": "the factor of a vehicle over where it stands",
+        "crossing.png": "that envelope",
+    },
+    "limit --macro-elements": {
+        "macro_elements.csv": "all mechanisms of all parts, the gravest first",
+        "macro_elements.json": "those with their verdict",
+        "macro_elements.html": "the page of parts, with a picture each",
+    },
+    "modal": {
+        "modal.json": "frequencies, masses and what was compared",
+        "modal.csv": "every mode: frequency, participating masses",
+        "shapes_continuum.csv": "modes of the bonded continuum, at the blocks' centres",
+        "shapes_joints.csv": "modes of rigid blocks on elastic joints",
+        "modes_continuum.png": "those modes drawn",
+        "modes_joints.png": "those modes drawn",
+        "mesh_convergence.csv": "frequencies over the size of the elements",
+    },
+    "assess": {
+        "assess.csv": "every run: what was varied, and what came of it",
+        "assess.json": "what is varied, and what decides",
+        "assess.png": "the tornado",
+        "assess.html": "the page with all of it",
+    },
+    "study": {
+        "runs.csv": "every run: what was asked, its numbers, how it ended",
+        "runs.parquet": "that table with its types",
+        "fragility.csv": "every fit with its bands",
+        "fragility.json": "those with the parts of their scatter",
+        "fragility.xml": "the fits as OpenQuake reads them",
+        "sensitivity.csv": "what goes with the damage, by rank correlation",
+        "joint_probabilities.csv": "every joint: how often it opened, slid and was lost",
+        "limits.csv": "of asks = limit: every scene with its factors",
+        "summary.json": "the study in numbers, the verdict on it first",
+        "study.html": "the page with all of it",
+        "fragility.png": "fragility curves with their bands",
+        "ida.png": "the curves of the records with their quantiles",
+        "cloud.png": "every run, and the regression",
+        "stripes.png": "the runs of each level",
+        "spread.png": "how the runs are distributed",
+        "tornado.png": "what matters",
+        "median_opening.png": "the opening of every joint that half of the runs exceed",
+    },
+    "compare": {
+        "comparison.csv": "the runs side by side, all digits",
+        "comparison.md": "that table to read",
+        "comparison.png": "displacements, damage, crack widths and grades side by side",
+    },
+}
+
+
+def files_of(command: str) -> tuple[str, ...]:
+    """The names of the files of a command."""
+    return tuple(FOLDERS[command])
