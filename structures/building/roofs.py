@@ -46,7 +46,7 @@ def _pairs(plan: Plan, keys: BuildingRoofTable, name: str, where: str) -> Iterat
         ValueError: no such wall, walls that are not parallel or not of one height, nothing between them, rafters too thin for their feet.
     """
     z, thickness = _tops(plan, keys)
-    bay = vaults.bay_of(plan, BuildingVaultTable(walls=keys.walls, springing=z))
+    bay = vaults.bay_of(plan, BuildingVaultTable.model_validate({"walls": keys.walls, "springing": z}))
     a, b = bay.half
     bearing = keys.bearing or 0.5 * thickness
     if bearing > thickness:
