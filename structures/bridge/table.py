@@ -17,85 +17,104 @@ Angle = Annotated[float, Unit("degrees")]
 class SpanTable(Table):
     """One entry ``[[structure.spans]]``, from the left."""
 
-    shape: Literal["segmental", "semicircular", "elliptical", "pointed"] = Field("segmental", description="of the intrados")
-    span: Length = Field(description="clear, along the road")
-    rise: Length | None = Field(None, description="of the intrados; of a semicircle half the span")
-    thickness: Length = Field(description="of the arch at the crown")
-    thickness_springing: Length | None = Field(None, description="at the springings, between which it grows evenly; by default the same")
-    rings: int = Field(1, ge=1, le=20, description="of equal thickness, with joints between them that may slide")
-    voussoirs: int | None = Field(None, ge=3, le=400, description="to a ring; by default about 0.2 m or 0.6 of the thickness long")
-    springing: Place = Field(0.0, description="height of the springings")
-    start: Place | None = Field(None, description="x of the left springing; by default behind the pier before it")
+    shape: Literal["segmental", "semicircular", "elliptical", "pointed"] = "segmental"
+    """of the intrados"""
+    span: Length
+    """clear, along the road"""
+    rise: Length | None = None
+    """of the intrados; of a semicircle half the span"""
+    thickness: Length
+    """of the arch at the crown"""
+    thickness_springing: Length | None = None
+    """at the springings, between which it grows evenly; by default the same"""
+    rings: int = Field(1, ge=1, le=20)
+    """of equal thickness, with joints between them that may slide"""
+    voussoirs: int | None = Field(None, ge=3, le=400)
+    """to a ring; by default about 0.2 m or 0.6 of the thickness long"""
+    springing: Place = 0.0
+    """height of the springings"""
+    start: Place | None = None
+    """x of the left springing; by default behind the pier before it"""
 
 
 class SupportTable(Table):
     """A pier or an abutment."""
 
-    width: Length = Field(1.2, description="along the road")
-    height: Length = Field(3.0, description="below the lower of its springings")
-    rigid: bool = Field(False, description="one fixed block; else courses of blocks on a fixed foot")
-    course_height: Length = Field(0.5, description="of its blocks, about")
+    width: Length = 1.2
+    """along the road"""
+    height: Length = 3.0
+    """below the lower of its springings"""
+    rigid: bool = False
+    """one fixed block; else courses of blocks on a fixed foot"""
+    course_height: Length = 0.5
+    """of its blocks, about"""
 
 
 class AbutmentTable(SupportTable):
     """An abutment."""
 
-    width: Length = Field(1.5, description="along the road")
-    height: Length = Field(1.0, description="below the springing")
-    rigid: bool = Field(True, description="one fixed block; else courses of blocks on a fixed foot, with fill behind them")
+    width: Length = 1.5
+    """along the road"""
+    height: Length = 1.0
+    """below the springing"""
+    rigid: bool = True
+    """one fixed block; else courses of blocks on a fixed foot, with fill behind them"""
 
 
 class WallTable(Table):
     """The spandrel walls, and what belongs to them."""
 
     thickness: Length = Field(0.4)
-    course_height: Length = Field(0.3, description="of their blocks, about")
-    unit_length: Length = Field(0.6, description="of their blocks, about")
-    wing_length: Length | None = Field(
-        None, description="of wing walls behind the abutments, parallel to the road; by default there are none"
-    )
-    parapet_height: Length | None = Field(None, description="above the road; by default there are none")
-    parapet_thickness: Length | None = Field(None, description="by default that of the walls")
+    course_height: Length = 0.3
+    """of their blocks, about"""
+    unit_length: Length = 0.6
+    """of their blocks, about"""
+    wing_length: Length | None = None
+    """of wing walls behind the abutments, parallel to the road; by default there are none"""
+    parapet_height: Length | None = None
+    """above the road; by default there are none"""
+    parapet_thickness: Length | None = None
+    """by default that of the walls"""
 
 
 class FillTable(Table):
     """The table ``[structure.fill]``."""
 
     density: Density = Field(2000.0)
-    friction_angle: Angle = Field(30.0, ge=0.0, lt=60.0, description="of the fill")
-    spread: Literal["2:1", "boussinesq"] = Field(
-        "boussinesq", description="of wheels through the fill: 2:1, one across for two down; or of Boussinesq's line load within 30 degrees"
-    )
-    pressure: Literal["at_rest", "active", "none"] = Field(
-        "at_rest", description="on spandrel walls, wing walls and the backs of abutments of blocks: K_0 = 1 - sin phi, or Rankine's K_a"
-    )
-    passive: float = Field(
-        1.0 / 3.0, ge=0.0, le=1.0, description="share of Rankine's K_p that resists at most where the arch moves into the fill; 0: none"
-    )
-    passive_shaken: float = Field(0.3, ge=0.0, le=1.0, description="the share under loads that shake or push")
-    mobilised_at: Length = Field(0.02, description="displacement at which the share is reached, in runs; it grows linearly up to there")
+    friction_angle: Angle = Field(30.0, ge=0.0, lt=60.0)
+    """of the fill"""
+    spread: Literal["2:1", "boussinesq"] = "boussinesq"
+    """of wheels through the fill: 2:1, one across for two down; or of Boussinesq's line load within 30 degrees"""
+    pressure: Literal["at_rest", "active", "none"] = "at_rest"
+    """on spandrel walls, wing walls and the backs of abutments of blocks: K_0 = 1 - sin phi, or Rankine's K_a"""
+    passive: float = Field(1.0 / 3.0, ge=0.0, le=1.0)
+    """share of Rankine's K_p that resists at most where the arch moves into the fill; 0: none"""
+    passive_shaken: float = Field(0.3, ge=0.0, le=1.0)
+    """the share under loads that shake or push"""
+    mobilised_at: Length = 0.02
+    """displacement at which the share is reached, in runs; it grows linearly up to there"""
 
 
 class BridgeTable(Table):
     """The [structure] table of a bridge."""
 
-    spans: tuple[SpanTable, ...] = Field(strict=False, min_length=1, max_length=MOST_SPANS, description="from left to right")
-    piers: tuple[SupportTable, ...] = Field(
-        (SupportTable.model_validate({}),), strict=False, max_length=MOST_SPANS, description="one for all, or one between each two spans"
-    )
-    abutments: tuple[AbutmentTable, ...] = Field(
-        (AbutmentTable.model_validate({}),),
-        strict=False,
-        min_length=1,
-        max_length=2,
-        description="one for both, or the left and the right",
-    )
-    width: Length = Field(4.0, description="across the road, along y")
-    skew: Angle = Field(0.0, ge=-45.0, le=45.0, description="between the springings and a line across the road")
-    strips: int = Field(1, ge=1, le=40, description="voussoirs across the width, in bond")
-    cover: Length | None = Field(None, description="of fill over the highest crown; by default 0.3 m")
-    deck: Place | None = Field(None, description="or the level of the road")
-    walls: WallTable | None = Field(
-        None, description="spandrel walls, wing walls and parapets; without them a strip that may move in its plane"
-    )
-    fill: FillTable = Field(FillTable.model_validate({}), description="between the arches and the road")
+    spans: tuple[SpanTable, ...] = Field(strict=False, min_length=1, max_length=MOST_SPANS)
+    """from left to right"""
+    piers: tuple[SupportTable, ...] = Field((SupportTable.model_validate({}),), strict=False, max_length=MOST_SPANS)
+    """one for all, or one between each two spans"""
+    abutments: tuple[AbutmentTable, ...] = Field((AbutmentTable.model_validate({}),), strict=False, min_length=1, max_length=2)
+    """one for both, or the left and the right"""
+    width: Length = 4.0
+    """across the road, along y"""
+    skew: Angle = Field(0.0, ge=-45.0, le=45.0)
+    """between the springings and a line across the road"""
+    strips: int = Field(1, ge=1, le=40)
+    """voussoirs across the width, in bond"""
+    cover: Length | None = None
+    """of fill over the highest crown; by default 0.3 m"""
+    deck: Place | None = None
+    """or the level of the road"""
+    walls: WallTable | None = None
+    """spandrel walls, wing walls and parapets; without them a strip that may move in its plane"""
+    fill: FillTable = FillTable.model_validate({})
+    """between the arches and the road"""

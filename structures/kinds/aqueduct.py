@@ -74,22 +74,37 @@ class AqueductTable(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
-    tiers: int = Field(1, ge=1, le=3, description="rows of arches on one another")
-    spans: Counts = Field((3,), description="number of arches")
-    clear_span: Lengths = Field((5.0,), description="between the faces of the piers")
-    pier_width: Lengths = Field((2.0,), description="along the aqueduct")
-    pier_courses: Counts = Field((8,), description="below the springings")
-    pier_blocks: int = Field(2, ge=1, le=2, description="blocks to a course of a pier; 2 stand in alternating bond")
+    tiers: int = Field(1, ge=1, le=3)
+    """rows of arches on one another"""
+    spans: Counts = (3,)
+    """number of arches"""
+    clear_span: Lengths = (5.0,)
+    """between the faces of the piers"""
+    pier_width: Lengths = (2.0,)
+    """along the aqueduct"""
+    pier_courses: Counts = (8,)
+    """below the springings"""
+    pier_blocks: int = Field(2, ge=1, le=2)
+    """blocks to a course of a pier; 2 stand in alternating bond"""
     course_height: Length = Field(0.5)
-    ring_thickness: Lengths = Field((0.6,), description="of the arches")
-    voussoirs: Counts | None = Field(None, description="to an arch; by default their length is that of 1.2 courses")
-    cover: Lengths | None = Field(None, description="from the crown of the extrados to the level top; by default 1.5 courses")
-    width: Lengths = Field((2.0,), description="across the aqueduct, along y")
-    unit_length: Length | None = Field(None, description="of the blocks in the spandrels; by default 2 courses")
-    ends: Literal["pier", "abutment"] = Field("pier", description="what holds the last arches")
-    channel_width: Length | None = Field(None, description="clear, of a channel on top; by default there is none")
-    channel_height: Length | None = Field(None, description="clear, of the channel; by default its width")
-    base_margin: Length | None = Field(None, description="of the base around the feet; by default half the height")
+    ring_thickness: Lengths = (0.6,)
+    """of the arches"""
+    voussoirs: Counts | None = None
+    """to an arch; by default their length is that of 1.2 courses"""
+    cover: Lengths | None = None
+    """from the crown of the extrados to the level top; by default 1.5 courses"""
+    width: Lengths = (2.0,)
+    """across the aqueduct, along y"""
+    unit_length: Length | None = None
+    """of the blocks in the spandrels; by default 2 courses"""
+    ends: Literal["pier", "abutment"] = "pier"
+    """what holds the last arches"""
+    channel_width: Length | None = None
+    """clear, of a channel on top; by default there is none"""
+    channel_height: Length | None = None
+    """clear, of the channel; by default its width"""
+    base_margin: Length | None = None
+    """of the base around the feet; by default half the height"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:

@@ -33,22 +33,36 @@ from structures.schema import Height, Length, OpeningTable, Table
 class TowerTable(Table):
     """The [structure] table of a tower."""
 
-    side: Length = Field(5.0, description="outer, along x")
-    side_y: Length | None = Field(None, description="outer, along y; by default the same")
+    side: Length = 5.0
+    """outer, along x"""
+    side_y: Length | None = None
+    """outer, along y; by default the same"""
     height: Length = Field(20.0)
-    thickness: Length = Field(0.8, description="of the walls")
-    course_height: Length = Field(0.5, description="aimed at")
-    unit_length: Length | None = Field(None, description="of a block; by default two courses")
-    leaves: int = Field(1, ge=1, le=4, description="layers of stones through the thickness")
-    through: int = Field(3, ge=1, le=100, description="through-stones: with n, every n-th stone of every n-th course")
-    belfry_width: Height = Field(1.4, description="of the openings; 0 for none")
-    belfry_height: Length = Field(2.6, description="of the openings")
-    belfry_sill: Length | None = Field(None, description="by default two courses of masonry remain above the arches")
-    door_width: Height = Field(1.0, description="0 for none")
+    thickness: Length = 0.8
+    """of the walls"""
+    course_height: Length = 0.5
+    """aimed at"""
+    unit_length: Length | None = None
+    """of a block; by default two courses"""
+    leaves: int = Field(1, ge=1, le=4)
+    """layers of stones through the thickness"""
+    through: int = Field(3, ge=1, le=100)
+    """through-stones: with n, every n-th stone of every n-th course"""
+    belfry_width: Height = 1.4
+    """of the openings; 0 for none"""
+    belfry_height: Length = 2.6
+    """of the openings"""
+    belfry_sill: Length | None = None
+    """by default two courses of masonry remain above the arches"""
+    door_width: Height = 1.0
+    """0 for none"""
     door_height: Length = Field(2.0)
-    inclination: Annotated[float, Unit("degrees")] = Field(0.0, ge=-15.0, le=15.0, description="towards +x")
-    bonded: bool = Field(True, description="false: straight joints at the corners from bottom to top")
-    base_depth: Length | None = Field(None, description="of the base; by default a course")
+    inclination: Annotated[float, Unit("degrees")] = Field(0.0, ge=-15.0, le=15.0)
+    """towards +x"""
+    bonded: bool = True
+    """false: straight joints at the corners from bottom to top"""
+    base_depth: Length | None = None
+    """of the base; by default a course"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:

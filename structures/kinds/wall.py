@@ -36,27 +36,35 @@ class WallTable(Table):
     """The [structure] table of a wall."""
 
     length: Length = Field(4.0)
-    height: Length = Field(3.0, description="without the gable")
+    height: Length = 3.0
+    """without the gable"""
     thickness: Length = Field(0.4)
-    course_height: Length = Field(0.25, description="aimed at; courses adapt to the openings")
-    unit_length: Length | None = Field(None, description="of a block; by default two courses")
-    leaves: int = Field(1, ge=1, le=4, description="layers of stones through the thickness")
-    through: int = Field(3, ge=0, le=100, description="through-stones: with n, every n-th stone of every n-th course; 0 for none")
-    core: Literal["none", "solid", "rubble"] = Field("none", description="between two outer leaves: stones, or rubble of spheres")
-    core_thickness: Length | None = Field(None, description="of the core; by default a third of the thickness")
-    core_diameters: tuple[Length, ...] | None = Field(
-        None, strict=False, min_length=1, max_length=20, description="of the rubble; by default 0.6 and 0.4 of the core's thickness"
-    )
-    core_shares: tuple[Share, ...] | None = Field(
-        None, strict=False, description="of the number of spheres thrown in, for each diameter, in any unit; by default equal ones"
-    )
-    core_density: Density | None = Field(None, description="of the core; by default that of the material")
-    core_seed: int = Field(0, ge=0, description="of where the rubble lies; equal seeds give equal places")
-    openings: tuple[dict[str, Any], ...] = Field(
-        (), strict=False, json_schema_extra=rows(OpeningTable), description="doors and windows, [[structure.openings]] each"
-    )
-    gable: Height = Field(0.0, description="height of a gable on top")
-    base_depth: Length | None = Field(None, description="of the base; by default two courses")
+    course_height: Length = 0.25
+    """aimed at; courses adapt to the openings"""
+    unit_length: Length | None = None
+    """of a block; by default two courses"""
+    leaves: int = Field(1, ge=1, le=4)
+    """layers of stones through the thickness"""
+    through: int = Field(3, ge=0, le=100)
+    """through-stones: with n, every n-th stone of every n-th course; 0 for none"""
+    core: Literal["none", "solid", "rubble"] = "none"
+    """between two outer leaves: stones, or rubble of spheres"""
+    core_thickness: Length | None = None
+    """of the core; by default a third of the thickness"""
+    core_diameters: tuple[Length, ...] | None = Field(None, strict=False, min_length=1, max_length=20)
+    """of the rubble; by default 0.6 and 0.4 of the core's thickness"""
+    core_shares: tuple[Share, ...] | None = Field(None, strict=False)
+    """of the number of spheres thrown in, for each diameter, in any unit; by default equal ones"""
+    core_density: Density | None = None
+    """of the core; by default that of the material"""
+    core_seed: int = Field(0, ge=0)
+    """of where the rubble lies; equal seeds give equal places"""
+    openings: tuple[dict[str, Any], ...] = Field((), strict=False, json_schema_extra=rows(OpeningTable))
+    """doors and windows, [[structure.openings]] each"""
+    gable: Height = 0.0
+    """height of a gable on top"""
+    base_depth: Length | None = None
+    """of the base; by default two courses"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
