@@ -22,7 +22,8 @@ from masonry_cd.foundation.plugins import GROUPS, OWN_FILE
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.studies.study.clusters import SlurmTable
 from masonry_cd.studies.study.study_file import StudyTables
-from structures.building.table import JunctionTable
+from structures.building.table import BuildingRoofTable, JunctionTable
+from structures.floors import FloorTable
 
 COMMANDS = typer.main.get_command(app).commands
 FIRST_HOUR = DOCS / "tutorials" / "first_hour.md"
@@ -123,7 +124,12 @@ def test_a_mistake_on_the_command_line_ends_in_the_line_of_the_page(words, said,
 def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
     checks = {
         "docs/howto/buildings.md": [
-            lambda tables: [parse_table(JunctionTable, each, "structure.junctions") for each in tables["structure"]["junctions"]]
+            lambda tables: [parse_table(JunctionTable, each, "structure.junctions") for each in tables["structure"]["junctions"]],
+            lambda tables: [
+                parse_table(kind, each, name)
+                for name, kind in (("floors", FloorTable), ("roofs", BuildingRoofTable))
+                for each in tables["structure"][name]
+            ],
         ],
         "docs/howto/code_check.md": [lambda tables: limit_table(tables["limit"])],
         "docs/limit_analysis.md": [lambda tables: limit_table(tables["limit"])],

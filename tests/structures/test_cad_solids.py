@@ -19,6 +19,7 @@ from structures.files.cad_solids import named
 def model(path: Path, *solids: tuple[str, tuple[float, ...]]) -> Path:
     """Write a model of solids, each by the kernel's own function."""
     with gmsh_session() as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")  # OpenCASCADE keeps the unit of whoever used it last in this process
         for kind, numbers in solids:
             getattr(gmsh.model.occ, f"add{kind}")(*numbers)
         gmsh.model.occ.synchronize()
