@@ -39,8 +39,8 @@ def outer_shell(parts: Sequence[Polyhedron]) -> Polyhedron:
     points, numbers = _numbered(np.concatenate(outer))
     ends = np.cumsum([len(loop) for loop in outer])[:-1]
     faces = [tuple(dict.fromkeys(own.tolist())) for own in np.split(numbers, ends)]
-    faces = [_with_corners_between(points, face) for face in faces if len(face) > 2]
-    return _parted(points, faces)
+    faces = [_without_spurs(_with_corners_between(points, face)) for face in faces if len(face) > 2]
+    return _parted(points, [face for face in faces if face])
 
 
 def is_closed(faces: Faces) -> bool:
@@ -96,6 +96,19 @@ def _with_corners_between(points: np.ndarray, face: tuple[int, ...]) -> tuple[in
         within = np.flatnonzero((off < GRID) & (share * length > GRID) & (share * length < length - GRID))
         found += [a, *within[np.argsort(share[within])].tolist()]
     return tuple(found)
+
+
+def _without_spurs(face: tuple[int, ...]) -> tuple[int, ...]:
+    """A face without edges that it runs along to and fro, as a sliver thinner than the grid does; nothing where no other is left."""
+    loop, here = list(face), 0
+    while len(loop) > 2 and here < len(loop):
+        if loop[here - 1] == loop[(here + 1) % len(loop)]:
+            for k in sorted((here, (here + 1) % len(loop)), reverse=True):
+                del loop[k]
+            here = 0
+        else:
+            here += 1
+    return tuple(loop) if len(loop) > 2 else ()
 
 
 def _parted(points: np.ndarray, faces: Sequence[tuple[int, ...]]) -> Polyhedron:

@@ -69,3 +69,15 @@ def test_a_sliver_over_a_pocket_goes_to_the_stone_above_it() -> None:
     assert min(one.width for one in parts) > 0.25
     cut = 0.3 * (0.3965 * 1.0)  # its back is at 0.3965 m in the middle of the stone
     assert sum(block.mass_properties.volume for block in made) == pytest.approx(0.48 - cut, rel=1e-9)
+
+
+def test_a_sliver_thinner_than_rounding_leaves_no_face_that_runs_to_and_fro() -> None:
+    """A prism of 5 nm on the side of a cube: both of its ends are lines along an edge of the cube."""
+    cube = Polyhedron(*box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
+    plan = np.array([(0.0, 1.0), (1.0, 1.0), (0.5, 1.0 + 5e-9)])
+    corners = np.vstack([np.column_stack([plan, np.full(3, z)]) for z in (0.0, 1.0)])
+    sliver = Polyhedron(corners, ((0, 1, 2), (5, 4, 3), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)))
+    shell = outer_shell([cube, sliver])
+    assert all(len(set(face)) == len(face) for face in shell.faces)
+    assert is_closed(shell.faces)
+    check([Block("stone", shell.vertices, shell.faces, 1.0)])

@@ -283,7 +283,7 @@ def test_a_scene_that_leaves_all_out_is_refused() -> None:
 def test_values_that_are_likely_in_another_unit_draw_their_line_before_any_run_is_made(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], said: list[str]
 ) -> None:
-    monkeypatch.setattr("masonry_cd.studies.study.study_case._Made._execute", lambda *_: None)
+    monkeypatch.setattr("masonry_cd.studies.study.study_case._Made.execute", lambda *_: None)
     doubtful = WALL | {"material": {"density": 2.0, "friction": 0.5}, "assess": {"young": [2600, 3e9]}} | changes
     result = command(tmp_path, doubtful, "-q")
     shown = [line.partition("warning: ")[2] for line in result.stderr.splitlines() if "quiet_checks" in line]

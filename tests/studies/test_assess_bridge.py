@@ -11,7 +11,7 @@ import pytest
 from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.app.scene_text import dump_toml
-from masonry_cd.studies.assess.assess_case import _check_statics
+from masonry_cd.studies.assess.assess_case import check_statics
 from masonry_cd.studies.assess.plan import AssessPlan
 from masonry_cd.studies.study.checks import scene_of_run
 
@@ -64,4 +64,4 @@ def test_what_has_no_effect_is_left_out_with_the_reason() -> None:
 
 @pytest.mark.parametrize("vehicle", [{"position": 1.0}, {}])
 def test_statics_are_checked_with_the_fill_and_with_a_vehicle_that_has_no_place_yet(vehicle: dict[str, float]) -> None:
-    _check_statics(AssessPlan(scene(loads=[{"kind": "vehicle", "axles": [1e5], **vehicle}])))
+    check_statics(AssessPlan(scene(loads=[{"kind": "vehicle", "axles": [1e5], **vehicle}])))

@@ -33,7 +33,7 @@ def assess_case(plan: AssessPlan, folder: Path, options: Options, say: Say) -> d
         InputError: a scene that cannot be run, the folder of another one.
         Interrupted: by a signal; finished runs are kept.
     """
-    function, check = (assess_task, check_first) if plan.shakes else (limit_task, _check_statics)
+    function, check = (assess_task, check_first) if plan.shakes else (limit_task, check_statics)
     ways = Ways(function, partial(_write, plan), lambda made: (*plan.doubtful, *check(made)), maps=False)
     return study_case(plan, folder, options, say, ways)
 
@@ -60,7 +60,7 @@ def _write(plan: AssessPlan, folder: Path, runs: Sequence[Planned], maker: Maker
     write_json(as_facts(Assessment(study.title, study.scene_name, tuple(known), left, tuple(members))), folder / FILE)
 
 
-def _check_statics(plan: Plan) -> list[str]:
+def check_statics(plan: Plan) -> list[str]:
     """Check that there is something for limit analysis to multiply.
 
     Returns:

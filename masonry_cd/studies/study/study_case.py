@@ -136,7 +136,7 @@ class _Made:
             self.options.warn(self.ways.check(self.plan))
             self.folder.forget_hangs(missing)
             try:
-                self._execute(missing, len(known))
+                self.execute(missing, len(known))
             except Interrupted as asked:
                 self.stopped = str(asked)
                 self._close()
@@ -159,7 +159,7 @@ class _Made:
         made = list(missing.values())
         return [*made[:1], *self.plan.shuffled(made[1:])], known
 
-    def _execute(self, missing: list[Planned], known: int) -> None:
+    def execute(self, missing: list[Planned], known: int) -> None:
         """Make runs until there are none left, or a signal comes."""
         tables = self.plan.maker.study.tables
         progress = StudyProgress(known, known - len(missing), sum(run.weight for run in missing), self.options.quiet)
