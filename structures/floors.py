@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Floors of a structure: rigid slabs that bear on seats in the walls of a room, and may be anchored to them.
+"""Floors of a structure: rigid slabs that bear on seats in walls, and may be anchored to them.
 
     [[structure.floors]]
     height = 3.0                             # of its top [m]
@@ -12,7 +12,7 @@
     anchors = { spacing = 1.5, diameter = 0.016, yield_force = 40e3 }
 
 A floor is one rigid block, a diaphragm: it neither bends nor shears nor stretches in its plane. One in strips, side by side along its span,
-is flexible in plan: each of them moves with the walls that it bears on. It fills the clear room about a point, of any convex plan, reaches
+is flexible in plan: each of them moves with the walls that it bears on. It fills the clear space about a point, of any convex plan, reaches
 into the walls named by the depth of its seats, which are cut out of their blocks, and ends short of the others by a gap. Seats are
 joints as all others are: they bear the floor, hold it by friction and by what bears against its edges, and open when a wall leaves it.
 Anchors are short ties from within the floor to the outer face of the wall, which pull alone. A floor above the walls lies on them.
@@ -78,7 +78,7 @@ class FloorTable(Table):
     walls: tuple[str, ...] = Field(strict=False, min_length=1)
     """groups or blocks in which it has seats; * stands for anything"""
     inside: tuple[Place, Place] | None = Field(None, strict=False)
-    """a point [x, y] of its room; by default the middle of the walls"""
+    """a point [x, y] between its walls; by default the middle of the walls"""
     span: Annotated[float, Unit("degrees")] | None = Field(None, ge=-360.0, le=360.0)
     """direction in which it spans, from the x axis; of the walls named only those across it then bear it"""
     strips: int = Field(1, ge=1, le=100)
@@ -221,7 +221,7 @@ def _spanned(keys: FloorTable, seats: list[Side], where: str) -> list[Side]:
     along = _direction(keys.span)
     found = [side for side in seats if abs(side.normal @ along) > ACROSS]
     if not found:
-        raise InputError(f"{where}.span: none of {', '.join(keys.walls)} lies across {keys.span:g} degrees beside its room")
+        raise InputError(f"{where}.span: none of {', '.join(keys.walls)} lies across {keys.span:g} degrees beside it")
     return found
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The clear room between walls at the height of a floor: a convex polygon about a point that no block reaches into.
+"""The clear space between walls at the height of a floor: a convex polygon about a point that no block reaches into.
 
 Blocks count by the plans of their convex parts. They are taken from the nearest outwards, and each that reaches into what is left takes off
-what lies beyond its side that is farthest from the point; so the walls of the room bound it before those of its neighbours are looked at.
+what lies beyond its side that is farthest from the point; so its own walls bound it before those of its neighbours are looked at.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ EXACT = 1e-9  # normals closer to an axis than this lie along it
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A side of a room, or of the plan of a block: the line ``normal . x = place``."""
+    """A side of the clear space, or of the plan of a block: the line ``normal . x = place``."""
 
     normal: np.ndarray  # unit vector (2,), out of the room
     place: float  # of its wall's face, along the normal [m]
@@ -137,7 +137,7 @@ def _once(sides: Sequence[Side]) -> list[Side]:
 
 
 def _with_wall(plans: Plans, side: Side, corners: np.ndarray) -> Side:
-    """A side of a room (n, 2) with the blocks that bound it, as deep as these reach."""
+    """A side of the clear space (n, 2) with the blocks that bound it, as deep as these reach."""
     along = np.array([-side.normal[1], side.normal[0]])
     on = corners[np.abs(corners @ side.normal - side.place) < 2.0 * AT] @ along
     owners, far = set[int](), side.place

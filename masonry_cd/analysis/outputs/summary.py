@@ -52,5 +52,5 @@ def _whole(run: Measured) -> dict[str, Any] | None:
 
 
 def in_short(parts: Sequence[Row]) -> list[Row]:
-    """The columns of damage.csv that a summary has room for."""
+    """The columns of damage.csv that go into a summary."""
     return [{key: row[key] for key in SHORT} for row in parts]
