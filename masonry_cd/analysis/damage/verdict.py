@@ -35,9 +35,7 @@ LIFT = (1e-3, 2e-2)  # likewise of what taking overlaps away put in
 FALSE_SHARE = (0.01, 0.1)  # likewise of what violations of the contact laws add up to, as a share of the largest displacement
 DEPTH = (1.0, 10.0)  # likewise of the largest overlap, in thresholds of an open joint
 OF_DEBRIS = 10.0  # times the second where blocks fell: what lands gets as deep as it falls in a step, and changes no grade of what stands
-OF_MOTION = (
-    0.05  # share of the largest displacement that is as good as the second up to there: what strikes gets as deep as it moves in a step
-)
+OF_MOTION = 0.05  # share of the largest displacement that is as good as the second: what strikes gets as deep as it moves in a step
 
 
 @dataclass(frozen=True)
