@@ -16,6 +16,7 @@ import numpy as np
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement, judgement, refused
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
 from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
+from masonry_cd.analysis.limit.crushed import CrushedJoint, LittleLeft, crushed_joints, crushed_lines, little_left
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.outcome import mechanism_facts, on_the_whole
 from masonry_cd.analysis.outputs.folders import files_of
@@ -65,6 +66,14 @@ class LimitCase:
     verdict: Judgement | None = None  # the one that all outputs show; None where no check is asked for
     crossing: Crossing | None = None  # of a vehicle whose worst place was looked for
     modelled: tuple[str, ...] = ()  # masses, ties, floors and fill, in words
+    left: LittleLeft | None = None  # of the strength under the dead loads
+
+    @cached_property
+    def crushed(self) -> tuple[CrushedJoint, ...]:
+        """The joints that are at their compressive strength at the factor."""
+        if not self.analysis.stands or self.analysis.endless:
+            return ()
+        return crushed_joints(self.analysis.problem, self.collapse, self.assembly, self.joints)
 
     @cached_property
     def collapse(self) -> Collapse:
@@ -137,6 +146,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             notes.append("limit.check: no check: there is no load factor at which a mechanism would start")
         verdict = None if asked.check is None else check.judgement if check is not None else _unchecked(analysis)
         notes += analysis.remarks
+        spare = little_left(analysis.problem, assembly, joints, how.analysis) if analysis.stands else None
     except InputError as error:
         raise scene.at_fault(error) from None
     notes += doubts(scene, *built)
@@ -154,7 +164,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
         )
     seconds = time.perf_counter() - begin
     modelled, notes = (masses(assembly), *structure.made.notes), [*notes, *loads.notes]
-    return LimitCase(scene, assembly, joints, loads, analysis, check, tuple(notes), seconds, followed, verdict, crossing, modelled)
+    return LimitCase(scene, assembly, joints, loads, analysis, check, tuple(notes), seconds, followed, verdict, crossing, modelled, spare)
 
 
 def _unchecked(analysis: Analysis) -> Judgement:
@@ -216,6 +226,8 @@ def _numbers(case: LimitCase) -> dict[str, Any]:
         "least": None,
         "starts": analysis.starts,
         "mechanism": mechanism_facts(case.collapse.mechanism, case.assembly.names, "least" if least else "associated"),
+        "crushed": [asdict(one) for one in case.crushed],
+        "little_left": None if case.left is None else asdict(case.left),
         "ties": [tie.row() for tie in case.ties],
         "check": None if case.check is None else case.check.numbers(),
         "verdict": None if case.verdict is None else case.verdict.numbers(),
@@ -247,7 +259,7 @@ def lines(case: LimitCase) -> list[str]:
     """The analysis in words: what was found, the check by a code, and what to know of both."""
     how = _how_lines(case) if case.analysis.stands and not case.analysis.endless else ()
     checked = case.check.lines() if case.check else [case.verdict.words] if case.verdict else []
-    return [*found_lines(case), *how, *checked, *case.notes]
+    return [*found_lines(case), *crushed_lines(case.crushed, case.left), *how, *checked, *case.notes]
 
 
 def found_lines(case: LimitCase) -> list[str]:
@@ -349,7 +361,13 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
         written += write_curve(case.curve, case.assembly.names, folder)
     of_curve = [] if case.curve is None else curve_lines(case.curve, case.assembly.names)
     options = ["--curve"] if case.curve is not None and "curve" not in case.scene.limit else []
-    page = LimitPage(facts, [*found_lines(case), *of_curve], case.scene.text, options, case.scene.report.model_dump(exclude_unset=True))
+    page = LimitPage(
+        facts,
+        [*found_lines(case), *crushed_lines(case.crushed, case.left), *of_curve],
+        case.scene.text,
+        options,
+        case.scene.report.model_dump(exclude_unset=True),
+    )
     write_limit_page(page, drawn, folder / "limit.html")
     return [*written, *drawn, folder / "limit.html"]
 
