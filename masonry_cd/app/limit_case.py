@@ -22,13 +22,13 @@ from masonry_cd.analysis.limit.outcome import mechanism_facts, on_the_whole
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
-from masonry_cd.app.limit_curve import FollowedCurve, curve_lines, draw_curve, follow, write_curve
+from masonry_cd.app.limit_curve import FollowedCurve, curve_lines, follow
 from masonry_cd.app.limit_finite import unlimited_lines
 from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
 from masonry_cd.app.limit_parts import begun_at_parts
 from masonry_cd.app.limit_search import Ways, certificate_lines, search_numbers, search_words, ways
 from masonry_cd.app.limit_structure import limit_structure
-from masonry_cd.app.limit_vehicle import Crossing, at_worst, write_crossing
+from masonry_cd.app.limit_vehicle import Crossing, at_worst
 from masonry_cd.app.modelled import masses
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
@@ -259,7 +259,11 @@ def lines(case: LimitCase) -> list[str]:
     """The analysis in words: what was found, the check by a code, and what to know of both."""
     how = _how_lines(case) if case.analysis.stands and not case.analysis.endless else ()
     checked = case.check.lines() if case.check else [case.verdict.words] if case.verdict else []
-    return [*found_lines(case), *crushed_lines(case.crushed, case.left), *how, *checked, *case.notes]
+    return [*all_found(case), *how, *checked, *case.notes]
+
+
+def all_found(case: LimitCase) -> list[str]:
+    return [*found_lines(case), *crushed_lines(case.crushed, case.left)]
 
 
 def found_lines(case: LimitCase) -> list[str]:
@@ -330,76 +334,3 @@ def _who(case: LimitCase) -> str:
     some = ", ".join(f'"{case.assembly.names[b]}"' for b in moving[:NAMED])
     free = int((~case.assembly.fixed).sum())
     return f"{len(moving)} of {free} blocks ({some}{' ...' if len(moving) > NAMED else ''})"
-
-
-def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "auto") -> list[Path]:
-    """Write limit.json, the tables, the pictures and the page into a folder, which is made if need be.
-
-    Raises:
-        InputError: an unknown view, no off-screen OpenGL for the pictures; the tables are written by then.
-    """
-    from masonry_cd.app.summary import write_json
-    from reports.limit.check_files import write_check
-    from reports.limit.page import LimitPage, write_limit_page
-    from reports.limit.tables import write_limit_ties, write_tables
-
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in EVERY:
-        (folder / name).unlink(missing_ok=True)
-    facts = summary(case)
-    write_json(facts, folder / "limit.json")
-    collapse = case.collapse
-    written = [folder / "limit.json", *write_tables(collapse, case.assembly, case.joints, folder), *write_limit_ties(case.ties, folder)]
-    if case.check is not None:
-        write_json(case.check.numbers(), folder / "check.json")
-        write_check(case.check.numbers(), folder / "check.csv")
-        written += [folder / "check.json", folder / "check.csv"]
-    if case.crossing is not None:
-        written += write_crossing(case.crossing, folder, case.scene.title, pictures)
-    drawn = draw(case, folder, view) if pictures else []
-    if case.curve is not None:
-        written += write_curve(case.curve, case.assembly.names, folder)
-    of_curve = [] if case.curve is None else curve_lines(case.curve, case.assembly.names)
-    options = ["--curve"] if case.curve is not None and "curve" not in case.scene.limit else []
-    page = LimitPage(
-        facts,
-        [*found_lines(case), *crushed_lines(case.crushed, case.left), *of_curve],
-        case.scene.text,
-        options,
-        case.scene.report.model_dump(exclude_unset=True),
-    )
-    write_limit_page(page, drawn, folder / "limit.html")
-    return [*written, *drawn, folder / "limit.html"]
-
-
-def draw(case: LimitCase, folder: Path, view: str = "auto") -> list[Path]:
-    """Draw the mechanism, the forces of a structure that stands, and its capacity curve where one was followed, into a folder.
-
-    Raises:
-        InputError: an unknown view, no off-screen OpenGL.
-    """
-    from reports.limit.picture import Subject, mechanism_picture, thrust_picture
-
-    what, facts = Subject(case.collapse, case.assembly.blocks, case.joints, case.ties), _facts(case)
-    mechanism_picture(what, folder / "mechanism.png", f"{case.scene.title}: mechanism", facts, view)
-    if not case.analysis.stands:
-        return [folder / "mechanism.png"]
-    thrust_picture(what, folder / "thrust.png", f"{case.scene.title}: forces at collapse", facts, view)
-    curve = [draw_curve(case.curve, case.assembly.names, folder, (case.scene.title, case.loads.words), view)] if case.curve else []
-    return [folder / "mechanism.png", folder / "thrust.png", *curve]
-
-
-def _facts(case: LimitCase) -> str:
-    """The line below the title of a picture."""
-    analysis = case.analysis
-    if not analysis.stands:
-        return "does not stand under its dead loads"
-    if analysis.endless:
-        return f"{case.loads.words}: no finite load factor; the forces are those under the dead loads"
-    if analysis.problem.moves_support:
-        return f"{case.loads.words}: the supports still bear {force(-analysis.associated.factor * analysis.problem.weight)}"
-    if analysis.bears_nothing:
-        return f"{case.loads.words}: no load factor, the least of this load sets it in motion"
-    least = f" · least found without dilation {analysis.least.optimum.factor:.4g}, drawn" if analysis.least else ""
-    upper = "no finite associated load factor" if analysis.unlimited else f"load factor {analysis.associated.factor:.4g} (associated)"
-    return f"{case.loads.words} · {upper}{least}"

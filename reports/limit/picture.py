@@ -187,8 +187,8 @@ def moved_points(moves: Mechanism, centre: np.ndarray, points: np.ndarray, block
 
 
 def _outlines(moves: Mechanism, joints: Joints, corners: np.ndarray, view: View) -> list[Layer]:
-    """Outlines of the joints at work with their corners (N, 3) where they are drawn, and around them those of joints that crush; a front view
-    shows them through the thickness."""
+    """Outlines of the joints at work with their corners (N, 3) where they are drawn, and around them those of joints that crush; a front
+    view shows them through the thickness."""
     state, crushed = (np.repeat(part, np.diff(joints.polygon_start)) for part in (moves.state, moves.crushing))
     pairs = np.stack([np.arange(len(state)), next_in_loop(joints.polygon_start)], axis=1)
     crush = Lines(corners, pairs[crushed], CRUSHED, 2.0 * BAND, through(view), lift=0.5 * PIXEL)

@@ -12,7 +12,8 @@ from click.testing import Result
 from models import box, ground
 from typer.testing import CliRunner
 
-from masonry_cd.app.limit_case import limit_case, lines, write
+from masonry_cd.app.limit_case import limit_case, lines
+from masonry_cd.app.limit_files import write
 from masonry_cd.cli.app import app
 from structures.files import blockfile
 

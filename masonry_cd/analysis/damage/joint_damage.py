@@ -94,8 +94,8 @@ def bonds(results: Results) -> dict[str, int]:
 
 
 def crushing(results: Results) -> dict[str, Any]:
-    """Joints that were crushed, by how much the most of them at the end [m] and which one, and how many a frame shows crushed that no longer
-    know it, as their blocks came far apart or met with other faces; nothing in a run whose joints cannot."""
+    """Joints that were crushed, by how much the most of them at the end [m] and which one, and how many a frame shows crushed that no
+    longer know it, as their blocks came far apart or met with other faces; nothing in a run whose joints cannot."""
     if not results.has_joint_history(CRUSHED):
         return {}
     history = results.joint_history(CRUSHED)
