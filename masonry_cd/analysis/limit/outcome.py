@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
+from masonry_cd.analysis.limit.nonassociated import AGREE
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
 
 SURE = {  # by the state of a check by a code: how sure it is, and that in words
@@ -64,7 +65,7 @@ def _of_the_factor(facts: Mapping[str, Any], least: Mapping[str, Any] | None) ->
         return Verdict(f"load factor at most {upper:.4g}", "", "", LOOK, "read this before you rely on the factor", why)
     factor, agreeing, starts = least["factor"], least["agreeing"], least["starts"]
     because = f"least found without dilation; at most {upper:.4g}, of sliding that opens joints"
-    if factor < (1.0 - APART) * upper and 2 * agreeing <= starts:
+    if factor < (1.0 - APART) * upper and (agreeing < AGREE or 2 * agreeing <= starts):
         why = f"{agreeing} of {starts} starts of the search came to the least factor; more starts may find less (limit.starts)"
         return Verdict(f"load factor {factor:.4g}", "", because, LOOK, "read this before you rely on the factor", why)
     return Verdict(f"load factor {factor:.4g}", "", because, GOOD, "the searches agree, and the certificate closes", "")
