@@ -132,6 +132,6 @@ def _line(weakest: Weakest, fill: Fill) -> str:
     remedy = (
         f"{fill.where}.pressure says how it presses"
         if table == fill.where
-        else f"{table}.walls.thickness {thicker:.2g} times as large would do"
+        else f"{table}.walls.thickness {thicker:.3g} times as large would do"
     )
     return f"dry and by itself, the wall {how} its bed {weakest.depth:.3g} m below the road: {ends}; {remedy}"
