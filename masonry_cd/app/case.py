@@ -95,6 +95,13 @@ class Structure:
         return standing(self.assembly).warnings() if self.assembly.fixed.any() else [f"{FALLING}; of a file, {HOW}"]
 
     @cached_property
+    def leaning(self) -> list[str]:
+        """Warnings on walls that do not stand under their fill."""
+        from structures.retaining import warnings
+
+        return warnings(self.assembly, self.fills)
+
+    @cached_property
     def odd_size(self) -> list[str]:
         """A line where the structure is so small or large that its unit is likely another."""
         from structures.summary import odd_size
@@ -213,7 +220,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         _say_once(f"compiled kernels could not be kept, the next run compiles them again: {in_plain_words(failure)}")
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
-    falling = structure.falling if gravity else []
+    falling = [*structure.falling, *structure.leaning] if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
     unusual = doubts(scene, assembly, joints, loading.summary["tables"])
     warnings = (*structure.odd_size, *unusual, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
