@@ -19,7 +19,7 @@ from structures.building import beds, junctions, openings
 from structures.building.axes import SAME, legs_of
 from structures.building.engine import Walls, blocks_of_walls, refuse
 from structures.building.footprints import Plan
-from structures.building.frames import Frame
+from structures.building.frames import LEAST_MEASURE, Frame
 from structures.building.junctions import Junction, Pair
 from structures.building.panels import Laying, Leaves
 from structures.building.table import BuildingTable, WallOpeningTable
@@ -76,7 +76,10 @@ def build(walls: Sequence[Wall], levels: Sequence[float], sizes: Sizes, density:
         frames.setdefault((k, 0), []).extend(_left_out(box(a - wall.start, b - wall.start, low, high)) for a, b, low, high in wall.voids)
     if not faults:
         openings.check(plan, layings, frames, faults)
-    refuse(list({fault.split(":")[0]: fault for fault in reversed(faults)}.values()))  # one for each key: it may draw many openings
+    first: dict[str, str] = {}
+    for fault in faults:  # one for each key: it may draw many openings
+        first.setdefault(fault.split(":")[0], fault)
+    refuse(list(first.values()))
     return blocks_of_walls(Walls(table, plan, frames, layings), density)
 
 
@@ -103,7 +106,15 @@ def _wall_table(wall: Wall) -> dict[str, Any]:
 
 
 def _opening_table(opening: Opening, wall: Wall) -> dict[str, Any]:
-    """An opening as a wall of a building has it."""
+    """An opening as a wall of a building has it.
+
+    Raises:
+        InputError: a measure that is a slip, and would make voussoirs by the million.
+    """
+    for measure in ("width", "height", "depth", "rise", "bearing"):
+        value = getattr(opening, measure)
+        if value is not None and value < LEAST_MEASURE:
+            raise InputError(f"{opening.key}: its {measure} must be at least {LEAST_MEASURE:g} m, got {value:g}")
     keys = {"shape": SHAPES[opening.head], "at": opening.centre - wall.start, "width": opening.width, "height": opening.height}
     keys |= {"sill": opening.sill - wall.foot, "lintel" if opening.head == "lintel" else "ring": opening.depth}
     return keys | {key: value for key in ("rise", "bearing") if (value := getattr(opening, key)) is not None}
