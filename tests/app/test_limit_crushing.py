@@ -75,6 +75,7 @@ def test_macro_elements_crush_as_the_whole_does(tmp_path):
     exact = 0.5 / 1.5 * (1.0 - WEIGHT / 2e5)
     along_x = min(row["alpha0"] for row in parts if row["push"] == "x")
     assert along_x == pytest.approx(exact, rel=1e-3) and whole == pytest.approx(exact, rel=1e-3)
+    assert all(row["mechanism"].endswith("; ground - a crushes") for row in parts if row["push"] == "x")
 
 
 def test_a_strength_below_the_stress_in_a_part_is_one_line(tmp_path):

@@ -22,6 +22,7 @@ from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
 from masonry_cd.analysis.limit.rigid_groups import RigidGroups, rigid_groups
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
+from masonry_cd.foundation.quantities import counted
 from structures.macro_elements.element import HORIZONTAL_BENDING, MacroElement
 
 MOST = 5.0  # load factor, in g, beyond which nothing is looked for: a part that bears so much is held
@@ -139,7 +140,7 @@ def _free(
         made = _made(part, element, way, (FREE, source), optimum, dilation(problem, optimum))
         assert made.found is not None
         if not any(alike(made.found, other.found) for other in out if other.found):
-            out.append(replace(made, name=f"{FREE}: {_counts(made.found.mechanism)}"))
+            out.append(replace(made, name=f"{FREE}: {_counts(made.found.mechanism)}{_crushed(made.found.mechanism, part.whole)}"))
     return out, least
 
 
@@ -161,7 +162,8 @@ def _made(part: Part, element: MacroElement, way: np.ndarray, called: tuple[str,
     low = part.whole.box[0][moves.moving & part.free, 2]
     height = float(low.min()) if len(low) else 0.0
     made = oscillator(found, part.assembly, part.whole.joints, part.push, None, part.loads.live)
-    return PartMechanism(element, way, *called, made, int(moves.moving.sum()), height, optimum.velocity, found)
+    name, source = called[0] + _crushed(moves, part.whole), called[1]
+    return PartMechanism(element, way, name, source, made, int(moves.moving.sum()), height, optimum.velocity, found)
 
 
 def _grave(found: Sequence[PartMechanism]) -> list[int]:
@@ -202,6 +204,16 @@ def _worded(each: Restriction, part: Part, velocity: np.ndarray) -> str:
     ends = [moved[own[0], :3] + np.cross(spin, [*middle[:2], z] - part.assembly.centre[own[0]]) for z in (low, high)]
     foot, top = (float(np.linalg.norm(end[:2])) for end in ends)
     return f"{each.name}: it slides" if foot > SLIDES * max(foot, top) else each.name
+
+
+def _crushed(moves: Mechanism, whole: Whole) -> str:
+    """Which joint crushes most, and how many others do; nothing where none does."""
+    if not moves.crushing.any():
+        return ""
+    worst, more = int(np.argmax(moves.closing)), int(moves.crushing.sum()) - 1
+    ends = (whole.assembly.names[int(block[worst])] for block in (whole.joints.block_a, whole.joints.block_b))
+    crush = f"and {counted(more, 'joint')} more crush" if more else "crushes"
+    return f"; {' - '.join(ends)} {crush}"
 
 
 def _counts(moves: Mechanism) -> str:

@@ -24,12 +24,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from masonry_cd.analysis.limit.crushing import crushable
 from masonry_cd.analysis.limit.interfaces import Interfaces, interfaces
 from masonry_cd.analysis.limit.problem import Arms, Bars, LimitProblem, Loads, PointMasses, plane_of, problem_at
 from masonry_cd.analysis.limit.rigid_groups import some_points
-from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
 
 BED = 0.5  # vertical component of a joint's normal from which on one block rests on the other
@@ -73,6 +74,17 @@ class Whole:
         blocks = self.assembly.blocks
         return np.array([b.vertices.min(axis=0) for b in blocks]), np.array([b.vertices.max(axis=0) for b in blocks])
 
+    @cached_property
+    def _corners(self) -> tuple[np.ndarray, np.ndarray]:
+        """(N, 3) corners of all blocks [m], and where those of each begin, (B,)."""
+        blocks = self.assembly.blocks
+        return np.concatenate([b.vertices for b in blocks]), np.cumsum([0, *(len(b.vertices) for b in blocks[:-1])])
+
+    def extents(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where each block begins and ends along an axis (3,), (B,) [m]."""
+        corners, start = self._corners
+        return np.minimum.reduceat(corners @ axis, start), np.maximum.reduceat(corners @ axis, start)
+
     def prepare(self) -> None:
         """Find what all parts share, so that processes inherit it."""
         assert self.points.count >= 0 and len(self.upper) == self.joints.count and len(self.box[0])
@@ -88,8 +100,15 @@ class Whole:
         corners = joints.polygon[joints.polygon_start[joint] : joints.polygon_start[joint + 1]]
         x, y, z = corners.mean(axis=0)
         over = (low[:, 0] <= x) & (x <= high[:, 0]) & (low[:, 1] <= y) & (y <= high[:, 1]) & (low[:, 2] >= z - WITHIN) & ~assembly.fixed
+        over[over] = [_covers(assembly.blocks[b], x, y) for b in np.flatnonzero(over)]
         height = high[over, 2] - low[over, 2]
         return float(joints.area[joint] * self.gravity * np.sum(assembly.mass[over] / assembly.volume[over] * height))
+
+
+def _covers(block: Block, x: float, y: float) -> bool:
+    """Whether a place in plan [m] lies within the outline of a block, whose box reaches beyond it where the block is askew."""
+    outline = ConvexHull(block.vertices[:, :2]).equations
+    return bool((outline @ (x, y, 1.0) <= WITHIN).all())
 
 
 @dataclass(frozen=True, eq=False)

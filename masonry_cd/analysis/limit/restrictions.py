@@ -85,7 +85,7 @@ def _overturning(whole: Whole, element: MacroElement, direction: np.ndarray) -> 
         own = _above(whole, element.blocks, level)
         yield _one(whole, "simple overturning", own)
         for angle in WEDGES:
-            more = _wedge(whole, own, level, math.tan(math.radians(angle)))
+            more = _wedge(whole, own, element.directions[0], level, math.tan(math.radians(angle)))
             if len(more):
                 yield _one(whole, f"composite overturning, wedges of {angle:g} degrees", np.concatenate([own, more]))
 
@@ -228,17 +228,26 @@ def _above(whole: Whole, blocks: np.ndarray, level: float) -> np.ndarray:
     return blocks[whole.box[0][blocks, 2] >= level - SAME]
 
 
+def _beyond(low: np.ndarray, high: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """How far the middles of blocks with extents (B,) lie outside those of some of them, (B,) [m]."""
+    middle = 0.5 * (low + high)
+    return np.asarray(np.maximum(np.maximum(low[own].min() - middle, middle - high[own].max()), 0.0))
+
+
 def _reach(whole: Whole, blocks: np.ndarray) -> tuple[float, float]:
     """Foot and top of some blocks [m]."""
     return float(whole.box[0][blocks, 2].min()), float(whole.box[1][blocks, 2].max())
 
 
-def _wedge(whole: Whole, own: np.ndarray, level: float, slope: float) -> np.ndarray:
-    """Blocks of other walls that rest on some blocks, or on one another above them, within a slope of the part; no floors and roofs."""
-    low, high = whole.box
-    inside, outside = low[own, :2].min(axis=0), high[own, :2].max(axis=0)
-    middle = 0.5 * (low + high)
-    away = np.maximum(np.maximum(inside - middle[:, :2], middle[:, :2] - outside), 0.0).max(axis=1)
+def _wedge(whole: Whole, own: np.ndarray, across: Sequence[float], level: float, slope: float) -> np.ndarray:
+    """Blocks of other walls that rest on some blocks, or on one another above them, within a slope of the part; no floors and roofs.
+
+    The part and its distances to other blocks are measured along and ``across`` it (3,) in plan.
+    """
+    x, y = across[:2]
+    plan = [whole.extents(np.array([x, y, 0.0])), whole.extents(np.array([-y, x, 0.0]))]
+    away = np.max([_beyond(*extents, own) for extents in plan], axis=0)
+    middle = 0.5 * (whole.box[0] + whole.box[1])
     within = (away <= slope * (middle[:, 2] - level)) & ~whole.assembly.fixed
     floors = np.array([whole.rests(group) for group in whole.assembly.groups])[whole.assembly.group_of]
     taken = np.zeros(len(away), dtype=bool)

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from limit_loads import joined, push_loads
@@ -80,6 +82,27 @@ def test_interlock_raises_the_factor_by_its_work() -> None:
     bare = [block for block in toothed() if not block.name.startswith("cross")]
     alone = analyse_element(whole_of(bare), element(whole_of(bare), "facade"), (1.0, 0.0, 0.0), Effort(0, 0)).mechanisms[0]
     assert alone.oscillator.alpha < 0.9 * simple.oscillator.alpha
+
+
+def turned(blocks: list[Block], degrees: float) -> list[Block]:
+    """Blocks turned about the upright axis."""
+    a = np.radians(degrees)
+    turn = np.array([[np.cos(a), -np.sin(a), 0.0], [np.sin(a), np.cos(a), 0.0], [0.0, 0.0, 1.0]])
+    return [replace(block, vertices=block.vertices @ turn.T) for block in blocks]
+
+
+@pytest.mark.parametrize("degrees", [30.0, 45.0, 118.0])
+def test_an_oblique_wall_bears_what_one_along_an_axis_does(degrees: float) -> None:
+    """The friction of interlock is that of the weight above a bed and of nothing beside it, and so are the factors."""
+    a, found = np.radians(degrees), []
+    for blocks, way in ((toothed(), (1.0, 0.0, 0.0)), (turned(toothed(), degrees), (np.cos(a), np.sin(a), 0.0))):
+        whole = whole_of(blocks)
+        found.append(analyse_element(whole, replace(element(whole, "facade"), directions=(way,)), way, Effort(0, 0)))
+    one, other = found
+    assert other.interlock == pytest.approx(one.interlock, rel=1e-6)
+    assert sorted(made.name for made in other.mechanisms) == sorted(made.name for made in one.mechanisms)
+    factors = [sorted(made.oscillator.alpha for made in each.mechanisms) for each in found]
+    assert factors[1] == pytest.approx(factors[0], rel=1e-3)
 
 
 def test_rigid_bodies_start_at_no_less_than_their_blocks() -> None:
