@@ -187,10 +187,9 @@ def _length(table: DrivenKeys, way: float, grid: RunGrid, where: str) -> float:
     if table.speed is not None:
         length = PEAK_SPEED * way / table.speed
         if length < FEWEST_STEPS * grid.dt:
-            slowest = PEAK_SPEED * way / (FEWEST_STEPS * grid.dt)
             raise InputError(
-                f"{where}.speed: at {table.speed:g} m/s the leg of {way:g} m takes {length / grid.dt:.3g} steps of run.dt {grid.dt:g} s; "
-                f"at most {slowest:.2g} m/s will do, of which it takes {FEWEST_STEPS}"
+                f"{where}.speed: at {table.speed:g} m/s the leg of {way:g} m takes {length / grid.dt:.3g} steps of run.dt {grid.dt:g} s, "
+                f"and at least {FEWEST_STEPS} are needed; without a speed the push is as slow as it has to be"
             )
         return length
     gravity = math.hypot(*grid.gravity)

@@ -65,12 +65,19 @@ def _keeps_offset(processed: Processed, correction: str, where: str) -> list[str
     """Whether an offset of the instrument is left in what is used."""
     offset = processed.offset() if correction == "none" else None
     mean = abs(float(processed.after.acceleration.mean()))
-    if offset is None or mean <= OFFSET * offset["pga"]:
+    if offset is None or mean <= OFFSET * offset["pga"] or _rests(processed):
         return []
     return [
         f'{where} correction "none" keeps a mean of {mean:.3g} m/s2, as the offset of an instrument, in PGA, Arias intensity and the '
         f"motion of the base: PGA {processed.after.numbers()['pga']:.4g} m/s2, {offset['pga']:.4g} without it"
     ]
+
+
+def _rests(processed: Processed) -> bool:
+    """Whether it is zero at one end for a while, as a pulse is: an offset would be there, too."""
+    values = np.abs(processed.before.acceleration)
+    some = max(3, round(END_SHARE * len(values)))
+    return bool(min(values[:some].max(), values[-some:].max()) <= REST * values.max())
 
 
 def _slow(processed: Processed, where: str) -> list[str]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,12 @@ def test_an_offset_that_is_kept_is_named_with_the_peak_without_it(tmp_path: Path
     assert 'correction "none" keeps a mean of 0.5' in line
     assert line.endswith(f"{peak:.4g} without it")
     assert warnings(tmp_path, WAVE + 0.5, correction="none", band=[0.2, 20.0]) == []  # the band-pass has taken it off
+
+
+@pytest.mark.parametrize("shape", [np.sin, np.ones_like])
+def test_a_pulse_that_ends_at_rest_has_no_offset_of_an_instrument(shape: Callable[[np.ndarray], np.ndarray], tmp_path: Path) -> None:
+    pulse = np.where(TIME < 4.0, 1.5 * shape(np.pi * TIME / 4.0), 0.0)
+    assert warnings(tmp_path, pulse, correction="none") == []
 
 
 @pytest.mark.parametrize(("offset", "said"), [(0.0, False), (0.5, True)])
