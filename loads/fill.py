@@ -124,7 +124,8 @@ def _slackening(fill: Fill, thrust: Thrust, carriers: _Carriers, assembly: Assem
     points = np.stack([thrust.place, thrust.place + FARTHER * thrust.force / size])
     name = f"{BARS}{thrust.face.block}, pressure"
     pulls = [(share * size, share * size / (over * deepest)) for share, over in (*shares, (k["active"], fill.reach)) if share > 0.0]
-    return [replace(bar_of(assembly, ends, points, stiffness, pull, DAMPING, name), tension=pull) for pull, stiffness in pulls]
+    made = [(pull, bar_of(assembly, ends, points, stiffness, pull, DAMPING, name)) for pull, stiffness in pulls]
+    return [replace(bar, tension=pull, from_start=True) for pull, bar in made]
 
 
 class _Carriers(NamedTuple):

@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
-from bridge_scenes import bridge, grid
+from bridge_scenes import GRAVITY, bridge, grid
 
-from loads import fill
+from loads import build, fill
 from loads.bars import Forces, Tie
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 
 SOLID = [{"rigid": False, "height": 2.0}]
@@ -151,3 +153,12 @@ def test_a_run_names_the_law_of_the_pressure_among_its_assumptions() -> None:
     part = fill.part(made.fills[0], grid(made, assembly), False)
     assert "K_0 = 0.5, which falls as a face moves away: to K_a = 0.333 within 0.002, to nothing 0.289 of the depth" in part.lines[0]
     assert (part.summary["active_at"], part.summary["gone_at"]) == (0.002, pytest.approx(1.0 / (6.0 * math.tan(math.radians(30.0)))))
+
+
+def test_gravity_is_not_ramped_beside_fill_that_presses() -> None:
+    made, assembly = bridge(width=3.0, walls={})
+    ramped = [{"kind": "gravity", "ramp": 1.0}]
+    with pytest.raises(InputError, match=r"^loads\[0\]\.ramp: fill presses in full from the start"):
+        build(ramped, 1e-3, 10, GRAVITY, Path(), assembly, fills=made.fills)
+    made, assembly = bridge(width=3.0)
+    build(ramped, 1e-3, 10, GRAVITY, Path(), assembly, fills=made.fills)
