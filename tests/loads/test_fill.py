@@ -11,7 +11,7 @@ import pytest
 from bridge_scenes import GRAVITY, bridge, grid
 
 from loads import build, fill
-from loads.bars import Forces, Tie
+from loads.bars import Forces, PointLoad, Tie
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 
@@ -20,7 +20,10 @@ SOLID = [{"rigid": False, "height": 2.0}]
 
 def of_fill(shaken: bool = False, **keys: object) -> tuple:
     made, assembly = bridge(width=3.0, cover=0.4, abutments=SOLID, **keys)
-    return made.fills[0], assembly, *fill.at_collapse(made.fills[0], grid(made, assembly), shaken)
+    part = fill.at_collapse(made.fills[0], grid(made, assembly), shaken)
+    forces = [f for f in part.forces if isinstance(f, PointLoad)]
+    assert bool(part.lines) == bool(forces)
+    return made.fills[0], assembly, forces, [f for f in part.forces if isinstance(f, Tie)]
 
 
 @pytest.mark.parametrize(("pressure", "k"), [("at_rest", 1.0 / 3.0), ("active", 1.0 / 3.0), ("none", 0.0)])
