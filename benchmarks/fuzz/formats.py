@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ from benchmarks.fuzz import texts
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 
 import mesh_files
+import numpy as np
 import record_files
 
 USC, RENADIC = "FILE     1 OF UNCORRECTED ACCELEROGRAM DATA OF VOLUME I:", "RENADIC"
@@ -35,9 +37,19 @@ RECORDS: dict[str, tuple[str | bytes, str]] = {  # and the key that they need
 }
 
 
+def miniseed() -> bytes:
+    """An accelerogram in records of miniSEED, of 512 bytes each."""
+    from obspy import Trace
+
+    header = {"network": "XX", "station": "FUZZ", "channel": "HNE", "delta": record_files.STEP}
+    out = io.BytesIO()
+    Trace((1e4 * record_files.WAVE).astype(np.int32), header).write(out, format="MSEED", reclen=512)
+    return out.getvalue()
+
+
 def records() -> Iterator[tuple[str, tuple[str, ...], str, bytes]]:
     """Kind, command, name and content of a record in each format."""
-    for kind, (content, key) in RECORDS.items():
+    for kind, (content, key) in {**RECORDS, "miniseed": (miniseed(), "units=cm/s2")}.items():
         data = content.encode() if isinstance(content, str) else content
         yield f"record {kind}", ("record", "quake.dat", *(("--set", key) if key else ())), "quake.dat", data
 

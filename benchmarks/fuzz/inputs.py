@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from benchmarks.fuzz import formats, plans, study_texts, texts
 
 BYTES, LINES, TOKENS, TOML, JSON, NPZ, HDF5, SET = "bytes", "lines", "tokens", "toml", "json", "npz", "hdf5", "set"
@@ -42,6 +44,16 @@ class Subject:
 RUN = ("run", "scene.toml", "-o", "OUT", "-q")
 STUDY = ("study", "study.toml", "-o", "OUT", "--plan")
 BUILD = ("build", "scene.toml", "-o", "OUT", "--no-picture")
+MESHES = {  # written of one structure, and how often each is drawn
+    "blocks.obj": 5.0, "blocks.stl": 0.6, "text.stl": 0.4, "blocks.vtu": 0.8, "blocks.vtm": 0.5, "blocks.vtp": 0.4, "blocks.vtkhdf": 0.4,
+    "blocks.step": 0.4, "blocks.brep": 0.4,
+}  # fmt: skip
+CONVERTED = """
+import pyvista, trimesh
+blocks = trimesh.load("meshes/blocks.stl")
+open("meshes/text.stl", "w").write(blocks.export(file_type="stl_ascii"))
+pyvista.wrap(blocks).save("meshes/blocks.vtp")
+"""
 SCENE_CHANGES = (TOML, TOML, TOML, TOKENS, LINES, BYTES)
 TEXT_CHANGES = (TOKENS, TOKENS, LINES, BYTES)
 
@@ -121,15 +133,15 @@ def _meshes(nursery: Path) -> Iterator[Subject]:
     """The blocks of the scene in the formats of meshes, as the program writes them."""
     (nursery / "scene.toml").write_text(texts.scene())
     (nursery / "blocks.json").write_bytes(texts.blocks())
-    formats = [word for name in ("obj", "stl", "vtu", "vtm", "vtkhdf") for word in ("--format", name)]
+    written = ("obj", "stl", "vtu", "vtm", "vtkhdf", "step", "brep")
+    formats = [word for name in written for word in ("--format", name)]
     _made(nursery, "-m", "masonry_cd", "build", "scene.toml", "-o", "meshes", "--no-picture", *formats)
-    ascii_stl = "import trimesh; m = trimesh.load('meshes/blocks.stl'); open('meshes/text.stl', 'w').write(m.export(file_type='stl_ascii'))"
-    _made(nursery, "-c", ascii_stl)
-    for name, weight in (("blocks.obj", 5.0), ("blocks.stl", 0.6), ("text.stl", 0.4), ("blocks.vtu", 0.8), ("blocks.vtm", 0.5)):
-        supports = '"b0", "b3"' if name.endswith("stl") else '"plate*"'
-        scene = texts.scene(structure=f'kind = "file"\npath = "{name}"\nunits = "m"\nup = "z"\nfixed = [{supports}]\nrepair = true')
+    _made(nursery, "-c", CONVERTED)
+    for name, weight in MESHES.items():
+        fixed = '["plate*"]' if name.endswith(("obj", "vtu", "vtm", "vtkhdf")) else "{ below = 0.05 }"
+        scene = texts.scene(structure=f'kind = "file"\npath = "{name}"\nunits = "m"\nup = "z"\nfixed = {fixed}\nrepair = true')
         files = {"scene.toml": scene.encode(), **_below(nursery / "meshes", Path(name).stem if name.endswith("vtm") else name)}
-        changes = TEXT_CHANGES if name.endswith((".obj", ".vtm")) else (BYTES, BYTES, TOKENS, LINES)
+        changes = TEXT_CHANGES if name.endswith((".obj", ".vtm", ".step", ".brep")) else (BYTES, BYTES, TOKENS, LINES)
         yield Subject(f"block file {name.split('.')[1].upper()}", BUILD, name, files, changes, weight, apart=not name.endswith(".obj"))
         for part in sorted(path for path in files if "/" in path)[:1]:
             yield Subject("block file VTM, a part", BUILD, part, files, (BYTES, TOKENS, LINES), 0.3, apart=True)
@@ -173,6 +185,11 @@ def _problems(nursery: Path) -> Iterator[Subject]:
             write_problem(path, value)
             command = ("solve", path.name, "--max-iterations", "50")
             yield Subject(f"friction problem {suffix}", command, path.name, {path.name: path.read_bytes()}, (change, change, BYTES), 3)
+    bench = nursery / "bench.npz"
+    np.savez(bench, G=np.diag([2.0, 2.0, 1.0]), g=np.array([[-1.0], [0.0], [-2.0]]), mus=np.array([0.25]))
+    yield Subject(
+        "friction problem of ContactBench", ("solve", bench.name), bench.name, {bench.name: bench.read_bytes()}, (NPZ, NPZ, BYTES)
+    )
 
 
 def _former_runs(nursery: Path) -> Iterator[Subject]:

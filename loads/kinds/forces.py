@@ -222,7 +222,7 @@ def bar(table: TieTable, grid: RunGrid, where: str) -> Part:
     if not SOFTEST <= stiffness <= STIFFEST:
         raise InputError(f"{where}: its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are taken")
     omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
-    _check_phase(omega, table.damping, grid, f"{where}:", "for its", "between these blocks")
+    _check_phase(omega, table.damping, grid, f"{where}:", "for its", f"between these blocks, by a section of {table.section:.3g} m2")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
     limit = math.inf if table.yield_force is None else table.yield_force
     name, early = table.name or "", table.from_start

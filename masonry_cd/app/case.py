@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.crushing_checks import refuse_crushing_in_a_run
-from masonry_cd.app.doubts import doubts
+from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.output_gauges import gauges_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import SceneKind, compiling
@@ -203,7 +203,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         plane = _plane(assembly, loading, run)
         strained = unknowns_of_strain(assembly, plane)
     except InputError as error:
-        raise scene.at_fault(error) from None
+        raise scene.at_fault(_and_why(error, scene, structure)) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
         from structures.files.supports import HOW
 
@@ -239,6 +239,12 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         raise scene.at_fault(error) from None
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
     return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, seconds, gauges)
+
+
+def _and_why(error: InputError, scene: Scene, structure: Structure) -> InputError:
+    """A time step that is refused, with the value that likely made it too long where one is in another unit: a tie 30 m thick."""
+    unusual = structure_doubts(scene, structure.blocks, ("structure", "structures", "material", "loads")) if "run.dt" in str(error) else []
+    return InputError(f"{error}; {unusual[0]}") if unusual else error
 
 
 def _guides(loading: Loading, assembly: Assembly) -> tuple[GuideGauge, ...]:
