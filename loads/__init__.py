@@ -101,7 +101,9 @@ def build(
     asked = [parse_load(table, f"loads[{i}]", grid.folder) for i, table in enumerate(tables)]
     falls = _gravity_tables(asked)
     parts = [load_kind(table.kind, f"loads[{i}]", grid.folder).part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
-    parts += [*own, *(fill.part(each, grid, fill.shakes(asked)) for each in fills)]
+    filled = [fill.part(each, grid, fill.shakes(asked)) for each in fills]
+    _check_ramp(asked, falls, filled)
+    parts += [*own, *filled]
     if not falls:
         parts.append(KINDS["gravity"].part(GravityTable(), grid, "gravity"))
     tied = [bar(parse_table(TieTable, table, where), grid, where) for where, table in ties]
@@ -213,6 +215,17 @@ def _gravity_tables(asked: Sequence[LoadTable]) -> list[int]:
         if isinstance(table, TiltTable) and ramp > (0.0 if table.initial > 0.0 else table.start):
             raise InputError(f"loads[{i}]: gravity is ramped over {ramp:g} s; begin the tilt after that, from an initial angle of 0")
     return falls
+
+
+def _check_ramp(asked: Sequence[LoadTable], falls: Sequence[int], filled: Sequence[Part]) -> None:
+    """Refuse gravity that is ramped beside fill that presses.
+
+    Raises:
+        InputError: names the ramp.
+    """
+    pressed = any(part.summary["pressure"] > 0.0 for part in filled)
+    for i in (i for i in falls if pressed and getattr(asked[i], "ramp", 0.0) > 0.0):
+        raise InputError(f"loads[{i}].ramp: fill presses in full from the start, on walls that have no weight yet; leave the ramp out")
 
 
 def _check_range(what: str, values: np.ndarray, most: float, unit: str) -> None:

@@ -79,14 +79,15 @@ def part(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
     return Part(forces=(*pressing, *bars), lines=tuple(lines), summary=summary | falling)
 
 
-def at_collapse(fill: Fill, grid: RunGrid, shaken: bool) -> tuple[list[PointLoad], list[Tie]]:
-    """What a fill does as a mechanism begins to move: the active pressure as forces, and bars that resist."""
+def at_collapse(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
+    """What a fill does as a mechanism begins to move: the active pressure as constant forces, and bars that resist."""
     assert grid.assembly is not None
     k = fill.coefficients["active" if fill.pressure == "at_rest" else fill.pressure]
     pressed = _thrusts(fill, grid.assembly, math.hypot(*grid.gravity)) if k > 0.0 else []
     once, centre = np.ones(len(grid.times)), grid.assembly.centre
     loads = [PointLoad(thrust.block, thrust.place - centre[thrust.block], k * thrust.force, once) for thrust in pressed]
-    return loads, _passive(fill, grid, shaken, k)
+    lines = [f"{fill.where}: walls and backs, on the point of moving away, are pressed by K_a = {k:.3g}"] if loads else []
+    return Part(forces=(*loads, *_passive(fill, grid, shaken, k)), lines=tuple(lines))
 
 
 def _in_words(fill: Fill) -> str:
@@ -124,7 +125,8 @@ def _slackening(fill: Fill, thrust: Thrust, carriers: _Carriers, assembly: Assem
     points = np.stack([thrust.place, thrust.place + FARTHER * thrust.force / size])
     name = f"{BARS}{thrust.face.block}, pressure"
     pulls = [(share * size, share * size / (over * deepest)) for share, over in (*shares, (k["active"], fill.reach)) if share > 0.0]
-    return [replace(bar_of(assembly, ends, points, stiffness, pull, DAMPING, name), tension=pull) for pull, stiffness in pulls]
+    made = [(pull, bar_of(assembly, ends, points, stiffness, pull, DAMPING, name)) for pull, stiffness in pulls]
+    return [replace(bar, tension=pull, from_start=True) for pull, bar in made]
 
 
 class _Carriers(NamedTuple):

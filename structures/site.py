@@ -119,7 +119,11 @@ def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Pa
     check(blocks)
     bars = [place.bar(bar, i) for i, (place, one) in enumerate(zip(places, made, strict=True)) for bar in one.ties]
     notes = [f"{place.name}: {note}" for place, one in zip(places, made, strict=True) for note in one.notes]
-    fills = [fill.placed(p.name, p.turn, p.at, p.points) for p, one in zip(places, made, strict=True) for fill in one.fills]
+    fills = [
+        replace(fill.placed(place.name, place.turn, place.at, place.points), where=_of_one(fill.where, i))
+        for i, (place, one) in enumerate(zip(places, made, strict=True))
+        for fill in one.fills
+    ]
     return Made(blocks, notes, bars, fills)
 
 

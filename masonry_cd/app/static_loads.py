@@ -175,7 +175,7 @@ def static_loads(
     weight += masses.under(down, assembly.count)
     forces = {i: force for i, force in points.items() if i not in limit.masses}
     filled = [fill.at_collapse(each, grid, direction is not None) for each in fills]
-    thrusts = [force for pressed, _ in filled for force in pressed]
+    thrusts = [force for part in filled for force in part.forces if isinstance(force, PointLoad)]
     numbered = list(forces.items()) + [(i, force) for i, each in wheels.items() for force in each]
     constant = sum((_wrench(force, assembly) for i, force in numbered if i not in limit.live), nothing)
     constant = sum((_wrench(force, assembly) for force in thrusts), constant)
@@ -185,15 +185,15 @@ def static_loads(
         live[free, :3] = math.hypot(*down) * assembly.mass[free, None] * np.array(direction.vector)
         live += masses.under(math.hypot(*down) * np.array(direction.vector), assembly.count)
     bars = [bar(parse_table(TieTable, table, where), grid, where) for where, table in made]
-    ties = [force for part in (*parts.values(), *bars) for force in part.forces if isinstance(force, Tie)]
-    ties += [bar for _, resisting in filled for bar in resisting]
+    ties = [force for part in (*parts.values(), *bars, *filled) for force in part.forces if isinstance(force, Tie)]
     used = (PointTable, TieTable, VehicleTable, PushTable, TiltTable) if support is None else (PointTable, TieTable, VehicleTable)
     left = [
         f"loads[{i}] ({t.kind})"
         for i, t in enumerate(asked)
         if (not isinstance(t, used) or _by_displacement(t)) and i != at and t.kind != "gravity"
     ]
-    notes: tuple[str, ...] = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
+    notes = tuple(line for part in filled for line in part.lines)
+    notes += (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
     if limit.check is not None:
         notes += _without_mass({i: force for i, force in forces.items() if i not in limit.live}, down)
     vector = None if direction is None else direction.vector

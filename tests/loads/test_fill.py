@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
-from bridge_scenes import bridge, grid
+from bridge_scenes import GRAVITY, bridge, grid
 
-from loads import fill
-from loads.bars import Forces, Tie
+from loads import build, fill
+from loads.bars import Forces, PointLoad, Tie
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 
 SOLID = [{"rigid": False, "height": 2.0}]
@@ -18,7 +20,10 @@ SOLID = [{"rigid": False, "height": 2.0}]
 
 def of_fill(shaken: bool = False, **keys: object) -> tuple:
     made, assembly = bridge(width=3.0, cover=0.4, abutments=SOLID, **keys)
-    return made.fills[0], assembly, *fill.at_collapse(made.fills[0], grid(made, assembly), shaken)
+    part = fill.at_collapse(made.fills[0], grid(made, assembly), shaken)
+    forces = [f for f in part.forces if isinstance(f, PointLoad)]
+    assert bool(part.lines) == bool(forces)
+    return made.fills[0], assembly, forces, [f for f in part.forces if isinstance(f, Tie)]
 
 
 @pytest.mark.parametrize(("pressure", "k"), [("at_rest", 1.0 / 3.0), ("active", 1.0 / 3.0), ("none", 0.0)])
@@ -151,3 +156,12 @@ def test_a_run_names_the_law_of_the_pressure_among_its_assumptions() -> None:
     part = fill.part(made.fills[0], grid(made, assembly), False)
     assert "K_0 = 0.5, which falls as a face moves away: to K_a = 0.333 within 0.002, to nothing 0.289 of the depth" in part.lines[0]
     assert (part.summary["active_at"], part.summary["gone_at"]) == (0.002, pytest.approx(1.0 / (6.0 * math.tan(math.radians(30.0)))))
+
+
+def test_gravity_is_not_ramped_beside_fill_that_presses() -> None:
+    made, assembly = bridge(width=3.0, walls={})
+    ramped = [{"kind": "gravity", "ramp": 1.0}]
+    with pytest.raises(InputError, match=r"^loads\[0\]\.ramp: fill presses in full from the start"):
+        build(ramped, 1e-3, 10, GRAVITY, Path(), assembly, fills=made.fills)
+    made, assembly = bridge(width=3.0)
+    build(ramped, 1e-3, 10, GRAVITY, Path(), assembly, fills=made.fills)

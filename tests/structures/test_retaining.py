@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
 from masonry_cd.mechanics.model.blocks import Assembly
-from structures import Made, retaining
+from structures import Made, retaining, site
 
 WALLS: dict[str, Any] = {"thickness": 0.9, "wing_length": 2.0, "course_height": 0.5, "unit_length": 1.0}
 
@@ -71,6 +71,15 @@ def test_fill_of_a_file_has_the_key_of_its_own() -> None:
     made, _ = walled(0.6, walls={"thickness": 0.4})
     fill = replace(made.fills[0], where="blocks.json: fills[0]")
     assert "blocks.json: fills[0].pressure" in retaining.warnings(Assembly.from_blocks(made.blocks, 0.6), [fill])[0]
+
+
+def test_one_of_several_bridges_is_named_by_its_own_table() -> None:
+    own = {"kind": "bridge", "spans": [SPAN], "width": 4.0}
+    two = [{**own, "name": "a"}, {**own, "name": "b", "at": [0.0, 50.0, 1.0], "rotate": 30.0, "walls": {"thickness": 0.4}}]
+    made = site.build(two, 2000.0, Path())
+    (line,) = retaining.warnings(Assembly.from_blocks(made.blocks, 0.6), made.fills)
+    assert line.startswith('"b.spandrel_front", "b.spandrel_back": dry and by itself, the wall overturns')
+    assert "structures[1].walls.thickness" in line
 
 
 def test_build_warns_and_goes_on(tmp_path: Path) -> None:
