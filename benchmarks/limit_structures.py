@@ -56,7 +56,8 @@ def corner(bonded: bool = True) -> list[Block]:
         wall_plan.Wall("along", "along", 0, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
         wall_plan.Wall("across", "across", 1, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
     ]
-    blocks = square_plan.build(walls, wall_plan.levels(walls, COURSE), 2.0 * COURSE, DENSITY, bonded)
+    sizes = wall_plan.Sizes(COURSE, 2.0 * COURSE)
+    blocks = square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, DENSITY, bonded)
     return [*blocks, wall_plan.ground(blocks, COURSE, DENSITY)]
 
 

@@ -1,24 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""What the fill of a bridge does to blocks beside its weight, which rides on them (:mod:`masonry_cd.mechanics.model.fill`).
 
-**Pressure.** On a wall, and on the back of an abutment of blocks, K gamma (depth) at right angles to the face, K_0 = 1 - sin(phi) (Jaky
-1944) or Rankine's K_a: a force that stays as the wall moves, which for a wall that gives way is on the safe side.
+**Pressure.** On a wall, and on the back of an abutment of blocks, K gamma (depth) at right angles to the face: as built K_0 = 1 - sin(phi)
+(Jaky 1944) or, where asked for, Rankine's K_a. With D the depth of the lower edge of a face, and u by how far it has moved away,
+
+    K = (K_0 - K_a) (1 - u / (a D)) + K_a (1 - u / (g D)),        each bracket 0 at least and 1 at most,
+
+where a (``active_at``) is the movement at which soil is active, and g (``gone_at``) that at which the fill has run out: derived in
+:meth:`masonry_cd.mechanics.model.fill.Fill.reach`. Each bracket is the law of a bar (:mod:`loads.bars`) that pulls the wall outwards, with
+its thrust as built as first tension and yield force: it slackens on the way out, and gives no more than it has stored. Its far end is on
+the block that carries the fill there, an arch or a pier, which so bears the reaction and takes the fill along; beyond the arches, on the
+support nearest to it. At collapse, in limit analysis, what is pressed is on the point of moving away: K_a, a constant force.
 
 **Passive resistance.** An extrados, or the back of an abutment, that moves into the fill meets along the level part of its normal
 
     P = m K_p gamma integral(depth |dA_level|),        K_p = (1 + sin phi) / (1 - sin phi),
 
-where m is the share that is mobilised at most: by default a third, and under loads that shake or push a share of its own, by default 0.3.
-Both are assumptions of this program. P grows linearly with the displacement, is capped, and is none where the face moves away: the law of a
-bar that pulls, never pushes, and yields (:mod:`loads.bars`). So each such face has a bar that pulls it out of the fill, FAR long so that
-its direction stays, whose other end is the support nearest to it: the fill far away moves with the ground. In limit analysis the bar adds P
-times the rate at which its face moves into the fill to the work. The bars' energy is accounted as that of ties.
+of which a back that is pressed meets K before it moves. Here m is the share that is mobilised at most: by default a third, and under loads
+that shake or push a share of its own, by default 0.3. Both are assumptions of this program. P grows linearly with the displacement, is
+capped, and is none where the face moves away: the law of a bar that pulls, never pushes, and yields. So each such face has a bar that pulls
+it out of the fill, FAR long so that its direction stays, whose other end is the support nearest to it: the fill far away moves with the
+ground. In limit analysis the bar adds P times the rate at which its face moves into the fill to the work. The bars' energy is accounted as
+that of ties.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,9 +40,20 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import BARS, Fill, FillFace
 
 FAR = 1000.0  # length of the bars [m]: a face that rises by 0.3 m stretches one by 45 um
+FARTHER = 1e5  # of those that press [m]: a stone that falls by 10 m stretches one by 0.5 mm
 DAMPING = 0.05  # of the bars, share of the critical damping
+BESIDE = 1e-3  # [m]: a wall farther than this beside what carries the fill stands beyond it
 LEAST = 1e-6  # of the largest resistance of a face: faces that are all but level have none
 QUIET = ("gravity", "point", "tie", "vehicle", "settlement", "spreading", "prop")  # loads that neither shake nor push
+
+
+class Thrust(NamedTuple):
+    """What the fill would press on a face with K = 1."""
+
+    face: FillFace
+    block: int
+    place: np.ndarray  # (3,) of the resultant, as built [m]
+    force: np.ndarray  # (3,) on the block [N]
 
 
 def shakes(tables: Sequence[LoadTable]) -> bool:
@@ -40,55 +62,128 @@ def shakes(tables: Sequence[LoadTable]) -> bool:
 
 
 def part(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
-    """The forces of a fill: point loads and bars."""
+    """What a fill does in a run: bars that press, and bars that resist."""
     assert grid.assembly is not None
-    pressed = _pressures(fill, grid.assembly, math.hypot(*grid.gravity), len(grid.times))
-    bars = _passive(fill, grid, shaken)
-    total = sum(float(np.sqrt((load.force**2).sum())) for load in pressed)
-    most = sum(bar.limit for bar in bars)
-    share = fill.passive_shaken if shaken else fill.passive
-    lines = [f"{fill.where}: {total:.4g} N press on walls and backs"] if pressed else []
+    pressed = _thrusts(fill, grid.assembly, math.hypot(*grid.gravity))
+    carriers = _carriers(fill, grid.assembly)
+    pressing = [bar for thrust in pressed for bar in _slackening(fill, thrust, carriers, grid.assembly)]
+    bars = _passive(fill, grid, shaken, fill.coefficients[fill.pressure])
+    total, most = sum(bar.tension for bar in pressing), sum(bar.limit for bar in bars)
+    lines = [f"{fill.where}: {total:.4g} N press on walls and backs, {_in_words(fill)}"] if pressing else []
     if bars:
         why = " (loads shake or push)" if shaken else ""
+        share = _share(fill, shaken)
         lines.append(f"{fill.where}: {len(bars)} faces that move into the fill meet at most {share:.3g} K_p{why}, {most:.4g} N in all")
-    summary = {"kind": "fill", "pressure": total, "passive_share": share, "passive_most": most, "shaken": shaken}
-    return Part(forces=(*pressed, *bars), lines=tuple(lines), summary=summary)
+    summary = {"kind": "fill", "pressure": total, "passive_share": _share(fill, shaken), "passive_most": most, "shaken": shaken}
+    falling = {"active_at": fill.active_at, "gone_at": fill.reach} if pressing else {}
+    return Part(forces=(*pressing, *bars), lines=tuple(lines), summary=summary | falling)
 
 
-def _pressures(fill: Fill, assembly: Assembly, gravity: float, times: int) -> list[PointLoad]:
-    """The thrusts on walls and backs."""
-    k, found, number = fill.coefficients[fill.pressure], list[PointLoad](), _numbers(assembly)
-    for face in fill.faces if k * gravity > 0.0 else ():
-        block = number.get(face.block)
-        if face.kind not in ("wall", "back") or block is None or assembly.fixed[block]:
-            continue
-        depth, place = face.pressed(fill.level)
-        force = -k * fill.density * gravity * depth * face.area
-        found.append(PointLoad(block, place - assembly.centre[block], force, np.ones(times)))
+def at_collapse(fill: Fill, grid: RunGrid, shaken: bool) -> tuple[list[PointLoad], list[Tie]]:
+    """What a fill does as a mechanism begins to move: the active pressure as forces, and bars that resist."""
+    assert grid.assembly is not None
+    k = fill.coefficients["active" if fill.pressure == "at_rest" else fill.pressure]
+    pressed = _thrusts(fill, grid.assembly, math.hypot(*grid.gravity)) if k > 0.0 else []
+    once, centre = np.ones(len(grid.times)), grid.assembly.centre
+    loads = [PointLoad(thrust.block, thrust.place - centre[thrust.block], k * thrust.force, once) for thrust in pressed]
+    return loads, _passive(fill, grid, shaken, k)
+
+
+def _in_words(fill: Fill) -> str:
+    """The law of the pressure, which is an assumption of a run."""
+    k, goes = fill.coefficients, f"nothing {fill.reach:.3g} of the depth of its lower edge"
+    if fill.pressure == "active":
+        return f"K_a = {k['active']:.3g}, which falls as a face moves away, to {goes} on"
+    return (
+        f"K_0 = {k['at_rest']:.3g}, which falls as a face moves away: to K_a = {k['active']:.3g} within {fill.active_at:.3g}, to {goes} on"
+    )
+
+
+def _share(fill: Fill, shaken: bool) -> float:
+    return fill.passive_shaken if shaken else fill.passive
+
+
+def _thrusts(fill: Fill, assembly: Assembly, gravity: float) -> list[Thrust]:
+    """On walls and backs that may move, none where nothing presses."""
+    found, number = list[Thrust](), _numbers(assembly)
+    for face in fill.faces if fill.coefficients[fill.pressure] * gravity > 0.0 else ():
+        if face.kind in ("wall", "back") and not _is_fixed(face, assembly, number):
+            depth, place = face.pressed(fill.level)
+            found.append(Thrust(face, number[face.block], place, -fill.density * gravity * depth * face.area))
     return found
 
 
-def _passive(fill: Fill, grid: RunGrid, shaken: bool) -> list[Tie]:
-    """The bars of the faces that may move into the fill, one to a face."""
+def _slackening(fill: Fill, thrust: Thrust, carriers: _Carriers, assembly: Assembly) -> list[Tie]:
+    """The bars of one face: what K_0 has over K_a, and K_a."""
+    size, deepest = math.hypot(*thrust.force), fill.level - float(thrust.face.corners[:, 2].min())
+    if not size * deepest > 0.0:
+        return []
+    k = fill.coefficients
+    shares = [(k["at_rest"] - k["active"], fill.active_at)] if fill.pressure == "at_rest" else []
+    ends = (thrust.block, _bearer(fill, thrust, carriers, assembly))
+    points = np.stack([thrust.place, thrust.place + FARTHER * thrust.force / size])
+    name = f"{BARS}{thrust.face.block}, pressure"
+    pulls = [(share * size, share * size / (over * deepest)) for share, over in (*shares, (k["active"], fill.reach)) if share > 0.0]
+    return [replace(bar_of(assembly, ends, points, stiffness, pull, DAMPING, name), tension=pull) for pull, stiffness in pulls]
+
+
+class _Carriers(NamedTuple):
+    """The F faces on which the fill lies, along the springings."""
+
+    block: np.ndarray  # (F,)
+    low: np.ndarray  # (F,) where they begin and end along the road [m]
+    high: np.ndarray
+    across: np.ndarray  # (F,) their middles across it [m]
+
+
+def _carriers(fill: Fill, assembly: Assembly) -> _Carriers:
+    number = _numbers(assembly)
+    under = [face for face in fill.faces if face.kind in ("extrados", "top") and face.block in number]
+    own = [_over_feet(fill, face.corners) for face in under]
+    ends = np.array([(c[:, 0].min(), c[:, 0].max(), c[:, 1].mean()) for c in own]).reshape(-1, 3)
+    return _Carriers(np.array([number[face.block] for face in under], dtype=np.int64), *ends.T)
+
+
+def _bearer(fill: Fill, thrust: Thrust, carriers: _Carriers, assembly: Assembly) -> int:
+    """The block that carries the fill at the same place along the road; of the fill beyond the arches the nearest support."""
+    ((along, across),) = _over_feet(fill, thrust.place[None])
+    beside = (carriers.low - BESIDE <= along) & (along <= carriers.high + BESIDE) & (carriers.block != thrust.block)
+    if thrust.face.kind == "wall" and beside.any():
+        return int(carriers.block[np.argmin(np.where(beside, np.abs(carriers.across - across), np.inf))])
+    return _nearest_support(assembly, thrust.place)
+
+
+def _over_feet(fill: Fill, points: np.ndarray) -> np.ndarray:
+    """Coordinates along the road where a line along the springings meets its middle, and across it, (n, 2) [m]."""
+    own = fill.along(points)
+    return np.stack([own[:, 0] - fill.slant * own[:, 1], own[:, 1]], axis=1)
+
+
+def _passive(fill: Fill, grid: RunGrid, shaken: bool, pressed: float) -> list[Tie]:
+    """The bars of the faces that may move into the fill, one to a face; backs are ``pressed`` already by so much of gamma times depth."""
     assembly, number = grid.assembly, _numbers(grid.assembly) if grid.assembly else {}
     assert assembly is not None
-    share = fill.passive_shaken if shaken else fill.passive
-    rate = share * fill.coefficients["passive"] * fill.density * math.hypot(*grid.gravity)
-    some = [face for face in fill.faces if face.kind in ("extrados", "back") and not _is_fixed(face, assembly, number)]
+    gamma, most_k = fill.density * math.hypot(*grid.gravity), _share(fill, shaken) * fill.coefficients["passive"]
+    rates = {"extrados": gamma * most_k, "back": gamma * max(0.0, most_k - pressed)}
+    some = [face for face in fill.faces if face.kind in rates and not _is_fixed(face, assembly, number)]
     every = [(face, *_resistance(face, fill)) for face in some]
     most = max((size for _, size, _, _ in every), default=0.0)
-    supports = np.flatnonzero(assembly.fixed)
     found = []
     for face, size, place, way in every:
+        rate = rates[face.kind]
         if rate <= 0.0 or size <= LEAST * most:
             continue
-        block = number[face.block]
-        nearest = supports[int(np.argmin(np.abs(assembly.centre[supports] - place).max(axis=1)))]
+        ends = (number[face.block], _nearest_support(assembly, place))
         stiffness = rate * size / fill.mobilised_at
         points = np.stack([place, place - FAR * way])
         name = f"{BARS}{face.block.split('.')[0]}, {'left' if way[0] < 0.0 else 'right'}"
-        found.append(bar_of(assembly, (block, int(nearest)), points, stiffness, rate * size, DAMPING, name))
+        found.append(bar_of(assembly, ends, points, stiffness, rate * size, DAMPING, name))
     return found
+
+
+def _nearest_support(assembly: Assembly, place: np.ndarray) -> int:
+    supports = np.flatnonzero(assembly.fixed)
+    return int(supports[int(np.argmin(np.abs(assembly.centre[supports] - place).max(axis=1)))])
 
 
 def _resistance(face: FillFace, fill: Fill) -> tuple[float, np.ndarray, np.ndarray]:

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated
 
@@ -35,6 +35,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 from masonry_cd.mechanics.model.polygon import clip, polygon_area
 from structures.geometry.checks import check
+from structures.geometry.compound_block import moved
 from structures.geometry.prism import between, box
 from structures.layout.pockets import width_of, with_pockets
 from structures.layout.rooms import AT, Plans, Side, polygon_of, room
@@ -284,7 +285,7 @@ def _turned(block: Block, turn: np.ndarray) -> Block:
     def put(points: np.ndarray) -> np.ndarray:
         return np.column_stack([points[:, :2] @ turn.T, points[:, 2]])
 
-    return replace(block, vertices=put(block.vertices), parts=tuple(Polyhedron(put(part.vertices), part.faces) for part in block.parts))
+    return moved(block, put)
 
 
 def _slab_at(solids: Solids, floor: _Floor, point: np.ndarray) -> int:

@@ -13,7 +13,6 @@ Along axes that are left out nothing moves or varies: prisms along such an axis 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -21,8 +20,8 @@ from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Assembly, Block, refuse_spheres
-from masonry_cd.mechanics.model.geometry import Polyhedron
 from masonry_cd.mechanics.model.middle_plane import middle_plane
+from structures.geometry.compound_block import moved
 from structures.schema import Height, Table
 
 LARGEST = 1e-4  # share of the shortest edge: gaps stay a fifth of what contact detection takes for a joint that is open
@@ -98,5 +97,4 @@ def _moved(block: Block, size: float, drawn: np.ndarray, free: np.ndarray) -> Bl
 
     own = shift(block.vertices)
     scale = size / float(np.sqrt((own * own).sum(axis=1).max()))
-    parts = tuple(Polyhedron(part.vertices + scale * shift(part.vertices), part.faces) for part in block.parts)
-    return replace(block, vertices=block.vertices + scale * own, parts=parts)
+    return moved(block, lambda points: points + scale * shift(points))

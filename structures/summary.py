@@ -22,20 +22,31 @@ from masonry_cd.mechanics.model.joints import Joints
 from structures.standing import in_words, standing
 
 SMALL, LARGE = 0.3, 300.0  # extent of a structure beyond which its unit is doubted [m]
+THICK = 10.0  # ... and the least extent of the thinnest of its blocks [m]: panels of whole walls are thinner
 
 
 def odd_size(blocks: Sequence[Block]) -> list[str]:
     """A line where the free blocks of a structure are so small or large in all that their unit is likely another."""
     free = [block.vertices for block in blocks if not block.fixed]
-    return _odd(_extent(free)) if free else []
+    return _odd(_extent(free), _thinnest(free)) if free else []
 
 
-def _odd(extent: Sequence[float]) -> list[str]:
+def _odd(extent: Sequence[float], thinnest: float) -> list[str]:
     size = max(extent)
-    if SMALL <= size <= LARGE:
+    if size < SMALL:
+        than = f"smaller than {SMALL:g} m"
+    elif size > LARGE:
+        than = f"larger than {LARGE:g} m"
+    elif thinnest > THICK:
+        than = f"and no block thinner than {length(thinnest)}"
+    else:
         return []
-    than = f"smaller than {SMALL:g} m" if size < SMALL else f"larger than {LARGE:g} m"
     return [f"structure: {length(size)} in its largest extent, {than}: is it given in metres? A file's unit is its key units"]
+
+
+def _thinnest(corners: Sequence[np.ndarray]) -> float:
+    """The least extent of any of some blocks, corners each (V, 3) [m]."""
+    return min(float(np.ptp(own, axis=0).min()) for own in corners)
 
 
 def _extent(corners: Sequence[np.ndarray]) -> list[float]:
@@ -47,15 +58,16 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
     """Describe a structure.
 
     Returns:
-        blocks, fixed, joints, joint_area [m2], contacts, pieces, mass [kg], volume [m3], centre_of_mass [m], extent [m], hyperstaticity,
-        smallest and largest (name, volume, size), loose, hanging, adrift and side (see :class:`structures.standing.Standing`), groups
-        (blocks, mass). Masses and volumes are those of the free blocks.
+        blocks, fixed, joints, joint_area [m2], contacts, pieces, mass [kg], volume [m3], centre_of_mass [m], extent [m], thinnest [m],
+        hyperstaticity, smallest and largest (name, volume, size), loose, hanging, adrift and side (see
+        :class:`structures.standing.Standing`), groups (blocks, mass). Masses and volumes are those of the free blocks.
     """
     assembly = Assembly.from_blocks(blocks, 0.5)
     joints = find_joints(assembly)
     stands = standing(assembly)
     contacts, free = len(stands.contacts.gap), ~assembly.fixed
     mass, volume = assembly.mass[free], assembly.volume[free]
+    corners = [block.vertices for block in blocks if not block.fixed]
     order = np.flatnonzero(free)[np.argsort(volume, kind="stable")]
     return {
         "blocks": int(free.sum()),
@@ -67,7 +79,8 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
         "mass": float(mass.sum()),
         "volume": float(volume.sum()),
         "centre_of_mass": [float(x) for x in mass @ assembly.centre[free] / mass.sum()],
-        "extent": _extent([block.vertices for block in blocks if not block.fixed]),
+        "extent": _extent(corners),
+        "thinnest": _thinnest(corners),
         "hyperstaticity": 3 * contacts - 6 * int(free.sum()),
         "smallest": _one(assembly, int(order[0])),
         "largest": _one(assembly, int(order[-1])),
@@ -100,7 +113,7 @@ def lines(made: Mapping[str, Any]) -> list[str]:
 
 def warnings(made: Mapping[str, Any]) -> list[str]:
     """What of a report may not stand as it is built, a line each."""
-    return _odd(made["extent"]) + in_words(made["loose"], made["hanging"], made["adrift"], made["side"])
+    return _odd(made["extent"], made["thinnest"]) + in_words(made["loose"], made["hanging"], made["adrift"], made["side"])
 
 
 def _one(assembly: Assembly, index: int) -> dict[str, Any]:

@@ -56,7 +56,7 @@ def made(
         members.append(Member(LEVEL, {name: level}, value if isinstance(value, dict) else row_of(value)))
     for (first, one, second, other), value in dict(pairs or {}).items():
         members.append(Member(PAIR, {first: one, second: other}, row_of(value)))
-    return Assessment("Made", "made.toml", KNOWN, (("bond", "no key for its bond"),), tuple(members))
+    return Assessment("Made", "made.toml", KNOWN, (("bond", "no key for its bond"),), tuple(members), "1.2.3")
 
 
 def written(folder: Path, found: Assessment) -> Path:

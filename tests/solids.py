@@ -15,7 +15,6 @@ from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import loop_normal
 from structures.layout import wall_plan
-from structures.layout.openings import Closing, close
 
 
 def build(kind: str, **keys: object) -> list[Block]:
@@ -23,19 +22,15 @@ def build(kind: str, **keys: object) -> list[Block]:
     return structures.build({"kind": kind, **keys}, 2000.0, Path())
 
 
-def closings_of(wall: wall_plan.Wall, beds: Sequence[float]) -> list[Closing]:
-    """The openings of a wall, fitted to its beds."""
-    own = [z for z in beds if wall.foot - 1e-9 < z < wall.top + wall.gable + 1e-9]
-    return [close(opening, own, (own[-1] - own[0]) / (len(own) - 1)) for opening in wall.openings]
+def holes_of(wall: wall_plan.Wall, sizes: wall_plan.Sizes) -> list[np.ndarray]:
+    """The polygons s, z of the openings of a wall."""
+    from structures.building import square_plan
+    from structures.geometry import polygons
 
-
-def hole(closing: Closing) -> np.ndarray:
-    """The polygon s, z of an opening."""
-    o = closing.opening
-    low, high = o.centre - 0.5 * o.width, o.centre + 0.5 * o.width
-    crown = [tuple(polygon[1]) for kind, polygon in closing.pieces if kind == "voussoir"][:-1]
-    points = np.array([(low, o.sill), (low, o.springing), *crown, (high, o.springing), (high, o.sill)])
-    return points[np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1) > 1e-9]
+    faults: list[str] = []
+    frames = square_plan.frames_of([wall], sizes, faults)
+    assert not faults
+    return [polygons.loop(frame.hole) + [wall.start, 0.0] for some in frames.values() for frame in some]
 
 
 def outline(wall: wall_plan.Wall) -> list[tuple[float, float]]:
@@ -45,14 +40,14 @@ def outline(wall: wall_plan.Wall) -> list[tuple[float, float]]:
     return [(a, wall.foot), (b, wall.foot), (b, wall.top), *peak, (a, wall.top)]
 
 
-def volume_of_walls(walls: Sequence[wall_plan.Wall], beds: Sequence[float]) -> float:
+def volume_of_walls(walls: Sequence[wall_plan.Wall], sizes: wall_plan.Sizes) -> float:
     """Volume of the union of some walls, without their openings, by the geometry kernel [m3]."""
     with gmsh_session() as gmsh:
         occ = gmsh.model.occ
         bodies, holes = [], []
         for wall in walls:
             bodies.append(_slab(occ, wall, outline(wall)))
-            holes += [_slab(occ, wall, [tuple(p) for p in hole(c)]) for c in closings_of(wall, beds)]
+            holes += [_slab(occ, wall, [tuple(p) for p in hole]) for hole in holes_of(wall, sizes)]
         if len(bodies) > 1:
             bodies = occ.fuse(bodies[:1], bodies[1:])[0]
         if holes:

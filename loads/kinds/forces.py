@@ -14,7 +14,7 @@ eigenvalue of sqrt(k_i k_j) g_i M^-1 g_j^T over all ties, and the same limit hol
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -222,7 +222,7 @@ def bar(table: TieTable, grid: RunGrid, where: str) -> Part:
     if not SOFTEST <= stiffness <= STIFFEST:
         raise InputError(f"{where}: its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are taken")
     omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
-    _check_phase(omega, table.damping, grid, f"{where}:", "for its", "between these blocks")
+    _check_phase(omega, table.damping, grid, f"{where}:", "for its", f"between these blocks, by a section of {table.section:.3g} m2")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
     limit = math.inf if table.yield_force is None else table.yield_force
     name, early = table.name or "", table.from_start
@@ -299,15 +299,36 @@ def _accelerated(assembly: Assembly, block: int, row: np.ndarray) -> np.ndarray:
 def _highest(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:
     """The largest w of all ties together [rad/s], and the largest damping ratio of one."""
     rows = [_rows(assembly, tie.blocks, assembly.centre[list(tie.blocks)] + tie.arms) for tie in ties]
-    coupled = np.zeros((len(ties), len(ties)))
-    for i, first in enumerate(rows):
-        for block, row in first.items():
-            gain = _accelerated(assembly, block, row)
-            for j, second in enumerate(rows):
-                if block in second:
-                    coupled[i, j] += np.sqrt(ties[i].stiffness * ties[j].stiffness) * float(np.sum(second[block] * gain))
-    ratios = [0.5 * tie.damping * np.sqrt(coupled[i, i]) / tie.stiffness for i, tie in enumerate(ties)]
-    return float(np.sqrt(np.linalg.eigvalsh(coupled)[-1])), max(map(float, ratios))
+    fastest, ratios = 0.0, list[float]()
+    for members in _sharing(rows):
+        coupled = np.zeros((len(members), len(members)))
+        for i, first in enumerate(members):
+            for block, row in rows[first].items():
+                gain = _accelerated(assembly, block, row)
+                for j, second in enumerate(members):
+                    if block in rows[second]:
+                        both = np.sqrt(ties[first].stiffness * ties[second].stiffness)
+                        coupled[i, j] += both * float(np.sum(rows[second][block] * gain))
+        fastest = max(fastest, float(np.linalg.eigvalsh(coupled)[-1]))
+        ratios += [0.5 * ties[t].damping * float(np.sqrt(coupled[i, i])) / ties[t].stiffness for i, t in enumerate(members)]
+    return math.sqrt(fastest), max(ratios)
+
+
+def _sharing(rows: Sequence[Mapping[int, np.ndarray]]) -> list[list[int]]:
+    """The ties of each set that hangs together by free blocks."""
+    on, seen, found = dict[int, list[int]](), set[int](), list[list[int]]()
+    for i, row_of in enumerate(rows):
+        for block in row_of:
+            on.setdefault(block, []).append(i)
+    for i in range(len(rows)):
+        members = [] if i in seen else [i]
+        seen.add(i)
+        for member in members:  # which grows meanwhile
+            more = dict.fromkeys(j for block in rows[member] for j in on[block] if j not in seen)
+            seen.update(more)
+            members += more
+        found += [sorted(members)] if members else []
+    return found
 
 
 def _check_phase(omega: float, damping: float, grid: RunGrid, where: str, before: str, after: str) -> None:

@@ -34,6 +34,7 @@ from masonry_cd.foundation.units import Unit
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 BY_FORCE = ("rate", "initial", "peak")
+INSTEAD = {"rate": "speed", "initial": "targets", "peak": "targets", "targets": "peak", "speed": "rate"}  # of the other control
 
 
 class TiltTable(LoadTable):
@@ -81,14 +82,17 @@ class PushTable(DrivenKeys, LoadTable):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        mine, other = (BY_FORCE, tuple(DrivenKeys.model_fields)) if self.control == "force" else (tuple(DrivenKeys.model_fields), BY_FORCE)
-        needed = ("rate",) if self.control == "force" else ("blocks", "targets")
+        by_way = tuple(DrivenKeys.model_fields)
+        mine, other, needed = (BY_FORCE, by_way, ("rate",)) if self.control == "force" else (by_way, BY_FORCE, ("blocks", "targets"))
+        astray = next((key for key in other if key in self.model_fields_set), "")
+        if astray:
+            instead = f", which takes {INSTEAD[astray]} instead" if astray in INSTEAD else ""
+            there = "displacement" if self.control == "force" else "force"
+            why = f'of no use with control = "{self.control}"{instead}; its keys: {", ".join(mine)}'
+            raise ValueError(f'{astray}: {why}; control = "{there}" takes {astray}')
         missing = next((key for key in needed if key not in self.model_fields_set), "")
         if missing:
             raise ValueError(f'{missing}: missing, control = "{self.control}" needs it')
-        astray = next((key for key in other if key in self.model_fields_set), "")
-        if astray:
-            raise ValueError(f'{astray}: of no use with control = "{self.control}", which takes {", ".join(mine)}')
         if self.control == "displacement":
             self.check_place()
         if self.peak is not None and self.peak < self.initial:

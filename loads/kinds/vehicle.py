@@ -25,6 +25,7 @@ revision 0, table 7.3.1a, for masonry arches, without lift-off and without parti
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -35,7 +36,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from loads.bars import PointLoad
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from masonry_cd.foundation import libm
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, InputErrors
 from masonry_cd.foundation.fields import Instant, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.fill import Fill, FillFace
@@ -219,23 +220,35 @@ def _across(near: float, far: float, depth: float, fill: Fill, vehicle: Known, t
     return share, float(np.sum(part * middle) / part.sum()) if part.sum() > 0.0 else 0.5 * (near + far)
 
 
-def on_bridge(table: VehicleTable, fills: list[Fill], where: str) -> Fill:
+def on_bridge(table: VehicleTable, fills: Sequence[Fill], where: str) -> Fill:
     """The bridge on which a vehicle is.
 
     Raises:
         InputError: there is none, several, or it stands beside the road.
     """
+    fill = _bridge(fills, where)
+    if faults := _beside(table, fill, where):
+        raise InputError(faults[0])
+    return fill
+
+
+def _bridge(fills: Sequence[Fill], where: str) -> Fill:
+    """The only one that there is."""
     if len(fills) != 1:
         raise InputError(f'{where}: a vehicle needs one structure of kind "bridge", whose fill spreads its wheels; there are {len(fills)}')
-    fill, vehicle = fills[0], table.known
-    reach = 0.5 * (vehicle.track + vehicle.contact[1])
+    return fills[0]
+
+
+def _beside(table: VehicleTable, fill: Fill, where: str) -> list[str]:
+    """A line where wheels stand beside the road."""
+    reach = 0.5 * (table.known.track + table.known.contact[1])
     low, high = table.offset - reach, table.offset + reach
-    if table.across == "wheels" and (low < fill.clear[0] - 1e-9 or high > fill.clear[1] + 1e-9):
-        raise InputError(
-            f"{where}.offset: the vehicle stands beside the road: its wheels from y = {low:.4g} to {high:.4g} m, the road from "
-            f"{fill.clear[0]:.4g} to {fill.clear[1]:.4g} m"
-        )
-    return fill
+    if table.across != "wheels" or (low >= fill.clear[0] - 1e-9 and high <= fill.clear[1] + 1e-9):
+        return []
+    return [
+        f"{where}.offset: the vehicle stands beside the road: its wheels from y = {low:.4g} to {high:.4g} m, the road from "
+        f"{fill.clear[0]:.4g} to {fill.clear[1]:.4g} m"
+    ]
 
 
 def axles_at(table: VehicleTable, first: np.ndarray) -> np.ndarray:
@@ -260,23 +273,33 @@ def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> Part:
     Raises:
         InputError: no bridge, no place, or one that is beside the road or never on it.
     """
-    fill = on_bridge(table, list(grid.fills), where)
-    if table.position is None and table.speed == 0.0:
-        raise InputError(
-            f"{where}.position: missing; give the place of the first axle along the road, or a speed (masonry-cd limit looks for it)"
-        )
+    fill = _bridge(grid.fills, where)
     assert grid.assembly is not None
-    begin = _begin(table, fill)
-    first = begin + table.speed * np.maximum(grid.times - table.start, 0.0)
-    axles = axles_at(table, first)
+    first = _begin(table, fill) + table.speed * np.maximum(grid.times - table.start, 0.0)
+    faults = [*_beside(table, fill, where), *_never_there(table, fill, grid, where, first)]
+    if faults:
+        raise InputErrors(faults)
+    loads, lines, end = point_loads(table, fill, grid, first), [_line(table, fill, where)], _end(table, grid, where)
+    if table.speed > 0.0 and grid.end < end * (1.0 - 1e-9):
+        lines.append(f"{where} the run ends at {grid.end:g} s, before the last axle has left the bridge at {end:.4g} s")
+    return Part(forces=tuple(loads), lines=tuple(lines), summary=_summary(table))
+
+
+def _never_there(table: VehicleTable, fill: Fill, grid: RunGrid, where: str, first: np.ndarray) -> list[str]:
+    """A line where a vehicle has no place, or none on the deck while the run lasts, with its first axle at places (N + 1,) [m]."""
+    if table.position is None and table.speed == 0.0:
+        return [f"{where}.position: missing; give the place of the first axle along the road, or a speed (masonry-cd limit looks for it)"]
+    axles, found = axles_at(table, first), list[str]()
     if not ((axles >= fill.deck[0]) & (axles <= fill.deck[1])).any():
         key = "speed" if table.speed > 0.0 else "position"
         reached = f"its first axle goes from x = {first[0]:.4g} to {first[-1]:.4g} m" if table.speed > 0.0 else f"x = {first[0]:.4g} m"
-        raise InputError(
-            f"{where}.{key}: the vehicle never stands on the deck, which is from x = {fill.deck[0]:.4g} to {fill.deck[1]:.4g} m: {reached}"
+        where_deck = f"which is from x = {fill.deck[0]:.4g} to {fill.deck[1]:.4g} m: {reached}"
+        found.append(f"{where}.{key}: the vehicle never stands on the deck, {where_deck}")
+    if table.start > grid.end:
+        found.append(
+            f"{where}.start: the vehicle never stands on the deck: it is there from {table.start:g} s on, the run ends at {grid.end:g} s"
         )
-    loads = point_loads(table, fill, grid, first)
-    return Part(forces=tuple(loads), lines=(_line(table, fill, where),), summary=_summary(table))
+    return found
 
 
 def _begin(table: VehicleTable, fill: Fill) -> float:
@@ -322,7 +345,7 @@ def _end(table: VehicleTable, grid: RunGrid, where: str) -> float:
     """When its last axle has left the bridge, or when it stands."""
     if table.speed == 0.0:
         return table.start + table.ramp
-    fill = on_bridge(table, list(grid.fills), where)
+    fill = on_bridge(table, grid.fills, where)
     return table.start + max(fill.deck[1] + sum(table.known.spacing) - _begin(table, fill), 0.0) / table.speed
 
 

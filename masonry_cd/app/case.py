@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.crushing_checks import refuse_crushing_in_a_run
-from masonry_cd.app.doubts import doubts
+from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.output_gauges import gauges_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import SceneKind, compiling
@@ -93,6 +93,13 @@ class Structure:
         from structures.standing import standing
 
         return standing(self.assembly).warnings() if self.assembly.fixed.any() else [f"{FALLING}; of a file, {HOW}"]
+
+    @cached_property
+    def leaning(self) -> list[str]:
+        """Warnings on walls that do not stand under their fill."""
+        from structures.retaining import warnings
+
+        return warnings(self.assembly, self.fills)
 
     @cached_property
     def odd_size(self) -> list[str]:
@@ -196,7 +203,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         plane = _plane(assembly, loading, run)
         strained = unknowns_of_strain(assembly, plane)
     except InputError as error:
-        raise scene.at_fault(error) from None
+        raise scene.at_fault(_and_why(error, scene, structure)) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
         from structures.files.supports import HOW
 
@@ -213,7 +220,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         _say_once(f"compiled kernels could not be kept, the next run compiles them again: {in_plain_words(failure)}")
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
-    falling = structure.falling if gravity else []
+    falling = [*structure.falling, *structure.leaning] if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
     unusual = doubts(scene, assembly, joints, loading.summary["tables"])
     warnings = (*structure.odd_size, *unusual, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
@@ -232,6 +239,12 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         raise scene.at_fault(error) from None
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
     return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, seconds, gauges)
+
+
+def _and_why(error: InputError, scene: Scene, structure: Structure) -> InputError:
+    """A time step that is refused, with the value that likely made it too long where one is in another unit: a tie 30 m thick."""
+    unusual = structure_doubts(scene, structure.blocks, ("structure", "structures", "material", "loads")) if "run.dt" in str(error) else []
+    return InputError(f"{error}; {unusual[0]}") if unusual else error
 
 
 def _guides(loading: Loading, assembly: Assembly) -> tuple[GuideGauge, ...]:

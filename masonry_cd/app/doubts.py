@@ -39,11 +39,11 @@ class Doubt(NamedTuple):
     meant: str = ""  # how it would be written in another unit
 
 
-def structure_doubts(scene: Scene, blocks: Sequence[Block]) -> list[str]:
-    """What ``masonry-cd build`` says: of the tables [structure] and [material]."""
+def structure_doubts(scene: Scene, blocks: Sequence[Block], names: Sequence[str] = ("structure", "structures", "material")) -> list[str]:
+    """What ``masonry-cd build`` says of some tables of a scene, and the refusal of a time step beside: what is seen without running."""
     tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
-    mine: dict[str, Any] = {key: tables[key] for key in ("structure", "structures", "material") if key in tables}
-    return _spoken([*_plain(mine), *_stated(mine, blocks), *_ties(mine), *_carried(mine, blocks)], tables, scene.quiet_checks)
+    mine: dict[str, Any] = {key: tables[key] for key in names if key in tables}
+    return _spoken([*_plain(mine), *_stated(tables, blocks), *_ties(mine), *_carried(mine, blocks)], tables, scene.quiet_checks)
 
 
 def assess_doubts(scene: Scene) -> list[str]:
@@ -71,6 +71,8 @@ def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence
             found += _point(table, where, assembly, size)
         elif kind in ("settlement", "spreading"):
             found += _moved(table, where, assembly, joints)
+        elif kind == "push":
+            found += _pushed(table, where, assembly)
         elif i < len(summaries):
             found += _shaken(table, where, summaries[i])
     return _spoken(found, tables, scene.quiet_checks)
@@ -213,6 +215,13 @@ def _moved(table: Mapping[str, Any], where: str, assembly: Assembly, joints: Joi
         or _doubt(key, value, "apart", parted, depth)
         or _doubt(key, value, "speed", means, float(table["duration"]) / PEAK)
     )
+
+
+def _pushed(table: Mapping[str, Any], where: str, assembly: Assembly) -> list[Doubt]:
+    """The target of a push that is farthest, against the height of the structure."""
+    targets, corners = np.atleast_1d(table.get("targets", 0.0)), [block.vertices for block in assembly.blocks if not block.fixed]
+    farthest, height = float(targets[np.abs(targets).argmax()]), float(np.ptp(np.concatenate(corners)[:, 2]))
+    return _doubt(f"{where}.targets", farthest, "pushed", f"{abs(farthest) / height:.2g} times the height of the structure", height)
 
 
 def _depth(table: Mapping[str, Any], where: str, assembly: Assembly, joints: Joints) -> float:

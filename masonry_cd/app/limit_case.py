@@ -16,18 +16,19 @@ import numpy as np
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement, judgement, refused
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
 from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
+from masonry_cd.analysis.limit.crushed import CrushedJoint, LittleLeft, crushed_joints, crushed_lines, little_left
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.outcome import mechanism_facts, on_the_whole
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
-from masonry_cd.app.limit_curve import FollowedCurve, curve_lines, draw_curve, follow, write_curve
+from masonry_cd.app.limit_curve import FollowedCurve, curve_lines, follow
 from masonry_cd.app.limit_finite import unlimited_lines
 from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
 from masonry_cd.app.limit_parts import begun_at_parts
 from masonry_cd.app.limit_search import Ways, certificate_lines, search_numbers, search_words, ways
 from masonry_cd.app.limit_structure import limit_structure
-from masonry_cd.app.limit_vehicle import Crossing, at_worst, write_crossing
+from masonry_cd.app.limit_vehicle import Crossing, at_worst
 from masonry_cd.app.modelled import masses
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
@@ -65,6 +66,14 @@ class LimitCase:
     verdict: Judgement | None = None  # the one that all outputs show; None where no check is asked for
     crossing: Crossing | None = None  # of a vehicle whose worst place was looked for
     modelled: tuple[str, ...] = ()  # masses, ties, floors and fill, in words
+    left: LittleLeft | None = None  # of the strength under the dead loads
+
+    @cached_property
+    def crushed(self) -> tuple[CrushedJoint, ...]:
+        """The joints that are at their compressive strength at the factor."""
+        if not self.analysis.stands or self.analysis.endless:
+            return ()
+        return crushed_joints(self.analysis.problem, self.collapse, self.assembly, self.joints)
 
     @cached_property
     def collapse(self) -> Collapse:
@@ -137,6 +146,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             notes.append("limit.check: no check: there is no load factor at which a mechanism would start")
         verdict = None if asked.check is None else check.judgement if check is not None else _unchecked(analysis)
         notes += analysis.remarks
+        spare = little_left(analysis.problem, assembly, joints, how.analysis) if analysis.stands else None
     except InputError as error:
         raise scene.at_fault(error) from None
     notes += doubts(scene, *built)
@@ -154,7 +164,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
         )
     seconds = time.perf_counter() - begin
     modelled, notes = (masses(assembly), *structure.made.notes), [*notes, *loads.notes]
-    return LimitCase(scene, assembly, joints, loads, analysis, check, tuple(notes), seconds, followed, verdict, crossing, modelled)
+    return LimitCase(scene, assembly, joints, loads, analysis, check, tuple(notes), seconds, followed, verdict, crossing, modelled, spare)
 
 
 def _unchecked(analysis: Analysis) -> Judgement:
@@ -216,6 +226,8 @@ def _numbers(case: LimitCase) -> dict[str, Any]:
         "least": None,
         "starts": analysis.starts,
         "mechanism": mechanism_facts(case.collapse.mechanism, case.assembly.names, "least" if least else "associated"),
+        "crushed": [asdict(one) for one in case.crushed],
+        "little_left": None if case.left is None else asdict(case.left),
         "ties": [tie.row() for tie in case.ties],
         "check": None if case.check is None else case.check.numbers(),
         "verdict": None if case.verdict is None else case.verdict.numbers(),
@@ -247,7 +259,11 @@ def lines(case: LimitCase) -> list[str]:
     """The analysis in words: what was found, the check by a code, and what to know of both."""
     how = _how_lines(case) if case.analysis.stands and not case.analysis.endless else ()
     checked = case.check.lines() if case.check else [case.verdict.words] if case.verdict else []
-    return [*found_lines(case), *how, *checked, *case.notes]
+    return [*all_found(case), *how, *checked, *case.notes]
+
+
+def all_found(case: LimitCase) -> list[str]:
+    return [*found_lines(case), *crushed_lines(case.crushed, case.left)]
 
 
 def found_lines(case: LimitCase) -> list[str]:
@@ -318,70 +334,3 @@ def _who(case: LimitCase) -> str:
     some = ", ".join(f'"{case.assembly.names[b]}"' for b in moving[:NAMED])
     free = int((~case.assembly.fixed).sum())
     return f"{len(moving)} of {free} blocks ({some}{' ...' if len(moving) > NAMED else ''})"
-
-
-def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "auto") -> list[Path]:
-    """Write limit.json, the tables, the pictures and the page into a folder, which is made if need be.
-
-    Raises:
-        InputError: an unknown view, no off-screen OpenGL for the pictures; the tables are written by then.
-    """
-    from masonry_cd.app.summary import write_json
-    from reports.limit.check_files import write_check
-    from reports.limit.page import LimitPage, write_limit_page
-    from reports.limit.tables import write_limit_ties, write_tables
-
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in EVERY:
-        (folder / name).unlink(missing_ok=True)
-    facts = summary(case)
-    write_json(facts, folder / "limit.json")
-    collapse = case.collapse
-    written = [folder / "limit.json", *write_tables(collapse, case.assembly, case.joints, folder), *write_limit_ties(case.ties, folder)]
-    if case.check is not None:
-        write_json(case.check.numbers(), folder / "check.json")
-        write_check(case.check.numbers(), folder / "check.csv")
-        written += [folder / "check.json", folder / "check.csv"]
-    if case.crossing is not None:
-        written += write_crossing(case.crossing, folder, case.scene.title, pictures)
-    drawn = draw(case, folder, view) if pictures else []
-    if case.curve is not None:
-        written += write_curve(case.curve, case.assembly.names, folder)
-    of_curve = [] if case.curve is None else curve_lines(case.curve, case.assembly.names)
-    options = ["--curve"] if case.curve is not None and "curve" not in case.scene.limit else []
-    page = LimitPage(facts, [*found_lines(case), *of_curve], case.scene.text, options, case.scene.report.model_dump(exclude_unset=True))
-    write_limit_page(page, drawn, folder / "limit.html")
-    return [*written, *drawn, folder / "limit.html"]
-
-
-def draw(case: LimitCase, folder: Path, view: str = "auto") -> list[Path]:
-    """Draw the mechanism, the forces of a structure that stands, and its capacity curve where one was followed, into a folder.
-
-    Raises:
-        InputError: an unknown view, no off-screen OpenGL.
-    """
-    from reports.limit.picture import Subject, mechanism_picture, thrust_picture
-
-    what, facts = Subject(case.collapse, case.assembly.blocks, case.joints, case.ties), _facts(case)
-    mechanism_picture(what, folder / "mechanism.png", f"{case.scene.title}: mechanism", facts, view)
-    if not case.analysis.stands:
-        return [folder / "mechanism.png"]
-    thrust_picture(what, folder / "thrust.png", f"{case.scene.title}: forces at collapse", facts, view)
-    curve = [draw_curve(case.curve, case.assembly.names, folder, (case.scene.title, case.loads.words), view)] if case.curve else []
-    return [folder / "mechanism.png", folder / "thrust.png", *curve]
-
-
-def _facts(case: LimitCase) -> str:
-    """The line below the title of a picture."""
-    analysis = case.analysis
-    if not analysis.stands:
-        return "does not stand under its dead loads"
-    if analysis.endless:
-        return f"{case.loads.words}: no finite load factor; the forces are those under the dead loads"
-    if analysis.problem.moves_support:
-        return f"{case.loads.words}: the supports still bear {force(-analysis.associated.factor * analysis.problem.weight)}"
-    if analysis.bears_nothing:
-        return f"{case.loads.words}: no load factor, the least of this load sets it in motion"
-    least = f" · least found without dilation {analysis.least.optimum.factor:.4g}, drawn" if analysis.least else ""
-    upper = "no finite associated load factor" if analysis.unlimited else f"load factor {analysis.associated.factor:.4g} (associated)"
-    return f"{case.loads.words} · {upper}{least}"

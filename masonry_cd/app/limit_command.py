@@ -45,7 +45,8 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
     Raises:
         InputError: anything wrong with the scene or the folder of the run.
     """
-    from masonry_cd.app.limit_case import lines, summary, write
+    from masonry_cd.app.limit_case import lines, summary
+    from masonry_cd.app.limit_files import write
     from masonry_cd.app.limit_macro import lines as macro_lines
     from masonry_cd.app.macro_files import write_macro
 

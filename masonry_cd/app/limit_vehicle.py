@@ -129,7 +129,7 @@ def _asked(structure: LimitStructure, number: int) -> tuple[VehicleTable, Fill]:
     where = f"loads[{number}]"
     table = loads.parse_load(structure.scene.loads[number], where)
     assert isinstance(table, VehicleTable)
-    return table, on_bridge(table, list(structure.made.fills), where)
+    return table, on_bridge(table, structure.made.fills, where)
 
 
 def _range(structure: LimitStructure, number: int) -> tuple[float, float]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.limit.outcome import one_factor
 from masonry_cd.app.carried import largest_carried
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import force, length
@@ -23,10 +24,11 @@ if TYPE_CHECKING:
 
 MOVED = 0.01
 FEW = 100  # blocks up to which a run in a plane is judged by limit analysis as well
-ALIKE = 1e-4  # share by which both ends may differ and agree
+FEW_POINTS = 800  # contact points up to which one in space is: three seconds for a corner of 73 blocks
 STARTS = 3  # of its search for the least factor
 NOT_THE_LEAST = (
-    "rigid joints that slide allow several load factors: this run found one, not the least; masonry-cd limit SCENE gives the bracket"
+    "rigid joints that slide allow several load factors: this run found one, not the least, and another run.solver or run.seed may find "
+    "another; masonry-cd limit SCENE gives the bracket"
 )
 
 
@@ -99,9 +101,10 @@ def _work_of_one(case: Case, pull: np.ndarray, moment: np.ndarray) -> np.ndarray
 
 
 def limit_bracket(case: Case) -> dict[str, float | None] | None:
-    """The least factor found, None where no start comes to an end, and the associated one, by limit analysis, where that takes seconds: of
-    few blocks in a plane, under one push or tilt that limit analysis takes as it is; None elsewhere."""
+    """The least factor found, None where no start comes to an end, and the associated one, None where it is not finite, by limit analysis,
+    where that takes seconds: of few blocks, under one push or tilt that limit analysis takes as it is; None elsewhere."""
     from masonry_cd.analysis.limit.analysis import Options, analyse
+    from masonry_cd.analysis.limit.interfaces import interfaces
     from masonry_cd.analysis.limit.problem import plane_of
     from masonry_cd.app.static_loads import limit_table, static_loads
 
@@ -114,15 +117,18 @@ def limit_bracket(case: Case) -> dict[str, float | None] | None:
     if len(patterns) != 1 or patterns[0]["kind"] not in ("push", "tilt"):
         return None
     loads = static_loads(scene.loads, limit_table({}), scene.run.gravity, scene.folder, assembly)
-    if plane_of(assembly, loads.at()) is None or (loads.kind == "tilt" and not (loads.only_gravity and not assembly.laws.apex.any())):
+    if plane_of(assembly, loads.at()) is None and interfaces(assembly, case.joints, None).count > FEW_POINTS:
+        return None
+    if loads.kind == "tilt" and not (loads.only_gravity and not assembly.laws.apex.any()):
         return None
     try:
         found = analyse(assembly, case.joints, loads.at(), Options(starts=STARTS, seed=scene.run.seed))
     except InputError:  # the run stands for itself: it needs no factor of limit analysis
         return None
-    if not found.stands or found.unlimited:
+    if not found.stands or found.endless:
         return None
-    return {"least_found": None if found.least is None else found.least.optimum.factor, "associated": found.associated.factor}
+    least, upper = found.least, None if found.unlimited else found.associated.factor
+    return {"least_found": None if least is None else least.optimum.factor, "associated": upper}
 
 
 def tie_bars(case: Case) -> list[TieBar]:
@@ -144,9 +150,8 @@ def outcome_lines(summary: dict[str, Any]) -> list[str]:
     """Load factor, shocks and ties of a summary in words, one line each."""
     lines = [_shock_line(shock) for shock in summary.get("shocks", ())]
     if "load_factor" in summary:
-        lines.append(_factor_line(summary["load_factor"]))
-        lines += [NOT_THE_LEAST] if summary["load_factor"].get("rigid") else []
-        lines += _bracket_line(summary["load_factor"])
+        factor, only = summary["load_factor"], one_factor(summary["load_factor"].get("limit_analysis"))
+        lines += [_factor_line(factor), *([NOT_THE_LEAST] if factor.get("rigid") and not only else []), *_bracket_line(factor)]
     return lines + [_tie_line(tie) for tie in summary.get("ties", ())]
 
 
@@ -182,7 +187,10 @@ def _bracket_line(factor: dict[str, Any]) -> list[str]:
     least, upper = bracket["least_found"], bracket["associated"]
     if least is None:
         return [f"limit analysis: {upper:.4g} at most (associated); no start of the search for the least factor came to an end"]
-    if upper - least <= ALIKE * abs(upper):
+    if upper is None:
+        wedged = "the blocks are wedged, and what friction on their faces bears beyond that is the solver's choice"
+        return [f"limit analysis: {least:.4g}, the least found without dilation, and none with it that is finite: {wedged}"]
+    if one_factor(bracket):
         return [f"limit analysis: {upper:.4g}; how joints slide makes no difference here"]
     return [f"limit analysis: {least:.4g}, the least found without dilation, to {upper:.4g} (associated)"]
 

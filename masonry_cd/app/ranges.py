@@ -60,6 +60,7 @@ RANGES = {
     "spreading": Range(0.0, 0.25, _SMALL, "few arches stand a quarter of their span"),  # over the largest extent
     "apart": Range(0.0, 1.0, _SMALL, "supports that part by more than the depth of a joint leave what stood on it without a bearing"),
     "speed": Range(0.0, 0.5, (), "supports that move faster than 0.5 m/s strike what stands on them; a longer duration?"),  # [m/s]
+    "pushed": Range(0.0, 0.25, _SMALL, "what is pushed by a quarter of its structure's height has long come down"),  # over that height
     # what is carried
     "force": Range(0.05, float("inf"), _FORCE, "a force below a twentieth of its block's weight changes little"),  # over that weight
     "pressure": Range(0.0, 3e7, (), "hardly any masonry bears 30 MPa"),  # of a force on the mean section of its block [Pa]
@@ -89,6 +90,12 @@ RANGES = {
         1e3, 2e7, _STRENGTH, "mortar and bricks have 0.001 to 20 MPa",
         ("material.joints*tension", "material.joints*cohesion", "material.masonry.bed_strength"),
     ),
+    "damping": Range(
+        0.0, 0.5, (), "a share of critical is given, 0.05 for 5 %, and masonry has 0.01 to 0.1",
+        ("material.damping", "material.damping.*", "material.joints*damping", "assess.damping"),
+    ),
+    "cover": Range(0.0, 10.0, _SMALL, "fill covers crowns by up to a few metres", ("structure.cover",)),
+    "angle": Range(10.0, 60.0, (("rad", 57.29577951308232),), "fill has 20 to 50 degrees", ("structure.fill.friction_angle",)),
     # ties
     "tie_modulus": Range(
         1e9, 5e11, _PA, "timber has 10 GPa, steel 210 GPa, carbon fibre at most 500",
@@ -97,6 +104,9 @@ RANGES = {
     "diameter": Range(
         3e-4, 0.4, _SMALL, "from wires of 0.3 mm to beams of 0.4 m",
         ("structure.ties.diameter", "structure.floors.anchors.diameter", "loads.diameter"),
+    ),
+    "spacing": Range(
+        0.1, 30.0, _SMALL, "ties and anchors are 0.3 to 10 m apart", ("structure.ties.spacing", "structure.floors.anchors.spacing"),
     ),
     "side": Range(3e-4, 0.6, _SMALL, "from strips of 0.3 mm to beams of 0.6 m"),
     "section": Range(1e-7, 0.25, _AREA, "from wires of 0.1 mm2 to beams of 0.25 m2", ("structure.ties.area", "loads.area")),

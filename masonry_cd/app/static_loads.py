@@ -149,7 +149,7 @@ def static_loads(
 ) -> StaticLoads:
     """The loads of a scene's tables ``[[loads]]`` and ``[limit]``, and the ties ``made`` by its structure (see :func:`loads.build`).
 
-    Of ``fills``, those of bridges, the pressures are constant; their passive resistance is that of ties.
+    Of ``fills``, those of bridges, the pressures are constant, active where they fall as walls move; their resistance is that of ties.
 
     Raises:
         InputError: no pattern, several, one that needs gravity where there is none, or a bad table.
@@ -174,8 +174,8 @@ def static_loads(
     masses = _masses({i: points[i] for i in limit.masses}, direction, down)
     weight += masses.under(down, assembly.count)
     forces = {i: force for i, force in points.items() if i not in limit.masses}
-    filled = [fill.part(each, grid, direction is not None) for each in fills]
-    thrusts = [force for part in filled for force in part.forces if isinstance(force, PointLoad)]
+    filled = [fill.at_collapse(each, grid, direction is not None) for each in fills]
+    thrusts = [force for pressed, _ in filled for force in pressed]
     numbered = list(forces.items()) + [(i, force) for i, each in wheels.items() for force in each]
     constant = sum((_wrench(force, assembly) for i, force in numbered if i not in limit.live), nothing)
     constant = sum((_wrench(force, assembly) for force in thrusts), constant)
@@ -185,7 +185,8 @@ def static_loads(
         live[free, :3] = math.hypot(*down) * assembly.mass[free, None] * np.array(direction.vector)
         live += masses.under(math.hypot(*down) * np.array(direction.vector), assembly.count)
     bars = [bar(parse_table(TieTable, table, where), grid, where) for where, table in made]
-    ties = [force for part in (*parts.values(), *bars, *filled) for force in part.forces if isinstance(force, Tie)]
+    ties = [force for part in (*parts.values(), *bars) for force in part.forces if isinstance(force, Tie)]
+    ties += [bar for _, resisting in filled for bar in resisting]
     used = (PointTable, TieTable, VehicleTable, PushTable, TiltTable) if support is None else (PointTable, TieTable, VehicleTable)
     left = [
         f"loads[{i}] ({t.kind})"

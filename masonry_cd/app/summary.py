@@ -119,9 +119,9 @@ def write_json(summary: dict[str, Any], path: Path) -> None:
 
 def crushed_lines(s: dict[str, Any]) -> list[str]:
     """What crushed, and what is no longer known of it; nothing where nothing did."""
-    out = (
-        [f"crushing: {counted(s['joints_crushed'], 'joint')}, by {length(s['crushed_max'])} at the most"] if s.get("joints_crushed") else []
-    )
+    where = f", {s['crushed_where']}" if s.get("crushed_where") else ""
+    most = f"by {length(s.get('crushed_max', 0.0))} at the most{where}"
+    out = [f"crushing: {counted(s['joints_crushed'], 'joint')}, {most}"] if s.get("joints_crushed") else []
     if lost := s.get("crushing_forgotten"):
         out.append(f"crushing: of {counted(lost, 'joint')} it is forgotten: the blocks came far apart, or met again with other faces")
     return out

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -72,7 +73,7 @@ def build(
 
         asked = read_scene(scene, [*(set_ or ()), *_repairs(repair)])
         import structures
-        from masonry_cd.app.case import make_structures
+        from masonry_cd.app.case import assembled, make_structures
         from masonry_cd.app.doubts import structure_doubts
         from structures import summary
         from structures.files import blockfile, fillfile, meshfile
@@ -86,7 +87,8 @@ def build(
             raise
         made = structures.report(blocks)
         typer.echo("\n".join([*summary.lines(made), *notes]))
-        warn([*summary.warnings(made), *structure_doubts(asked, blocks)])
+        leaning = replace(assembled(asked, blocks, (), ties), fills=fills).leaning if fills else []
+        warn([*summary.warnings(made), *leaning, *structure_doubts(asked, blocks)])
         output.mkdir(parents=True, exist_ok=True)
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:

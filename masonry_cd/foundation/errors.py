@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from masonry_cd.foundation.units import UnitError, in_si, models_in, read_values
+from masonry_cd.foundation.units import UnitError, in_si, models_in, read_values, unit_at
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -121,7 +121,8 @@ def _first_line(failure: ValidationError, model: type[BaseModel], where: str) ->
         return f"{key}: missing"
     message = first["msg"].removeprefix("Value error, ")
     given = first.get("input")
-    shown = f", got {_cut(repr(given), QUOTED)}" if isinstance(given, (str, int, float, bool)) else ""
+    unit = unit_at((model,), first["loc"]) if first["type"].startswith(("greater", "less")) else ""  # of the bound, too
+    shown = f", got {_cut(repr(given), QUOTED)} {unit}".rstrip() if isinstance(given, (str, int, float, bool)) else ""
     return f"{key}: {message[0].lower()}{message[1:]}{shown}"
 
 

@@ -136,7 +136,8 @@ class LimitAnalysis:
         Raises:
             InputError: a folder that holds such files already, without ``force``.
         """
-        from masonry_cd.app.limit_case import EVERY, write
+        from masonry_cd.app.limit_case import EVERY
+        from masonry_cd.app.limit_files import write
 
         self.folder = Path(folder)
         free_folder(self.folder, EVERY, force)
@@ -146,7 +147,7 @@ class LimitAnalysis:
     def _picture(self, name: str, view: str) -> Image:
         from PIL import Image as images
 
-        from masonry_cd.app.limit_case import draw
+        from masonry_cd.app.limit_files import draw
 
         keeper = TemporaryFolder()
         draw(self._case, keeper.path, view)

@@ -14,7 +14,7 @@ NAME = "summary.json"
 FORMAT = 1  # of its keys; raised when an older program would misread them
 TABLES = ("solver", "energy", "islands", "closing", "loads", "left_out")
 NUMBERS = ("steps", "steps_asked", "dt", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max")
-TEXTS = ("title", "version", "stopped", "penetration_where", "provisional")
+TEXTS = ("title", "version", "stopped", "penetration_where", "crushed_where", "provisional")
 OF_TABLES: dict[str, dict[str, type]] = {
     "solver": {
         "name": str,

@@ -10,6 +10,7 @@ from masonry_cd.analysis.assessment.assessment import DISPLACEMENT, FELT, GRADE,
 from masonry_cd.analysis.assessment.verdict import between, lines_of, on_the_whole, place_of, shown, warnings_of
 from reports.assess.tables import heads, rows_of
 from reports.page.document import Head, pictures, write_document
+from reports.page.title_block import rows_of_many
 
 PAGE = "assess.html"
 CAPTION = (
@@ -38,10 +39,11 @@ def write_page(found: Assessment, drawn: Sequence[Path], path: Path) -> None:
         title=title,
         page=Head(
             found.title,
-            [f"Of {found.scene}, and what is assumed in it", *lines_of(found)[1:]],
+            ["What was found, the assumption to pin down first at the top", *lines_of(found)[1:]],
             warnings_of(found),
             _tiles(found),
-            verdict=on_the_whole(found),
+            rows_of_many(found.scene, found.program, f"{', '.join(one.name for one in found.assumptions)}; one at a time"),
+            on_the_whole(found),
         ),
         drawn=pictures(dict.fromkeys(drawn, CAPTION)),
         columns=("assumption", "level", *heads(found), "remark"),

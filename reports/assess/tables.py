@@ -10,6 +10,7 @@ from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, Answer, As
 from masonry_cd.analysis.assessment.verdict import between, heading, shown
 from masonry_cd.analysis.outputs import ANSWER, ASSESS, numbers_in
 from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.quantities import counted
 
 CSV = "assess.csv"
 NUMBERS = (*numbers_in(ASSESS), "remark", "seconds")
@@ -65,7 +66,7 @@ def note_of(found: Assessment, member: Member) -> str:
     if not member.done:
         return f"{member.row.get('status')}: {member.row.get('reason')}"
     cut = "provisional" if member.row.get("provisional") and not found.base.row.get("provisional") else ""
-    missed = f"{MISSED} {member.row['steps_missed']} steps missed" if member.missed else ""
+    missed = f"{MISSED} {counted(member.row['steps_missed'], 'step')} missed" if member.missed else ""
     return ", ".join(filter(None, [missed, member.row.get("remark"), cut]))
 
 

@@ -20,7 +20,7 @@ from masonry_cd.mechanics.model.fill import BARS
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import next_in_loop
 from reports.drawing.figure import LABELLED, Sheet
-from reports.drawing.palette import AT_WORK, INK, MOVES, PULLING, REST, STANDS, THRUST
+from reports.drawing.palette import AT_WORK, CRUSHED, INK, MOVES, PULLING, REST, STANDS, THRUST
 from reports.drawing.parts import BEFORE, BEHIND, Layer, Lines, Panel, Sign, Surface, Ties, View, painted, ribbon, view_named
 from reports.drawing.scene import Scene
 from reports.drawing.solids import auto_view, block_layers, structure_window, two_colours, within_sight
@@ -83,6 +83,8 @@ def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto"
     rows = [Sign("box", f"moves: {counted(int(moves.moving.sum()), 'block')}", (MOVES,))]
     at_work = [name for name in STATES[1:] if moves.count(name)]
     rows += [Sign("line", f"{name}: {counted(moves.count(name), 'joint')}", (AT_WORK[name],)) for name in at_work]
+    crushed = int(moves.crushing.sum())
+    rows += [Sign("line", f"crushes: {counted(crushed, 'joint')}", (CRUSHED,))] * bool(crushed)
     return Scene(
         view=looking,
         window=window,
@@ -185,10 +187,12 @@ def moved_points(moves: Mechanism, centre: np.ndarray, points: np.ndarray, block
 
 
 def _outlines(moves: Mechanism, joints: Joints, corners: np.ndarray, view: View) -> list[Layer]:
-    """Outlines of the joints at work with their corners (N, 3) where they are drawn; a front view shows them through the thickness."""
-    state = np.repeat(moves.state, np.diff(joints.polygon_start))
+    """Outlines of the joints at work with their corners (N, 3) where they are drawn, and around them those of joints that crush; a front
+    view shows them through the thickness."""
+    state, crushed = (np.repeat(part, np.diff(joints.polygon_start)) for part in (moves.state, moves.crushing))
     pairs = np.stack([np.arange(len(state)), next_in_loop(joints.polygon_start)], axis=1)
-    return [Lines(corners, pairs[state == STATES.index(n)], c, BAND, through(view), lift=PIXEL) for n, c in AT_WORK.items()]
+    crush = Lines(corners, pairs[crushed], CRUSHED, 2.0 * BAND, through(view), lift=0.5 * PIXEL)
+    return [crush, *(Lines(corners, pairs[state == STATES.index(n)], c, BAND, through(view), lift=PIXEL) for n, c in AT_WORK.items())]
 
 
 def _hinges(moves: Mechanism, place: Callable[[np.ndarray], np.ndarray], view: View, radius: float) -> list[Layer]:

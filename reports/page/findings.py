@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from masonry_cd.analysis.limit.outcome import one_factor
 from masonry_cd.analysis.verdict import NOT_GRADED
 from masonry_cd.foundation.quantities import force
 from reports.drawing.figure import in_metres
@@ -69,8 +70,9 @@ def _load_factor(context: PageContext) -> dict[str, Any]:
         "limit": in_metres(found["limit"]),
         "end": number(found["end"]),
         "rigid": bool(found.get("rigid")),
-        "upper": number(bracket["associated"], digits=3) if bracket else "",
+        "upper": number(bracket["associated"], digits=3) if bracket.get("associated") is not None else "",
         "least": number(bracket["least_found"], digits=3) if bracket.get("least_found") is not None else "",
+        "one": one_factor(bracket),
     }
 
 

@@ -34,6 +34,17 @@ def rows_of(given: Mapping[str, Any], made_by: str, scene: str) -> list[tuple[st
     return rows
 
 
+def rows_of_many(scene: str, version: str, varied: str) -> list[tuple[str, str]]:
+    """Those of a page of many runs; without a date, so that the same runs make the same page.
+
+    Args:
+        scene: its file.
+        version: of the program that made the runs.
+        varied: what differs between them.
+    """
+    return [("Scene", scene), ("Program", f"masonry_cd {version}".strip()), ("Varied", varied)]
+
+
 def report_date(context: PageContext) -> str:
     """The date of the report: as given, or today."""
     return _date(context.report)

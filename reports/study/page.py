@@ -19,7 +19,9 @@ from masonry_cd.analysis.fragility.folder import FIRST, Study
 from masonry_cd.analysis.fragility.measures import unit
 from masonry_cd.analysis.outputs import STUDY_PAGE, numbers_in
 from masonry_cd.analysis.verdict import Verdict
+from masonry_cd.foundation.quantities import counted
 from reports.page.document import Head, pictures, script_of, write_document
+from reports.page.title_block import rows_of_many
 from reports.study.fragility_picture import METHODS
 
 PAGE = "study.html"
@@ -66,7 +68,7 @@ def write_page(study: Study, fits: Sequence[Fit], drawn: Sequence[Path], said: S
         study.folder / PAGE,
         "study.html",
         title=title,
-        page=Head(title, said.lines, said.warnings, _counts(study), verdict=said.verdict),
+        page=Head(title, said.lines, said.warnings, _counts(study), _block(study), said.verdict),
         drawn=pictures({path: CAPTIONS.get(path.name, "How often each joint opened at this level.") for path in drawn}),
         measure=fits[0].measure if fits else "",
         fits=[_fit(fit) for fit in fits],
@@ -76,6 +78,14 @@ def write_page(study: Study, fits: Sequence[Fit], drawn: Sequence[Path], said: S
         settings=[*words.settings(study).items()],
         script=script_of("reports.study", "study.js"),
     )
+
+
+def _block(study: Study) -> list[tuple[str, str]]:
+    """The rows of its title block."""
+    asked = study.asked
+    varied = [counted(len(study.motions), "record")] if study.motions else []
+    varied += [f"{asked['measure']} at {counted(len(asked['levels']), 'level')}"] if asked["measure"] and asked["levels"] else []
+    return rows_of_many(asked["scene"], asked.get("program", ""), ", ".join([*varied, *study.varied]) or "nothing but chance")
 
 
 def _counts(study: Study) -> list[tuple[str, object, str]]:

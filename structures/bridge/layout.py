@@ -140,6 +140,9 @@ def _of_counts(keys: BridgeTable) -> list[str]:
         found.append(f"structure.piers: one for all, or one between each two of {len(keys.spans)} spans, {between}; got {len(keys.piers)}")
     if keys.cover is not None and keys.deck is not None:
         found.append("structure.deck: give the level of the road or the cover over the highest crown, not both")
+    gone, active = keys.fill.gone_at, keys.fill.active_at
+    if gone is not None and gone <= active:
+        found.append(f"structure.fill.gone_at: must exceed active_at, {active:g}, got {gone:g}")
     return found
 
 

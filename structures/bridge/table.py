@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from masonry_cd.foundation.units import Unit
+from masonry_cd.mechanics.model.fill import ACTIVE_AT
 from structures.schema import Density, Length, Place, Table
 
 MOST_SPANS = 60
@@ -86,7 +87,12 @@ class FillTable(Table):
     spread: Literal["2:1", "boussinesq"] = "boussinesq"
     """of wheels through the fill: 2:1, one across for two down; or of Boussinesq's line load within 30 degrees"""
     pressure: Literal["at_rest", "active", "none"] = "at_rest"
-    """on spandrel walls, wing walls and the backs of abutments of blocks: K_0 = 1 - sin phi, or Rankine's K_a"""
+    """on spandrel walls, wing walls and the backs of abutments of blocks before they move: K_0 = 1 - sin phi, or Rankine's K_a"""
+    active_at: float = Field(ACTIVE_AT, ge=1e-4, le=0.1)
+    """in runs: movement of such a face away from the fill, over the depth of its lower edge, at which K_0 has fallen to K_a: of sand 0.001
+    (dense) to 0.004 (loose)"""
+    gone_at: float | None = Field(None, gt=0.0, le=10.0)
+    """in runs: likewise the movement at which nothing presses any more, as the fill has run out; by default 1 / (6 tan phi), at most 1"""
     passive: float = Field(1.0 / 3.0, ge=0.0, le=1.0)
     """share of Rankine's K_p that resists at most where the arch moves into the fill; 0: none"""
     passive_shaken: float = Field(0.3, ge=0.0, le=1.0)

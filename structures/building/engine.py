@@ -104,7 +104,7 @@ def prepared(table: BuildingTable, faults: list[str]) -> Walls | None:
         return None
     size.within(_estimate(legs, table), "block_length")
     plan = Plan(legs, junctions.find(legs, table, faults))
-    frames = openings.frames(plan, table, faults)
+    frames = openings.frames(legs, table, faults)
     layings = _layings(legs, table, frames)
     _check_courses(plan, layings, faults)
     if not faults:
@@ -128,8 +128,8 @@ def _layings(legs: Sequence[Leg], table: BuildingTable, frames: dict[tuple[int, 
     for course in dict.fromkeys(height):
         own = [k for k, h in enumerate(height) if h == course]
         levels = [z for k in own for z in (legs[k].base, *(z for _, z in legs[k].tops))]
-        soft = [z for (k, _), some in frames.items() if k in own for frame in some for z in frame.levels]
-        found[course] = beds(levels, soft, course, table.seed if table.bond == "rubble" else None)
+        around = [frame for (k, _), some in frames.items() if k in own for frame in some]
+        found[course] = beds(levels, around, course, table.seed if table.bond == "rubble" else None)
     return [
         Laying(found[h], h, leg.keys.block_length or table.block_length, leg.keys.bond or table.bond, table.seed)
         for leg, h in zip(legs, height, strict=True)

@@ -22,12 +22,16 @@ from shapely.geometry import Polygon
 
 from masonry_cd.foundation import libm
 from structures.building.table import WallOpeningTable
-from structures.layout.openings import flat_arch, natural_bearing, natural_ring, voussoir_width
+from structures.layout.openings import natural_bearing, natural_ring, voussoir_width
 
 LEAST_MEASURE = 1e-2  # of a width or a ring [m]
 SLENDER = 0.6  # width of a voussoir on the intrados, in thicknesses of the ring
 MOST_VOUSSOIRS = 199
 LEAST_ROUND = 7  # voussoirs of a half circle
+SKEW = math.radians(20.0)  # of the skewbacks of a flat arch from the upright
+
+
+Pieces = tuple[tuple[str, np.ndarray], ...]  # "voussoir" or "lintel", convex polygons (n, 2) s, z [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +41,7 @@ class Frame:
     keys: WallOpeningTable
     name: str
     hole: Polygon
-    pieces: tuple[tuple[str, np.ndarray], ...]  # "voussoir" or "lintel", convex polygons (n, 2)
+    pieces: Pieces
     hull: Polygon  # the hole and its pieces
     levels: tuple[float, ...]  # heights at which a bed is welcome
 
@@ -144,8 +148,16 @@ def _straight(keys: WallOpeningTable, name: str, box: np.ndarray) -> Frame:
         piece = np.array([(a, top), (b, top), (b, high), (a, high)])
         return _framed(keys, name, Polygon(box), (("lintel", piece),), (sill, top, high))
     high, count = top + keys.ring, _odd((right - left) / (SLENDER * keys.ring))
-    pieces = tuple(flat_arch(0.5 * (left + right), 0.5 * (right - left), (top, high), count))
-    return _framed(keys, name, Polygon(box), pieces, (sill, top, high))
+    return _framed(keys, name, Polygon(box), _flat_arch((left, right), (top, high), count), (sill, top, high))
+
+
+def _flat_arch(jambs: tuple[float, float], heights: tuple[float, float], count: int) -> Pieces:
+    """The voussoirs of a flat arch between skewbacks over two jambs, between two heights [m]."""
+    centre, half = 0.5 * (jambs[0] + jambs[1]), 0.5 * (jambs[1] - jambs[0])
+    share = (2.0 * np.arange(count + 1) - count) / count  # -1 to 1, symmetric to the bit
+    wide = half + (heights[1] - heights[0]) * math.tan(SKEW)
+    low, high = (np.stack([centre + h * share, np.full(count + 1, z)], axis=1) for h, z in zip((half, wide), heights, strict=True))
+    return tuple(("voussoir", np.array([low[k], low[k + 1], high[k + 1], high[k]])) for k in range(count))
 
 
 def _rose(keys: WallOpeningTable, name: str, s: float, z: float, course: float) -> Frame:
@@ -190,9 +202,7 @@ def _odd(wanted: float) -> int:
     return min(MOST_VOUSSOIRS, max(3, 2 * round((wanted - 1) / 2) + 1))
 
 
-def _framed(
-    keys: WallOpeningTable, name: str, hole: Polygon, pieces: tuple[tuple[str, np.ndarray], ...], levels: tuple[float, ...]
-) -> Frame:
+def _framed(keys: WallOpeningTable, name: str, hole: Polygon, pieces: Pieces, levels: tuple[float, ...]) -> Frame:
     """A frame with its hull."""
     hull = shapely.union_all([hole, *(Polygon(polygon) for _, polygon in pieces)])
     if not isinstance(hull, Polygon) or len(hull.interiors):

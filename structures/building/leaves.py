@@ -18,7 +18,7 @@ from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay, running
 from structures.building.slivers import Stone
 from structures.building.stones import Part, across
-from structures.geometry.polygons import loop
+from structures.building.widths import fat_pieces
 from structures.layout.wall_plan import CORE
 
 
@@ -42,7 +42,7 @@ def stones(plan: Plan, number: int, laying: Laying, frames: Sequence[Frame]) -> 
                 through = through or (leaves.core and _at_end(piece, leg))
                 if k and (through or (k == 1 and leaves.hollow)):
                     continue
-                parts = (_part(piece, leg, (leaves.bounds[0], leaves.bounds[-1]) if through else reach),)
+                parts = _parts(piece, leg, (leaves.bounds[0], leaves.bounds[-1]) if through else reach)
                 label = f"{i + 1}" if through else f"{i + 1}.{'abcdefgh'[k]}"
                 yield Stone(number, course, parts, 0.0, label, CORE if leaves.core and k == 1 else "")
 
@@ -53,6 +53,6 @@ def _at_end(piece: Piece, leg: Leg) -> bool:
     return left < SAME or right > leg.facets[0].length - SAME
 
 
-def _part(piece: Piece, leg: Leg, reach: tuple[float, float]) -> Part:
-    """A stone between two n [m]."""
-    return across(loop(piece.shape), leg.facets[0], reach)
+def _parts(piece: Piece, leg: Leg, reach: tuple[float, float]) -> tuple[Part, ...]:
+    """The convex parts of a stone between two n [m]."""
+    return tuple(across(polygon, leg.facets[0], reach) for polygon in fat_pieces(piece.shape))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 from shapely.geometry import Polygon
@@ -15,24 +16,27 @@ from structures.building.footprints import Plan
 from structures.building.frames import Around, Frame, frame_of
 from structures.building.panels import Laying
 from structures.building.table import BuildingTable
+from structures.building.widths import fat_pieces
 from structures.geometry import polygons
 
 LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction or another frame [m]
 Frames = dict[tuple[int, int], list[Frame]]
 
 
-def frames(plan: Plan, table: BuildingTable, faults: list[str]) -> Frames:
-    """The frames of all openings by leg and facet; one beyond its wall is a fault."""
+def frames(
+    legs: Sequence[Leg], table: BuildingTable, faults: list[str], names: Mapping[tuple[int, int], str] = MappingProxyType({})
+) -> Frames:
+    """The frames of all openings by leg and facet; one beyond its wall is a fault. Faults give them names, by wall and opening."""
     found: Frames = {}
     for number, wall in enumerate(table.walls):
         for i, keys in enumerate(wall.openings):
-            name = keys.name or f"o{i + 1}"
-            there = _facet_at(plan.legs, number, keys.at)
+            name = names.get((number, i), f"opening {keys.name or f'o{i + 1}'} of wall {wall.name} at {keys.at:g} m")
+            there = _facet_at(legs, number, keys.at)
             if there is None:
-                length = max(facet.span[1] for leg in plan.legs if leg.wall == number for facet in leg.facets)
-                faults.append(f"opening {name} of wall {wall.name}: at {keys.at:g} m it is beyond the wall, which is {length:.4g} m long")
+                length = max(facet.span[1] for leg in legs if leg.wall == number for facet in leg.facets)
+                faults.append(f"{name}: it is beyond the wall, which is {length:.4g} m long")
                 continue
-            leg, f = plan.legs[there[0]], there[1]
+            leg, f = legs[there[0]], there[1]
             around = Around(
                 leg.facets[f].s_of(keys.at), leg.base, wall.course_height or table.course_height, wall.block_length or table.block_length,
                 wall.thickness,
@@ -40,7 +44,7 @@ def frames(plan: Plan, table: BuildingTable, faults: list[str]) -> Frames:
             try:
                 found.setdefault(there, []).append(frame_of(keys, name, around))
             except ValueError as fault:
-                faults.append(f"opening {name} of wall {wall.name} at {keys.at:g} m: {fault}")
+                faults.append(f"{name}: {fault}")
     return found
 
 
@@ -56,14 +60,13 @@ def _facet_at(legs: Sequence[Leg], wall: int, at: float) -> tuple[int, int] | No
 def check(plan: Plan, layings: Sequence[Laying], found: Mapping[tuple[int, int], Sequence[Frame]], faults: list[str]) -> None:
     """Each frame lies in the masonry of its facet, clear of what else is there."""
     for (k, f), some in found.items():
-        leg, facet = plan.legs[k], plan.legs[k].facets[f]
+        facet = plan.legs[k].facets[f]
         for i, frame in enumerate(some):
-            what = f"opening {frame.name} of wall {leg.keys.name} at {frame.keys.at:g} m"
-            faults += [f"{what}: {why}" for why in _beyond(plan, k, f, frame, layings[k])]
+            faults += [f"{frame.name}: {why}" for why in _beyond(plan, k, f, frame, layings[k])]
             for other in some[:i]:
                 if frame.hull.distance(other.hull) < SAME and frame.hull.intersection(other.hull).area > polygons.LEAST_AREA:
                     at = facet.place(np.array([frame.hull.intersection(other.hull).centroid.x, 0.0]))
-                    faults.append(f"{what}: it overlaps opening {other.name} at {other.keys.at:g} m, with their heads, at {place(at)}")
+                    faults.append(f"{frame.name}: with its head it overlaps {other.name}, at {place(at)}")
 
 
 def _beyond(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> Iterator[str]:
@@ -115,4 +118,4 @@ def back(frame: Frame, course: float, unit: float) -> Iterator[list[np.ndarray]]
         ends = [left, *heads, right]
         for a, b in pairwise(ends):
             for part in polygons.polygons(frame.hole.intersection(polygons.box(a, b, float(levels[j]), float(levels[j + 1])))):
-                yield polygons.convex_pieces(part)
+                yield fat_pieces(part)

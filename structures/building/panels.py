@@ -30,6 +30,8 @@ from structures.geometry import polygons
 LEAST_UNIT = 0.35  # between a head joint and the end of its stretch, in blocks
 LEAST_BOND = 0.12  # between head joints of successive courses, in blocks
 THIN = 0.3  # a stone lower than this of a course is joined to another one
+TONGUE = 0.1  # of a course over the head of an opening that may end at a head joint, at least
+LONG = 1.6  # of a stone without head joint, at most, in blocks
 SHORT = 0.15  # and one shorter than this of a block
 JITTER = {"regular": 0.0, "irregular": 0.22, "rubble": 0.32}  # by how much of a block head joints are moved at most
 
@@ -58,7 +60,6 @@ class Laying:
     bond: Bond = "regular"
     seed: int = 0
     anchor: float = 0.0  # s at which the bond begins [m]
-    keyed: bool = False  # its openings leave trapezoids of every course
     leaves: Leaves | None = None  # through the thickness, where there are several
 
 
@@ -116,7 +117,7 @@ def lay(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame]
             heads += own
             pieces += _stones(facet, stretch, own, course)
         below = heads + [s for stretch in row for s in (stretch.band.left1, stretch.band.right1)]
-    return pieces if laying.keyed else _without_slivers(pieces, laying)
+    return _without_slivers(pieces, laying)
 
 
 def stretches(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame], course: int) -> Iterator[Stretch]:
@@ -132,19 +133,16 @@ def stretches(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[
         if region is None:
             continue
         clean = polygons.clean_stretch(area, 0.5 * leg.thickness)
-        if laying.keyed:
-            bands = [(part, _band(part, low, high)) for part in polygons.polygons(region)]
-        else:
-            bands = [(region, Band(clean[0], clean[0], clean[1], clean[1]))]
-        for part, band in bands:
-            yield Stretch(area, clean, part, _bonded(band, first, laying.unit), bool(hulls) and not laying.keyed)
+        for part in polygons.polygons(region):
+            cut = bool(hulls) and not polygons.is_rectangle(part)
+            yield Stretch(area, clean, part, _bonded(_band(part, clean), first, laying.unit), cut)
 
 
-def _band(part: Polygon, low: float, high: float) -> Band:
-    """The ends of a trapezoid between two beds."""
+def _band(part: Polygon, clean: tuple[float, float]) -> Band:
+    """The ends of what a course fills in one place, at its foot and at its top; not beyond where it has the whole thickness."""
     s, z = polygons.loop(part).T
-    lower, upper = s[np.abs(z - low) < SAME], s[np.abs(z - high) < SAME]
-    return Band(*(float(s) for s in (lower.min(), upper.min(), lower.max(), upper.max())))
+    ends = [float(np.clip(end, *clean)) for on in (z < z.min() + SAME, z > z.max() - SAME) for end in (s[on].min(), s[on].max())]
+    return Band(ends[0], ends[2], ends[1], ends[3])
 
 
 def _bonded(band: Band, first: Sequence[Arm], unit: float) -> Band:
@@ -196,15 +194,15 @@ def _heads(leg: Leg, facet: Facet, stretch: Stretch, laying: Laying, at: tuple[i
     start = laying.anchor + shift * unit
     first, last = math.ceil((low - start - SAME) / unit), math.floor((high - start + SAME) / unit)
     heads = [start + k * unit for k in range(first, last + 1)]
-    if not heads and min(band.right0 - band.left0, band.right1 - band.left1) > 1.6 * unit:
+    if not heads and min(band.right0 - band.left0, band.right1 - band.left1) > LONG * unit:
         heads = [min(max(0.5 * (low + high), low), high)]
     jitter = JITTER[laying.bond] * unit
     if jitter and heads:
         random = np.random.default_rng([laying.seed, zlib.crc32(leg.keys.name.encode()), leg.number, course, first + 10**6])
         heads = (np.array(heads) + jitter * (2.0 * random.random(len(heads)) - 1.0)).tolist()
-    if laying.keyed or jitter:
-        heads = [_cleared(min(max(s, low), high), taken, LEAST_BOND * unit, (low, high)) for s in heads]
-    return _clear_of(heads, stretch, least, THIN * float(laying.beds[course + 1] - laying.beds[course]))
+    heads = [_cleared(min(max(s, low), high), taken, LEAST_BOND * unit, (low, high)) for s in heads]
+    height = float(laying.beds[course + 1] - laying.beds[course])
+    return _over_heads(_clear_of(heads, stretch, least, THIN * height), stretch, unit, TONGUE * height)
 
 
 def _cleared(s: float, taken: Sequence[float], least: float, ends: tuple[float, float]) -> float:
@@ -218,13 +216,26 @@ def _cleared(s: float, taken: Sequence[float], least: float, ends: tuple[float, 
 def _clear_of(heads: Sequence[float], stretch: Stretch, least: float, thin: float) -> list[float]:
     """The head joints that are clear of ends, and of jambs and thin places over crowns where an opening cuts the course."""
     left, _, right, _ = stretch.region.bounds
-
-    def clear(s: float) -> float:
-        line = LineString([(s, -polygons.FAR), (s, polygons.FAR)])
-        return float(stretch.region.intersection(line).length)
-
     heads = [s for s in heads if left + 0.5 * least < s < right - 0.5 * least]
-    return [s for s in heads if not stretch.cut or min(clear(s - least), clear(s), clear(s + least)) > thin]
+    return [s for s in heads if not stretch.cut or min(_clear(stretch, at) for at in (s - least, s, s + least)) > thin]
+
+
+def _over_heads(heads: Sequence[float], stretch: Stretch, unit: float, thin: float) -> list[float]:
+    """The head joints of a stretch, and those over the head of an opening without which one long stone would bridge it."""
+    if not stretch.cut:
+        return list(heads)
+    left, _, right, _ = stretch.region.bounds
+    found = list(heads)
+    for a, b in pairwise([left, *sorted(heads), right]):
+        count = round((b - a) / unit) if b - a > LONG * unit else 1
+        between = [a + (b - a) * k / count for k in range(1, count)]
+        found += [s for s in between if _clear(stretch, s) > thin]
+    return sorted(found)
+
+
+def _clear(stretch: Stretch, s: float) -> float:
+    """Height of what a stretch fills over a place [m]."""
+    return float(stretch.region.intersection(LineString([(s, -polygons.FAR), (s, polygons.FAR)])).length)
 
 
 def _stones(facet: Facet, stretch: Stretch, heads: Sequence[float], course: int) -> list[Piece]:
@@ -232,8 +243,8 @@ def _stones(facet: Facet, stretch: Stretch, heads: Sequence[float], course: int)
     area, region = stretch.area, stretch.region
     left, low, right, high = region.bounds
     level = polygons.is_rectangle(region)
-    first = not facet.open[0] and left < 0.5 * facet.length and _touches(area, facet, 0)
-    last = not facet.open[1] and right > 0.5 * facet.length and _touches(area, facet, 1)
+    first = not facet.open[0] and left < min(0.5 * facet.length, area.bounds[0] + SAME) and _touches(area, facet, 0)
+    last = not facet.open[1] and right > max(0.5 * facet.length, area.bounds[2] - SAME) and _touches(area, facet, 1)
     found = []
     for a, b in pairwise([left, *heads, right]):
         parts = [polygons.box(a, b, low, high)] if level else _cut(region, a, b)
@@ -274,7 +285,8 @@ def _without_slivers(pieces: Sequence[Piece], laying: Laying) -> list[Piece]:
             if piece not in by_course[course]:
                 continue
             beside = [p for p in by_course[course] if p is not piece and p.area is piece.area]
-            beside += [p for j in (course - 1, course + 1) for p in by_course.get(j, []) if _both_clean(piece, p)]
+            if laying.leaves is None:  # which have some courses in common, and others each for itself
+                beside += [p for j in (course - 1, course + 1) for p in by_course.get(j, []) if _both_clean(piece, p)]
             shared = [(_side(piece.shape, other.shape), k) for k, other in enumerate(beside)]
             length, k = max(shared, default=(0.0, 0), key=lambda item: (round(item[0], 9), -item[1]))
             if length < 1e-6:

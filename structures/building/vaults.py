@@ -27,6 +27,7 @@ from structures.building.axes import Facet, Leg, place
 from structures.building.footprints import Plan
 from structures.building.table import BuildingTable, BuildingVaultTable
 from structures.geometry import polygons
+from structures.geometry.compound_block import moved
 from structures.geometry.convex import halves
 from structures.layout import rings
 from structures.layout.arch_profiles import RingTable, joints_of
@@ -96,7 +97,7 @@ def _placed(block: Block, vault: Vault) -> Block:
     def put(points: np.ndarray) -> np.ndarray:
         return np.column_stack([vault.bay.world(points[:, :2]), points[:, 2] + vault.keys.springing])
 
-    return replace(block, vertices=put(block.vertices), parts=tuple(Polyhedron(put(part.vertices), part.faces) for part in block.parts))
+    return moved(block, put)
 
 
 # --- bays -----------------------------------------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -29,31 +30,38 @@ def without_tails(shape: Polygon, narrow: float) -> list[Polygon]:
 
 def least_width(ring: np.ndarray) -> float:
     """Of a convex polygon (n, 2) [m]."""
-    side = np.roll(ring, -1, axis=0) - ring
-    out = np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
-    along = ring @ out.T
-    return float(np.ptp(along, axis=0).min())
+    side = ring[[*range(1, len(ring)), 0]] - ring
+    along = ring[:, :1] * side[:, 1] - ring[:, 1:] * side[:, 0]
+    return float(((along.max(axis=0) - along.min(axis=0)) / np.hypot(side[:, 0], side[:, 1])).min())
 
 
 def fat_pieces(shape: Polygon) -> list[np.ndarray]:
-    """Convex polygons (n, 2) that fill one, the narrowest of them as wide as cuts from its inner corners can make it."""
+    """Convex polygons (n, 2) that fill one, the narrowest of them as wide as cuts from its inner corners can make it.
+
+    None has a corner in the middle of a side: of two faces in one plane contact detection would see one.
+    """
     if len(shape.exterior.coords) == 5 and polygons.is_rectangle(shape):
         left, low, right, high = shape.bounds
         return [np.array([(left, low), (right, low), (right, high), (left, high)])]
     usual = polygons.convex_pieces(shape)
     usual = [piece for piece in usual if least_width(piece) > TOUCH] or usual  # triangles along a straight side are flat
     ring = polygons.loop(shape)
-    if len(usual) == 1 or shape.interiors or len(_reflex(ring)) > MOST_REFLEX:
-        return usual
-    better = _cut_up(ring, min(least_width(piece) for piece in usual))
-    return usual if better is None else better[1]
+    better = None
+    if len(usual) > 1 and not shape.interiors and len(_reflex(ring)) <= MOST_REFLEX:
+        better = _cut_up(ring, min(least_width(piece) for piece in usual))
+    return [polygons.without_straight(piece) for piece in (usual if better is None else better[1])]
 
 
 def _reflex(ring: np.ndarray) -> list[int]:
-    """Corners of a counter-clockwise loop that point inwards."""
-    before, after = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
-    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    return np.flatnonzero(turn < -polygons.SAME * np.hypot(*before.T) * np.hypot(*after.T)).tolist()
+    """Corners of a counter-clockwise loop that point inwards: in plain numbers, which for a few corners are much faster than arrays."""
+    found = []
+    corners = ring.tolist()
+    for k, (x, y) in enumerate(corners):
+        (ax, ay), (bx, by) = corners[k - 1], corners[k + 1 - len(corners)]
+        px, py, qx, qy = x - ax, y - ay, bx - x, by - y
+        if px * qy - py * qx < -polygons.SAME * math.hypot(px, py) * math.hypot(qx, qy):
+            found.append(k)
+    return found
 
 
 def _cut_up(ring: np.ndarray, least: float) -> tuple[float, list[np.ndarray]] | None:

@@ -23,7 +23,7 @@ from pydantic import Field
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block, Carried
-from masonry_cd.mechanics.model.fill import Fill, FillFace
+from masonry_cd.mechanics.model.fill import ACTIVE_AT, Fill, FillFace
 from structures.schema import Density, Place, Share, Table
 
 FILL_FILE = "fill.json"
@@ -57,6 +57,8 @@ class FillEntry(Table):
     deck: Ends
     clear: Ends
     faces: list[FaceEntry]
+    active_at: float = Field(ACTIVE_AT, ge=1e-4, le=0.1)
+    gone_at: float | None = Field(None, gt=0.0, le=10.0)
     slant: float = Field(0.0, allow_inf_nan=False)
     origin: Point | None = None
     turn: Matrix | None = None
@@ -131,6 +133,8 @@ def _fill(entry: Any, where: str, of: str, names: set[str]) -> Fill:
         low, high = own[name] = tuple(own[name])
         if low >= high:
             raise InputError(f"{where}.{name}: must be two places, the lower first, got {low:g} and {high:g}")
+    if keys.gone_at is not None and keys.gone_at <= keys.active_at:
+        raise InputError(f"{where}.gone_at: must exceed active_at, {keys.active_at:g}, got {keys.gone_at:g}")
     arrays = {name: None if own[name] is None else np.array(own[name]) for name in ("origin", "turn")}
     return Fill(where=where, **{**own, **arrays, "faces": faces})
 

@@ -7,7 +7,8 @@ parts (``Block.parts``).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -58,3 +59,8 @@ def _welded(parts: Sequence[tuple[np.ndarray, Faces]]) -> tuple[np.ndarray, list
             index.append(int(near[0]) if len(near) else count - 1)
         faces += [tuple(index[i] for i in face) for face in own]
     return points[:count], faces
+
+
+def moved(block: Block, put: Callable[[np.ndarray], np.ndarray]) -> Block:
+    """A block with its corners, and those of its parts, (V, 3) [m], put elsewhere."""
+    return replace(block, vertices=put(block.vertices), parts=tuple(Polyhedron(put(part.vertices), part.faces) for part in block.parts))

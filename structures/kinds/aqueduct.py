@@ -163,7 +163,8 @@ def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]
         wall_plan.Wall(f"channel_{name}", "channel", 0, start, end, near, far, low, high)
         for name, near, far in (("front", -half, -0.5 * wide), ("back", 0.5 * wide, half))
     ]
-    blocks = square_plan.build(walls, wall_plan.levels(walls, tier.course), tier.unit, density)
+    sizes = wall_plan.Sizes(tier.course, tier.unit)
+    blocks = square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, density)
     ends = np.linspace(start, end, max(1, round((end - start) / tier.unit)) + 1)
     for number, (x0, x1) in enumerate(pairwise(ends), start=1):
         slab = box((x0, -half, high), (x1, half, high + max(0.5 * tier.course, 0.15 * wide)))

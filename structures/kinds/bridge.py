@@ -76,6 +76,7 @@ def _fill(layout: Layout, faces: Sequence[FillFace]) -> Fill:
     return Fill(
         where="structure.fill", level=layout.deck, density=keys.density, friction_angle=keys.friction_angle, spread=keys.spread,
         pressure=keys.pressure, passive=keys.passive, passive_shaken=keys.passive_shaken, mobilised_at=keys.mobilised_at,
+        active_at=keys.active_at, gone_at=keys.gone_at,
         deck=(layout.ends[0] - wings, layout.ends[1] + wings), clear=(-layout.clear, layout.clear), faces=tuple(faces), slant=layout.slant,
     )  # fmt: skip
 
@@ -105,6 +106,9 @@ def _note(fill: Fill, blocks: Sequence[Block]) -> str:
     """How the fill is taken, in a line."""
     ridden = sum(block.carried.mass for block in blocks if block.carried is not None)
     pressed = {"at_rest": "at rest", "active": "active", "none": "none"}[fill.pressure]
+    if fill.pressure != "none" and any(face.kind in ("wall", "back") for face in fill.faces):
+        falls = f"active {fill.active_at:g} and " if fill.pressure == "at_rest" else ""
+        pressed += f" as built, {falls}gone {fill.reach:.3g} of their depth away from there"
     spread = "2:1" if fill.spread == "2:1" else "by Boussinesq's line load within 30 degrees"
     k = fill.coefficients["passive"]
     return (

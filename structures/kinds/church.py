@@ -43,7 +43,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     walls = church_parts.walls(church)
     beds = beds_of(church, walls)
     walls, apse = church_parts.with_apse(church, walls, beds, density)
-    blocks = square_plan.build(walls, beds, church.unit, density, keys.bonded) + apse
+    blocks = square_plan.build(walls, beds, church.sizes, density, keys.bonded) + apse
     if keys.aisles:
         blocks += church_parts.columns(church, density)
     if keys.roof == "timber":
@@ -80,7 +80,9 @@ def with_defaults(keys: ChurchTable) -> ChurchTable:
 
 def beds_of(church: church_parts.Church, walls: Sequence[wall_plan.Wall]) -> list[float]:
     """The beds that all walls of a church share [m]."""
-    return wall_plan.levels(walls, church.course, [(church.apse_top, "structure.apse_height")] if church.keys.apse else [])
+    from structures.building import square_plan
+
+    return square_plan.beds_of(walls, church.sizes, {"structure.apse_height": church.apse_top} if church.keys.apse else {})
 
 
 def _fits(keys: ChurchTable) -> None:

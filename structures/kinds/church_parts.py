@@ -22,7 +22,7 @@ from structures.layout.arch_profiles import ring as circle
 from structures.layout.columns import ColumnTable, column
 from structures.layout.openings import Opening, natural_ring
 from structures.layout.vault_courses import barrel
-from structures.layout.wall_plan import Wall
+from structures.layout.wall_plan import Sizes, Wall
 
 PLATE = 0.3  # height of the wall plate that carries a timber roof [m]
 GAP = 0.05  # between a wall plate and a gable [m]
@@ -51,6 +51,11 @@ class Church:
         outer = half + t + (keys.aisle_width + t if keys.aisles else 0.0)
         whole = [course * round(z / course) for z in (keys.height, keys.aisle_height, keys.apse_height)]
         return cls(keys, keys.block_length, course, t, keys.length, half, whole[0], whole[1], whole[2], outer)
+
+    @property
+    def sizes(self) -> Sizes:
+        """Of the stones."""
+        return Sizes(self.course, self.unit)
 
     @property
     def tower_x(self) -> tuple[float, float]:
@@ -87,9 +92,9 @@ class Church:
         """A window in a wall with its eaves at the top, or none where a window of the default height has no room."""
         keys, width = self.keys, self.keys.window_width
         if keys.window_height is not None:
-            return (self.arched("window", centre, width, sill, keys.window_height),)
+            return (self.arched("window_width and window_height", centre, width, sill, keys.window_height),)
         low = self.level(sill)
-        made = self.arched("window", centre, width, sill, min(2.5, 0.35 * top, top - low - 2.0 * self.course))
+        made = self.arched("window_width and window_height", centre, width, sill, min(2.5, 0.35 * top, top - low - 2.0 * self.course))
         return (made,) if made.crown + 0.5 * self.course < top and made.height >= width else ()
 
     def level(self, z: float) -> float:
@@ -101,7 +106,7 @@ class Church:
         low = self.level(sill)
         springing = max(self.level(sill + height - 0.5 * width), low + self.course)
         ring = depth or natural_ring(width, self.course)
-        return Opening(f"structure.{key}_", centre, width, low, springing - low + 0.5 * width, "round", ring, 0.5 * width)
+        return Opening(f"structure.{key}", centre, width, low, springing - low + 0.5 * width, "round", ring)
 
 
 def walls(church: Church) -> list[Wall]:
@@ -123,7 +128,7 @@ def _across(church: Church, name: str, near: float, openings: tuple[Opening, ...
 def _facade(church: Church) -> Wall:
     keys, openings = church.keys, []
     if keys.door_width:
-        openings.append(church.arched("door", 0.0, keys.door_width, 0.0, keys.door_height))
+        openings.append(church.arched("door_width and door_height", 0.0, keys.door_width, 0.0, keys.door_height))
     if keys.windows:
         sill = max(0.6 * church.eaves, (openings[0].crown if openings else 0.0) + 2.0 * church.course)
         openings += church.window(0.0, sill, church.eaves + 0.5 * (keys.gable or 0.0))
@@ -141,7 +146,7 @@ def _arch_wall(church: Church) -> Wall:
     if not 0.2 * most <= span <= most * (1.0 + 1e-9):
         raise InputError(f"structure.arch_span: must be between {0.2 * most:.4g} and {most:.4g} m, within the apse, got {span:g}")
     springing = church.level(0.75 * keys.apse_height)
-    opening = Opening("structure.arch_", 0.0, span, 0.0, springing + 0.5 * span, "round", 0.12 * span, 0.5 * span)
+    opening = Opening("structure.arch_span", 0.0, span, 0.0, springing + 0.5 * span, "round", 0.12 * span)
     return _across(church, "triumphal_arch", near, (opening,))
 
 
@@ -182,7 +187,7 @@ def _arcade(church: Church) -> tuple[float, tuple[Opening, ...]]:
         most = math.floor((church.length - 2.0 * church.thick) / (2.0 * church.course + pier))
         raise InputError(f"structure.bays: must be at most {most} for this length, got {church.keys.bays}")
     places = [church.thick + (i + 0.5) * bay for i in range(church.keys.bays)]
-    arches = (Opening("structure.bays_", x, width, springing, 0.5 * width, "round", church.arch_ring, 0.5 * width) for x in places)
+    arches = (Opening("structure.bays", x, width, springing, 0.5 * width, "round", church.arch_ring) for x in places)
     return springing, tuple(arches)
 
 
@@ -226,7 +231,8 @@ def _tower(church: Church) -> list[Wall]:
     if width > 0.5 * church.course:
         sill = top - 2.0 * width - 0.2 * width - 2.5 * church.course
         belfry = {
-            i: (church.arched("tower", c, width, sill, 2.0 * width),) for i, c in ((0, 0.5 * (x0 + x1)), (1, y0 + 0.5 * (host + side - t)))
+            i: (church.arched("tower_side", c, width, sill, 2.0 * width),)
+            for i, c in ((0, 0.5 * (x0 + x1)), (1, y0 + 0.5 * (host + side - t)))
         }
     above = y0 + (church.vault if keys.roof == "vault" and not keys.aisles else 0.0)  # the vault rests on the inner part of the wall
     walls_ = [

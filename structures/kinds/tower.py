@@ -25,6 +25,7 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check
+from structures.geometry.compound_block import moved
 from structures.layout import wall_plan
 from structures.layout.openings import Opening, opening_of
 from structures.schema import Height, Length, OpeningTable, Table
@@ -77,8 +78,8 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     unit = keys.unit_length or 2.0 * keys.course_height
     around = 2.0 * (keys.side + (keys.side_y or keys.side))
     size.within(around / unit * (keys.height / keys.course_height) * keys.leaves, "course_height")
-    walls = elevations(keys)
-    blocks = square_plan.build(walls, wall_plan.levels(walls, keys.course_height), unit, density, keys.bonded)
+    walls, sizes = elevations(keys), wall_plan.Sizes(keys.course_height, unit)
+    blocks = square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, density, keys.bonded)
     blocks.append(wall_plan.ground(blocks, keys.base_depth or keys.course_height, density))
     if keys.inclination:
         blocks = inclined(blocks, math.radians(keys.inclination))
@@ -102,7 +103,7 @@ def elevations(keys: TowerTable) -> list[wall_plan.Wall]:
     door: tuple[Opening, ...] = ()
     if keys.door_width:
         made = OpeningTable.model_validate({"centre": 0.0, "width": keys.door_width, "height": keys.door_height, "head": "round"})
-        door = (opening_of(made, "structure.door_", keys.course_height, 2.0 * keys.course_height),)
+        door = (opening_of(made, "structure.door_width and door_height", keys.course_height),)
     return hollow(keys, across, belfry, door)
 
 
@@ -111,7 +112,7 @@ def belfry_opening(keys: TowerTable) -> tuple[Opening, ...]:
     if not keys.belfry_width:
         return ()
     made = OpeningTable.model_validate({"centre": 0.0, "width": keys.belfry_width, "height": keys.belfry_height, "head": "round"})
-    opening = opening_of(made, "structure.belfry_", keys.course_height, 2.0 * keys.course_height)
+    opening = opening_of(made, "structure.belfry_width and belfry_height", keys.course_height)
     course = keys.course_height
     sill = keys.belfry_sill or course * math.floor((keys.height - opening.height - opening.depth) / course - 2.0 + 1e-9)
     most = keys.height - opening.height - opening.depth - course
@@ -147,4 +148,4 @@ def inclined(blocks: Sequence[Block], angle: float) -> list[Block]:
     """The blocks turned about the y axis, towards +x [rad]."""
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    return [replace(block, vertices=np.einsum("vj,ij->vi", block.vertices, turn)) for block in blocks]
+    return [moved(block, lambda points: np.einsum("vj,ij->vi", points, turn)) for block in blocks]

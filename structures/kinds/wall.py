@@ -2,7 +2,7 @@
 """Walls of coursed blocks: running bond, one leaf or several with through-stones, openings, gable.
 
 The wall stands on a fixed base at z = 0, centred on x = 0 and y = 0. Its courses adapt to the sills, springings and lintels of its
-openings (:mod:`structures.layout.wall_plan`, :mod:`structures.layout.openings`). A wall of several leaves is tied by through-stones: every
+openings (:mod:`structures.building.beds`). A wall of several leaves is tied by through-stones: every
 third course (``through``) all leaves have the same joints and every third stone fills the whole thickness.
 
 A wall with a core has two outer leaves and between them stones, ``core = "solid"``, or rubble, ``core = "rubble"``: spheres that lie on one
@@ -79,8 +79,9 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     wall = elevation(keys)
     unit = keys.unit_length or 2.0 * keys.course_height
     size.within(keys.length / unit * ((keys.height + 0.5 * keys.gable) / keys.course_height) * wall.leaves, "course_height")
-    beds = wall_plan.levels([wall], keys.course_height)
-    blocks = square_plan.build([wall], beds, unit, density)
+    sizes = wall_plan.Sizes(keys.course_height, unit)
+    beds = square_plan.beds_of([wall], sizes)
+    blocks = square_plan.build([wall], beds, sizes, density)
     if wall.core is not None:
         own = keys.core_density or density
         blocks = [replace(block, density=own) if block.group == wall_plan.CORE else block for block in blocks]
@@ -108,9 +109,8 @@ def elevation(keys: WallTable) -> wall_plan.Wall:
     openings = []
     for i, entry in enumerate(keys.openings):
         made = parse_table(OpeningTable, entry, f"structure.openings[{i}]")
-        openings.append(opening_of(made, f"structure.openings[{i}].", keys.course_height, unit))
-    for opening in openings:
-        inside(opening.key, opening.centre, opening.width, 0.5 * keys.length)
+        openings.append(opening_of(made, f"structure.openings[{i}]", keys.course_height))
+        inside(f"structure.openings[{i}].", made.centre, made.width, 0.5 * keys.length)
     half, thick = 0.5 * keys.length, 0.5 * keys.thickness
     leaves = keys.leaves if core is None else 3
     return wall_plan.Wall(

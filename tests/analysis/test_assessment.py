@@ -61,7 +61,7 @@ def test_runs_without_data_and_runs_that_missed_are_named() -> None:
     found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row_of(120.0, steps_missed=3)})
     said = warnings_of(found)
     assert "friction 0.4: no data: blocks overlap" in said
-    assert "1 runs missed the tolerance in some steps (marked *): joint stiffness E 3.3 GPa" in said
+    assert "1 run missed the tolerance in some steps (marked *): joint stiffness E 3.3 GPa" in said
     assert found.bar(KNOWN[1], DISPLACEMENT).values == (("0.6", pytest.approx(0.098)),)
 
 
@@ -74,12 +74,12 @@ def test_a_run_that_is_not_graded_has_no_part_in_the_range_of_grades() -> None:
     unreliable = row_of(240.0, grade_number=None, grade="not graded")
     found = made({("joint stiffness", "E 700 MPa"): unreliable, ("damping", "0 %"): 120.0, ("damping", "5 %"): 120.0})
     assert verdict(found).startswith("D2 in all runs that have a grade; ")
-    assert any("have no grade: joint stiffness E 700 MPa" in line for line in warnings_of(found))
+    assert any("1 run cannot be relied on and is not graded: joint stiffness E 700 MPa" in line for line in warnings_of(found))
 
 
 def test_what_a_run_cannot_be_relied_on_for_is_said() -> None:
     found = made({("joint stiffness", "E 700 MPa"): row_of(240.0, grade_number=None, grade="not graded", doubt="12 mm of false slip")})
-    assert any(line.endswith("have no grade: joint stiffness E 700 MPa (12 mm of false slip)") for line in warnings_of(found))
+    assert any(line.endswith("is not graded: joint stiffness E 700 MPa (12 mm of false slip)") for line in warnings_of(found))
     first, *others = made().members
     base = type(first)(first.kind, first.values, {**first.row, "grade": "not graded", "grade_number": None, "doubt": "9 steps missed"})
     whole = on_the_whole(type(made())("Made", "made.toml", KNOWN, (), (base, *others)))

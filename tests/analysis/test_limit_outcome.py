@@ -20,6 +20,7 @@ FOUND: dict[str, Any] = {
     [
         ({}, "load factor 0.24", "good"),
         ({"least": {"factor": 0.20, "agreeing": 1, "starts": 9}}, "load factor 0.2", "look"),
+        ({"least": {"factor": 0.20, "agreeing": 1, "starts": 1}}, "load factor 0.2", "look"),  # one start agrees with nothing
         (
             {"least": {"factor": 0.2499, "agreeing": 1, "starts": 9}},
             "load factor 0.2499",

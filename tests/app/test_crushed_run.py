@@ -45,7 +45,8 @@ def test_crushed_joints_are_counted_tabled_and_marked(tmp_path):
     summary = run_case(prepare(read_scene(tmp_path / "scene.toml")), tmp_path / "out")
     assert summary["joints_crushed"] == 1
     assert summary["energy"]["crushing"] > 0.0
-    assert any(line.startswith("crushing: 1 joint, by ") for line in closing_lines(summary))
+    (line,) = (line for line in closing_lines(summary) if line.startswith("crushing: 1 joint, by "))
+    assert line.endswith(' at the most, "ground" - "b"')
     with (tmp_path / "out/joints.csv").open() as file:
         assert float(next(csv.DictReader(file))["crushed"]) == float(f"{summary['crushed_max']:.9g}")
     with Results.open(tmp_path / "out/result.h5") as results:
@@ -70,7 +71,9 @@ def test_a_strength_below_the_stress_of_the_dead_loads_names_the_joint(tmp_path)
 def test_crushing_that_is_forgotten_is_counted():
     """Three joints over three frames: one keeps what it is shorter by, one loses it, one was never crushed."""
     history = np.array([[0.0, 0.0, 0.0], [1e-4, 2e-4, 0.0], [3e-4, 0.0, 0.0]])
-    results = SimpleNamespace(has_joint_history=lambda name: True, joint_history=lambda name: history)
+    ends = SimpleNamespace(block_a=[0, 0, 0], block_b=[1, 2, 3])
+    blocks = [SimpleNamespace(name=name) for name in ("base", "a", "b", "c")]
+    results = SimpleNamespace(has_joint_history=lambda name: True, joint_history=lambda name: history, joints=ends, blocks=blocks)
     found = crushing(cast(Results, results))
-    assert found == {"joints_crushed": 1, "crushed_max": 3e-4, "crushing_forgotten": 1}
+    assert found == {"joints_crushed": 1, "crushed_max": 3e-4, "crushing_forgotten": 1, "crushed_where": '"base" - "a"'}
     assert crushed_lines(found)[-1].startswith("crushing: of 1 joint it is forgotten")

@@ -82,6 +82,11 @@ CASES = [
     ('loads=[{kind="vehicle", name="LM1", speed=60}]', "loads[0].speed = 60 m/s: ", 'if km/h is meant: "60 km/h"'),
     ('structure={kind="bridge", fill={density=20}}', "structure.fill.density = 20 kg/m3: ", 'kN/m3 is meant: "2039 kg/m3"'),
     ('structure={kind="building", walls=[{density=1.8}]}', "structure.walls[0].density = 1.8 kg/m3: ", 't/m3 is meant: "1.8 t/m3"'),
+    ('loads=[{kind="push", control="displacement", blocks="stone", targets=[0.1, -0.5]}]', "loads[0].targets = -0.5 m is 0.5", '"-0.5 mm"'),
+    ("material.joints={normal_stiffness=1e10, damping=5}", "material.joints.damping = 5: ", "0.05 for 5 %"),
+    ('structure={kind="bridge", fill={friction_angle=0.6}}', "structure.fill.friction_angle = 0.6 degrees: ", '"0.6 rad"'),
+    ('structure={kind="bridge", cover=500}', "structure.cover = 500 m: ", '"500 mm"'),
+    ("structure.floors=[{height=3.0, mass=300, anchors={spacing=1800}}]", "structure.floors[0].anchors.spacing = 1800 m: ", '"1800 mm"'),
     ("material.density=1.9 kg/m3", "material.density = 1.9 kg/m3: ", 'if t/m3 is meant: "1.9 t/m3"'),  # a text with a unit is judged alike
 ]  # fmt: skip
 
@@ -146,6 +151,14 @@ def test_a_record_is_judged_by_what_its_scale_makes_of_it(pga: float, doubted: b
     assert bool(unusual_pga(pga, "quake.txt has a")) == doubted
 
 
+def test_a_time_step_that_a_slipped_unit_makes_too_long_is_refused_with_that_value(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    tie = '[[loads]]\nkind = "tie"\nblocks = ["wall.1.1", "wall.2.1"]\ndiameter = 20\n'
+    path.write_text(f'[structure]\nkind = "wall"\n[material]\ndensity = 2000.0\nfriction = 0.6\n{tie}[run]\ndt = 1e-3\nduration = 0.1\n')
+    with pytest.raises(InputError, match=r"loads\[0\]: run.dt 0.001 s is too long .* 314 m2; .*; loads\[0\].diameter = 20 m: .*\"20 mm\""):
+        prepare(read_scene(path))
+
+
 def test_the_lines_stand_among_the_warnings_of_a_run_and_the_notes_of_a_limit_analysis(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(TEXT.replace('kind = "file"\npath = "blocks.json"', 'kind = "column"\ndrums = 2').replace("0.6", "1.5"))
@@ -202,7 +215,7 @@ def test_units_that_are_suggested_have_the_size_that_the_reader_gives_them() -> 
     """Those of a range are of one dimension, that of its keys."""
     of = {"g": "m/s2", "cm/s2": "m/s2", "cm/s": "m/s", "mm/s": "m/s", "km/h": "m/s", "mm": "m", "cm": "m", "kN": "N", "MN": "N"}
     of |= {"t/m3": "kg/m3", "t/m2": "kg/m2", "MPa": "Pa", "GPa": "Pa", "kPa": "Pa", "cm2": "m2", "mm2": "m2"}
-    of |= {"N/mm3": "N/m3", "MN/m3": "N/m3"}
+    of |= {"N/mm3": "N/m3", "MN/m3": "N/m3", "rad": "degrees"}
     for name, usual in RANGES.items():
         for unit, size in usual.others:
             if unit in of:

@@ -19,9 +19,10 @@ from typer.testing import CliRunner
 from benchmarks.dry_walls import ASSOCIATED, dry_wall
 from masonry_cd.analysis.limit import conic, nonassociated
 from masonry_cd.analysis.limit.capacity import CurveOptions, capacity_curve
-from masonry_cd.app.limit_case import EVERY, draw, limit_case, lines, summary, write
+from masonry_cd.app.limit_case import EVERY, limit_case, lines, summary
 from masonry_cd.app.limit_curve import FollowedCurve, curve_lines
 from masonry_cd.app.limit_dynamics import brackets
+from masonry_cd.app.limit_files import draw, write
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints

@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 
 from masonry_cd.analysis.limit import nonassociated
 from masonry_cd.app import limit_search
-from masonry_cd.app.limit_case import LimitCase, limit_case, lines, summary, write
+from masonry_cd.app.limit_case import LimitCase, limit_case, lines, summary
+from masonry_cd.app.limit_files import write
 from masonry_cd.cli.app import app
 from masonry_cd.mechanics.model.blocks import Block
 

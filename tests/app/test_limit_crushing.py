@@ -12,7 +12,8 @@ from click.testing import Result
 from models import box, ground
 from typer.testing import CliRunner
 
-from masonry_cd.app.limit_case import limit_case, lines, write
+from masonry_cd.app.limit_case import limit_case, lines
+from masonry_cd.app.limit_files import write
 from masonry_cd.cli.app import app
 from structures.files import blockfile
 
@@ -80,3 +81,38 @@ def test_a_strength_below_the_stress_in_a_part_is_one_line(tmp_path):
     done = macro_elements(tmp_path, str(0.9 * WEIGHT))
     assert done.exit_code == 2 and 'material.joints: the joint "ground" - "a"' in done.output
     assert not (tmp_path / "out").exists()
+
+
+def test_the_joints_that_crush_under_a_load_later_than_the_dead_one_are_named(tmp_path):
+    """A lintel on two stones, of which a point load that grows crushes the one whole; the lintel turns the other over its stress block."""
+    stones = [box("west", (-1.0, -0.2, 0.0), (-0.5, 0.2, 0.5)), box("east", (0.5, -0.2, 0.0), (1.0, 0.2, 0.5))]
+    blockfile.write(tmp_path / "blocks.json", [ground(), *stones, box("lintel", (-1.0, -0.2, 0.5), (1.0, 0.2, 1.0))])
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        'structure = {kind = "file", path = "blocks.json"}\n'
+        'material = {density = 2000.0, friction = 0.6, joints = {compressive_strength = "60 kPa"}}\n'
+        '[[loads]]\nkind = "point"\nblock = "east"\nforce = [0.0, 0.0, -1e3]\npoint = [0.75, 0.0, 0.25]\n[limit]\nlive = [0]\n'
+    )
+    case = limit_case(path)
+    east, west = case.crushed
+    assert (east.block_a, east.block_b, east.share) == ("ground", "east", pytest.approx(1.0, rel=1e-3))
+    assert (west.block_a, west.block_b) == ("ground", "west")
+    off = abs(case.collapse.force_point[west.joint, 0] + 0.75)
+    assert off == pytest.approx(0.25 * (1.0 - west.share), rel=1e-3)  # b/2 (1 - N/(f b t)): it is on the surface of its domain
+    (line,) = (one for one in lines(case) if one.startswith("crushing: "))
+    assert line.startswith(
+        'crushing: 2 joints at the strength at this factor: "ground" - "east" (base-block, 60 kPa) over 100 % of its area, '
+    )
+    write(case, tmp_path / "out", pictures=False)
+    assert [one["block_b"] for one in json.loads((tmp_path / "out" / "limit.json").read_text())["crushed"]] == ["east", "west"]
+    assert "2 joints at the strength at this factor" in (tmp_path / "out" / "limit.html").read_text()
+
+
+@pytest.mark.parametrize(("times", "said"), [(1.1, True), (1.5, False)])
+def test_a_strength_of_which_the_dead_loads_leave_little_is_said_with_its_joint(times, said, tmp_path):
+    case = limit_case(scene(tmp_path, str(times * WEIGHT)))
+    found = [line for line in lines(case) if line.startswith("the dead loads leave little of the strength")]
+    assert bool(found) is said and (case.left is not None) is said
+    if case.left is not None:
+        assert case.left.factor == pytest.approx(times, rel=1e-6)
+        assert 'at 1.1 times of them joints crush: "ground" - "a" ' in found[0] and found[0].endswith("over 100 % of its area")

@@ -10,7 +10,8 @@ import pytest
 from models import box, ground
 from typer.testing import CliRunner
 
-from masonry_cd.app.limit_case import limit_case, lines, write
+from masonry_cd.app.limit_case import limit_case, lines
+from masonry_cd.app.limit_files import write
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError

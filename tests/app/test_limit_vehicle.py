@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from masonry_cd.app.limit_case import case_of, write
+from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.limit_command import looked_at
+from masonry_cd.app.limit_files import write
 from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.foundation.errors import InputError

@@ -129,6 +129,7 @@ PURE = {
     *("axis", "direction", "push", "tilt"),  # vectors of any length
     *("cycles", "scale", "calibration", "initial", "peak"),  # initial is an angle in a tilt and a share in a push
     *("junction", "bond", "stages", "passive", "passive_shaken"),  # shares of courses, of a force, of the passive pressure
+    *("active_at", "gone_at"),  # movement over depth
     *("behaviour_factor", "building_damping", "confidence_factor", "f0", "participation"),
 }
 """Keys whose numbers have no unit."""

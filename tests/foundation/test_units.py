@@ -111,7 +111,7 @@ def test_keys_of_a_table_are_read_wherever_their_numbers_stand() -> None:
     ("table", "said"),
     [
         ({"length": "30 kN"}, 'outer.length: "kN" is no unit of a length; '),
-        ({"length": "3 m"}, "outer.length: input should be less than or equal to 1, got 3.0"),
+        ({"length": "3 m"}, "outer.length: input should be less than or equal to 1, got 3.0 m"),
         ({"places": [0.5, "3 s"]}, 'outer.places[1]: "s" is no unit of a length; '),
         ({"strength": {"arch": "5 m"}}, 'outer.strength.arch: "m" is no unit of a stress; '),
         ({"laws": {"a-b": {"force": "3"}}}, 'outer.laws.a-b.force: "3" states no unit; '),

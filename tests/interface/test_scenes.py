@@ -39,7 +39,7 @@ def test_a_bad_scene_is_refused_before_numba_comes(tmp_path: Path) -> None:
         f"try: mc.scene({str(ARCH)!r}, 'run.dt=-1')\n"
         "except mc.InputError as error: print(error, [name for name in ('numba', 'pandas', 'matplotlib') if name in sys.modules])\n"
     )
-    assert python(tmp_path, code).stdout == "--set run.dt=-1: run.dt: input should be greater than 0, got -1 []\n"
+    assert python(tmp_path, code).stdout == "--set run.dt=-1: run.dt: input should be greater than 0, got -1 s []\n"
 
 
 def test_a_file_of_ones_own_that_hides_a_room_is_named(tmp_path: Path) -> None:

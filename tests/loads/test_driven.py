@@ -112,8 +112,13 @@ def test_a_prop_holds_along_its_direction_and_leaves_the_way_across_free() -> No
         ({"speed": 4.0}, "loads[0].speed: at 4 m/s the leg of 0.02 m takes "),
         ({"point": [2.0, 0.5, 1.0]}, "loads[0].point: (2, 0.5, 1) m lies 1.5 m outside"),
         ({"point": [0.5, 0.5, 1.0], "face": "x"}, "loads[0]: give face or point, not both"),
-        ({"rate": 0.1}, 'loads[0]: rate: of no use with control = "displacement"'),
-        ({"control": "force"}, 'loads[0]: rate: missing, control = "force" needs it'),
+        ({"rate": 0.1}, 'loads[0]: rate: of no use with control = "displacement", which takes speed instead; its keys: blocks, '),
+        (
+            {"control": "force"},
+            'loads[0]: blocks: of no use with control = "force"; its keys: rate, initial, peak; control = "displacement" takes ',
+        ),
+        ({"velocity": 0.1}, "loads[0].velocity: unknown key; known keys: kind, blocks, face, point, rotation, name, targets, speed, hold"),
+        ({"target": 0.1}, 'loads[0].target: unknown key (did you mean "targets"?)'),
     ],
 )
 def test_bad_pushes_are_refused_in_one_line(change: dict[str, Any], said: str) -> None:
@@ -121,6 +126,23 @@ def test_bad_pushes_are_refused_in_one_line(change: dict[str, Any], said: str) -
         loads.build([PUSH | change], 1e-3, 100, GRAVITY, Path(), standing())
     assert str(refused.value).startswith(said)
     assert "\n" not in str(refused.value)
+
+
+def test_a_push_whose_control_is_forgotten_says_what_takes_its_keys() -> None:
+    for table, said in (
+        ({"targets": [0.01], "speed": 0.1}, 'targets: of no use with control = "force", which takes peak instead; '),
+        ({"speed": 0.1, "rate": 0.1}, 'speed: of no use with control = "force", which takes rate instead; '),
+        ({}, 'rate: missing, control = "force" needs it'),
+    ):
+        with pytest.raises(InputError) as refused:
+            loads.build([{"kind": "push", "direction": "x"} | table], 1e-3, 100, GRAVITY, Path(), standing())
+        assert str(refused.value).startswith(f"loads[0]: {said}")
+
+
+@pytest.mark.parametrize("kind", sorted(loads.KINDS))
+def test_an_unknown_key_of_any_load_has_those_that_exist_beside_it(kind: str) -> None:
+    with pytest.raises(InputError, match=r"^loads\[0\]\.zzqq: unknown key; known keys: kind, "):
+        loads.build([{"kind": kind, "zzqq": 1}], 1e-3, 100, GRAVITY, Path(), standing())
 
 
 def test_two_pushes_of_one_block_along_one_line_are_refused() -> None:

@@ -292,7 +292,10 @@ tension = 500.0
         ({**BAR, "modulus": 1e-300}, "loads[0]: its modulus and section make "),
         ({**BAR, "modulus": 1e300}, "loads[0]: its modulus and section make "),
         ({**BAR, "points": [[0, 0, 0], [0, 0, 0]]}, "loads[0].points: both ends are at one point"),
-        ({**BAR, "area": 1.0}, "loads[0]: run.dt 0.001 s is too long for its 796 Hz between these blocks; at most 0.0002 s will do"),
+        (
+            {**BAR, "area": 1.0},
+            "loads[0]: run.dt 0.001 s is too long for its 796 Hz between these blocks, by a section of 1 m2; at most 0.0002 s will do",
+        ),
         ({"kind": "point", "block": "wall", "force": [0, 0, 1]}, 'loads[0].block: "wall" is fixed, a force cannot move it'),
         ({"kind": "point", "block": "*", "force": [0, 0, 1]}, 'loads[0].block: "*" names 2 blocks (wall, stone ...), one is needed'),
         ({"kind": "point", "block": "stone", "force": [0, 1]}, "loads[0].force: must be three numbers"),

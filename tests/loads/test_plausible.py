@@ -98,7 +98,10 @@ duration = 1e-3
 """
 
 
-@pytest.mark.parametrize(("height", "said"), [(0.25, "smaller than 0.3 m"), (0.35, ""), (290.0, ""), (310.0, "larger than 300 m")])
+@pytest.mark.parametrize(
+    ("height", "said"),
+    [(0.25, "smaller than 0.3 m"), (0.35, ""), (40.0, ""), (290.0, "and no block thinner than "), (310.0, "larger than 300 m")],
+)
 def test_a_structure_of_odd_size_asks_for_its_unit(tmp_path: Path, height: float, said: str) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(SCENE.format(height=height, diameter=height / 6))

@@ -72,6 +72,10 @@ def test_a_crossing_comes_and_goes() -> None:
             "loads[0].offset: the vehicle stands beside the road: its wheels from y = -0.05",
         ),
         ({"name": "single"}, "loads[0].position: missing"),
+        (
+            {"name": "single", "speed": 2.0, "start": 9.0},
+            "loads[0].start: the vehicle never stands on the deck: it is there from 9 s on, the run ends at 0.01 s",
+        ),
         ({"axles": [1e3, 2e3], "position": 1.0}, "spacing: 2 axles have 1 distances, got 0"),
         ({"name": "LM2", "axles": [1e3], "position": 1.0}, "give exactly one of name and axles"),
         ({"name": "lm3", "position": 1.0}, "loads[0].name"),
@@ -82,6 +86,20 @@ def test_refusals(keys: dict, words: str) -> None:
     with pytest.raises(InputError) as failure:
         vehicle(table(**keys), grid(made, assembly, steps=10), "loads[0]")
     assert words in str(failure.value)
+
+
+def test_all_that_is_wrong_with_its_place_is_said_at_once() -> None:
+    made, assembly = bridge(width=3.0)
+    with pytest.raises(InputError) as failure:
+        vehicle(table(name="single", position=80.0, offset=1.0), grid(made, assembly, steps=10), "loads[0]")
+    assert [line.split(":")[0] for line in str(failure.value).splitlines()] == ["loads[0].offset", "loads[0].position"]
+
+
+def test_a_crossing_that_the_run_cuts_short_is_said() -> None:
+    made, assembly = bridge(width=3.0)
+    short, whole = (vehicle(table(name="single", speed=1.0), grid(made, assembly, steps, 0.01), "loads[0]").lines for steps in (100, 1000))
+    assert short[1] == "loads[0] the run ends at 1 s, before the last axle has left the bridge at 9 s"
+    assert len(whole) == 1
 
 
 def test_a_vehicle_needs_a_bridge() -> None:

@@ -31,6 +31,7 @@ def test_all_files_are_written_and_say_the_same(tmp_path: Path) -> None:
     page = (tmp_path / "assess.html").read_text(encoding="utf-8")
     assert "Joint stiffness decides" in page
     assert "blocks &lt;overlap&gt;" in page
+    assert '<dl class="block"><div><dt>Scene</dt><dd>made.toml</dd></div><div><dt>Program</dt><dd>masonry_cd 1.2.3</dd></div>' in page
     assert "http://" not in page.replace("http://www.w3.org", "")
     with Image.open(tmp_path / "assess.png") as picture:
         assert picture.width > 1500
@@ -42,6 +43,8 @@ def test_the_table_for_people_shows_chance_in_one_row_and_marks_what_missed() ->
     assert sum(line.startswith("ensemble") for line in lines) == 1
     assert any("95.8 to 104" in line for line in lines)
     assert any("E 3.3 GPa" in line and "* 3 steps missed" in line for line in lines)
+    alone = made({("friction", "0.4"): row_of(101.0, steps_missed=1)})
+    assert any("* 1 step missed" in line for line in text_table(alone).splitlines())
     assert any("0.4" in line and "failed: blocks <overlap>" in line for line in lines)
 
 

@@ -9,7 +9,9 @@ from limit_loads import joined, push_loads
 from models import box, ground
 
 from masonry_cd.analysis.limit.analysis import Options, analyse
-from reports.drawing.parts import view_named
+from masonry_cd.mechanics.model.materials import JointLaw
+from reports.drawing.palette import CRUSHED
+from reports.drawing.parts import Lines, view_named
 from reports.limit.picture import Subject, mechanism_scene
 
 
@@ -33,3 +35,13 @@ def test_a_view_by_name_stays_and_the_key_has_no_empty_lines() -> None:
     assert np.array_equal(scene.view.towards, view_named("isometric").towards)
     words = [sign.text for sign in scene.key[0].signs]
     assert any(word.startswith("hinge: ") for word in words) and not any(": 0 " in word for word in words)
+
+
+def test_joints_that_crush_are_outlined_and_counted() -> None:
+    blocks = [ground(8.0), box("one", (0.0, 0.0, 0.0), (0.5, 0.5, 3.0))]
+    assembly, joints = joined(blocks, 0.6, {"default": JointLaw(compressive_strength=3e5)})
+    found = analyse(assembly, joints, push_loads(assembly, (1.0, 0.0, 0.0)), Options(starts=0))
+    scene = mechanism_scene(Subject(found.collapse(joints.count), blocks, joints), "", "")
+    assert "crushes: 1 joint" in [sign.text for sign in scene.key[0].signs]
+    (outline,) = [layer for layer in scene.layers if isinstance(layer, Lines) and layer.colour == CRUSHED]
+    assert len(outline.pairs) == 4

@@ -269,6 +269,8 @@ def test_the_page_asks_for_nothing_and_links_the_runs_that_are_kept(tmp_path: Pa
     write_study(folder)
     page = (folder / "study.html").read_text(encoding="utf-8")
     assert "An &lt;arch&gt; &amp; its records" in page
+    assert re.search(r'<dl class="block"><div><dt>Scene</dt><dd>[^<]+</dd></div><div><dt>Program</dt><dd>masonry_cd', page)
+    assert re.search(r"<dt>Varied</dt><dd>4 records", page)
     assert re.findall(r'href="([^"]*)"', page) == ["data:,", "runs/00000003/report.html"]
     assert not re.search(r'(src|href)="(?!data:|runs/)', page)
     assert "http://" not in page and "https://" not in page

@@ -55,6 +55,25 @@ def test_a_block_that_rocks_keeps_what_the_heights_of_its_swings_say() -> None:
     assert restitution.kept(tilt, slenderness) == pytest.approx(restitution.housner(slenderness), rel=1e-4)
 
 
+@pytest.mark.parametrize("slenderness", [2.0, 8.0])
+def test_a_block_that_rocks_is_followed_through_two_half_swings(slenderness: float) -> None:
+    """Its time to the impact by quadrature of the energy equation of a block that turns about a corner."""
+    alpha, p2 = float(np.arctan(1.0 / slenderness)), 3.0 * 9.81 / (2.0 * restitution.WIDTH * float(np.hypot(1.0, slenderness)))
+    first = restitution.RELEASED * alpha
+    share = (np.arange(20_000) + 0.5) / 20_000
+    angle = first * (1.0 - share * share)  # fine where it is let go, at rest
+    speed = np.sqrt(2.0 * p2 * (np.cos(alpha - first) - np.cos(alpha - angle)))
+    to_impact = float((2.0 * first * share / speed).mean())
+    assert 2.0 * to_impact < restitution.lasting(slenderness) < 2.4 * to_impact
+
+
+def test_what_was_measured_of_rocking_blocks_lies_beside_the_computed_curve() -> None:
+    name, slenderness, measured = restitution.measured("concrete")
+    assert name == "measured on concrete"
+    assert set(slenderness) < set(restitution.SHAPES)
+    assert measured == pytest.approx([0.97 * 0.85, 0.95 * (1.0 - 1.5 / 26.0)])
+
+
 def test_the_bridge_is_computed_once_and_its_scene_gives_the_same_load_again(tmp_path: Path) -> None:
     load, hinges = field_tests.collapse(field_tests.PRESTWOOD, "structure.fill.passive=0.5", folder=tmp_path)
     assert hinges == 4

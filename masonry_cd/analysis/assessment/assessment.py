@@ -109,6 +109,7 @@ class Assessment:
     assumptions: tuple[Known, ...]
     left_out: tuple[tuple[str, str], ...]  # names and why
     members: tuple[Member, ...]
+    program: str = ""  # its version
 
     @cached_property
     def base(self) -> Member:
@@ -208,6 +209,7 @@ def as_facts(found: Assessment) -> dict[str, Any]:
     return {
         "title": found.title,
         "scene": found.scene,
+        "program": found.program,
         "assumptions": [dict(vars(one), levels=list(one.levels)) for one in found.assumptions],
         "left_out": [{"assumption": name, "why": why} for name, why in found.left_out],
         "members": [{"kind": one.kind, "values": dict(one.values), **one.row} for one in found.members],
@@ -228,7 +230,8 @@ def read_assessment(folder: Path) -> Assessment:
         known = tuple(Known(**{**one, "levels": tuple(one["levels"])}) for one in facts["assumptions"])
         members = [dict(one) for one in facts["members"]]
         made = tuple(Member(one.pop("kind"), one.pop("values"), one) for one in members)
-        return Assessment(facts["title"], facts["scene"], known, tuple((one["assumption"], one["why"]) for one in facts["left_out"]), made)
+        left = tuple((one["assumption"], one["why"]) for one in facts["left_out"])
+        return Assessment(facts["title"], facts["scene"], known, left, made, facts.get("program", ""))
     except (ValueError, KeyError, TypeError, OSError) as fault:
         raise InputError(f"{file}: is no assessment: {fault}") from None
 

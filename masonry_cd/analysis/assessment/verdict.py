@@ -10,6 +10,7 @@ import numpy as np
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FACTOR, GRADE, LEVEL, UNSETTLED, Answer, Assessment, Known, Member
 from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, UNKNOWN, Verdict
+from masonry_cd.foundation.quantities import counted
 
 MOST = 0.5  # share of the largest weight from which an assumption decides beside it
 NOTHING = 5e-4  # in the unit of an answer: half of the last digit that anybody reads [mm]
@@ -81,20 +82,23 @@ def warnings_of(found: Assessment) -> list[str]:
     ]
     missed = [one for one in found.members if one.missed]
     if missed:
-        out.append(f"{len(missed)} runs missed the tolerance in some steps (marked *): {', '.join(place_of(one) for one in missed)}")
+        out.append(
+            f"{counted(len(missed), 'run')} missed the tolerance in some steps (marked *): {', '.join(place_of(one) for one in missed)}"
+        )
     ungraded = [one for one in found.members if one.done and "grade" in one.row and one.row.get("grade_number") is None]
     if ungraded:
         first, *others = ungraded
         named = [f"{place_of(first)}{_doubt(first)}", *(place_of(one) for one in others)]
-        out.append(f"{len(ungraded)} runs cannot be relied on and have no grade: {', '.join(named)}")
+        are = "is" if len(ungraded) == 1 else "are"
+        out.append(f"{counted(len(ungraded), 'run')} cannot be relied on and {are} not graded: {', '.join(named)}")
     cut = [one for one in found.members if one.done and one.row.get("provisional")]
     if cut:
         said = "run.until_still = true has them go on" if found.base in cut else _some(cut)
-        out.append(f"{len(cut)} runs ended before their blocks were still, so that what remains, and grades, are provisional: {said}")
+        out.append(f"{counted(len(cut), 'run')} ended while blocks still moved, so that what remains, and grades, are provisional: {said}")
     at_once = [one for one in found.members if one.done and one.row.get("remark") == UNSETTLED]
     if at_once:
         out.append(
-            f"{len(at_once)} runs began with the weight coming upon their joints at once, since they did not settle: {_some(at_once)}"
+            f"{counted(len(at_once), 'run')} began with the weight coming upon the joints at once, as they did not settle: {_some(at_once)}"
         )
     numerical = [one.name for one in found.deciding if one.numerical]
     if numerical:

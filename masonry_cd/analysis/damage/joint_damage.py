@@ -94,13 +94,18 @@ def bonds(results: Results) -> dict[str, int]:
 
 
 def crushing(results: Results) -> dict[str, Any]:
-    """Joints that were crushed, by how much the most of them at the end [m], and how many a frame shows crushed that no longer know it, as
-    their blocks came far apart or met with other faces; nothing in a run whose joints cannot."""
+    """Joints that were crushed, by how much the most of them at the end [m] and which one, and how many a frame shows crushed that no
+    longer know it, as their blocks came far apart or met with other faces; nothing in a run whose joints cannot."""
     if not results.has_joint_history(CRUSHED):
         return {}
     history = results.joint_history(CRUSHED)
     by, lost = history[-1], (history > 0.0).any(axis=0) & ~(history[-1] > 0.0)
-    return {"joints_crushed": int((by > 0.0).sum()), "crushed_max": float(by.max(initial=0.0)), "crushing_forgotten": int(lost.sum())}
+    found = {"joints_crushed": int((by > 0.0).sum()), "crushed_max": float(by.max(initial=0.0)), "crushing_forgotten": int(lost.sum())}
+    if not found["joints_crushed"]:
+        return found
+    worst, joints = int(by.argmax()), results.joints
+    ends = (results.blocks[int(block[worst])].name for block in (joints.block_a, joints.block_b))
+    return found | {"crushed_where": " - ".join(f'"{name}"' for name in ends)}
 
 
 def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds | None = None) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
+from masonry_cd.analysis.limit.nonassociated import AGREE
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
 
 SURE = {  # by the state of a check by a code: how sure it is, and that in words
@@ -17,6 +18,7 @@ SURE = {  # by the state of a check by a code: how sure it is, and that in words
     "NOT satisfied": (DOUBTFUL, "the check by a code is not met"),
 }
 CLOSED = 1e-4  # gap of the certificate up to which the factor counts as known
+ALIKE = 1e-4  # share by which both ends of what Coulomb's law allows may differ and be one
 APART = 1e-2  # share of the factor by which the least and the associated one may differ and say the same
 
 
@@ -63,7 +65,7 @@ def _of_the_factor(facts: Mapping[str, Any], least: Mapping[str, Any] | None) ->
         return Verdict(f"load factor at most {upper:.4g}", "", "", LOOK, "read this before you rely on the factor", why)
     factor, agreeing, starts = least["factor"], least["agreeing"], least["starts"]
     because = f"least found without dilation; at most {upper:.4g}, of sliding that opens joints"
-    if factor < (1.0 - APART) * upper and 2 * agreeing <= starts:
+    if factor < (1.0 - APART) * upper and (agreeing < AGREE or 2 * agreeing <= starts):
         why = f"{agreeing} of {starts} starts of the search came to the least factor; more starts may find less (limit.starts)"
         return Verdict(f"load factor {factor:.4g}", "", because, LOOK, "read this before you rely on the factor", why)
     return Verdict(f"load factor {factor:.4g}", "", because, GOOD, "the searches agree, and the certificate closes", "")
@@ -76,3 +78,13 @@ def mechanism_facts(moves: Mechanism, names: Sequence[str], of: str) -> dict[str
         | {f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES}
         | {"joints_crushing": int(moves.crushing.sum())}
     )
+
+
+def one_factor(bracket: Mapping[str, float | None] | None) -> bool:
+    """Whether the least factor found and the associated one agree, so that a run can find no other.
+
+    Args:
+        bracket: ``least_found`` and ``associated``, either may be None; None where no limit analysis was made.
+    """
+    least, upper = (bracket or {}).get("least_found"), (bracket or {}).get("associated")
+    return least is not None and upper is not None and upper - least <= ALIKE * abs(upper)

@@ -7,6 +7,7 @@ stands beside it, it resists what moves into it, and it spreads the wheels on th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,6 +18,9 @@ import numpy as np
 from masonry_cd.foundation import libm
 
 FaceKind = Literal["extrados", "top", "back", "wall"]
+ACTIVE_AT = (
+    0.002  # movement over height of a wall at which sand of medium density is active (Clough & Duncan 1991; dense 0.001, loose 0.004)
+)
 BARS = "fill of "  # begins the names of the bars by which fill resists: what lists or draws the ties of a structure leaves them out
 
 
@@ -66,6 +70,8 @@ class Fill:
     deck: tuple[float, float]  # first and last place of the road, along it from the origin [m]
     clear: tuple[float, float]  # across it, between the walls [m]
     faces: tuple[FillFace, ...]
+    active_at: float = ACTIVE_AT  # movement of a face away over its depth, at which the pressure at rest has fallen to the active one
+    gone_at: float | None = None  # over which nothing presses any more; None: by the slope of repose
     slant: float = 0.0  # tangent of the skew
     origin: np.ndarray | None = None  # (3,) of the coordinates along and across [m]; that of the world when None
     turn: np.ndarray | None = None  # (3, 3) from the axes of the bridge to those of the world
@@ -73,8 +79,25 @@ class Fill:
     @cached_property
     def coefficients(self) -> dict[str, float]:
         """K_0 (Jaky), K_a and K_p (Rankine)."""
-        sine = float(libm.sin(np.radians(np.array([self.friction_angle])))[0])
+        sine = self._sine
         return {"at_rest": 1.0 - sine, "active": (1.0 - sine) / (1.0 + sine), "passive": (1.0 + sine) / (1.0 - sine), "none": 0.0}
+
+    @cached_property
+    def reach(self) -> float:
+        """Movement of a face away over its depth, at which nothing presses any more: ``gone_at``, or by the slope of repose.
+
+        Fill beside a wall of height H that moves away by d slumps to slopes of phi; as its volume stays, it reaches up to
+        H - sqrt(2 d H tan(phi)) of it, and its pressure, which goes with that height squared, does the work of one that falls evenly to
+        nothing over H / (6 tan(phi)). Below 9.5 degrees that would be more than H, which is the most.
+        """
+        if self.gone_at is not None:
+            return self.gone_at
+        sine = self._sine
+        return 1.0 / max(6.0 * sine / math.sqrt(1.0 - sine * sine), 1.0)
+
+    @property
+    def _sine(self) -> float:
+        return float(libm.sin(np.radians(np.array([self.friction_angle])))[0])
 
     def along(self, points: np.ndarray) -> np.ndarray:
         """Coordinates along and across the road, and heights, of points (n, 3) [m]."""

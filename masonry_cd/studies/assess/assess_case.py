@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from masonry_cd import __version__
 from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Known, Member, as_facts
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.scene import Scene
@@ -57,7 +58,8 @@ def _write(plan: AssessPlan, folder: Path, runs: Sequence[Planned], maker: Maker
         members.append(Member(part.kind, part.values(), row | ({"run": run.name, "member": part.member} if row else {})))
     left = tuple((one.name, one.why) for one in plan.left_out)
     study = plan.maker.study
-    write_json(as_facts(Assessment(study.title, study.scene_name, tuple(known), left, tuple(members))), folder / FILE)
+    found = Assessment(study.title, study.scene_name, tuple(known), left, tuple(members), __version__)
+    write_json(as_facts(found), folder / FILE)
 
 
 def check_statics(plan: Plan) -> list[str]:

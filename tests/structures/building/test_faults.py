@@ -40,11 +40,11 @@ CASES: dict[str, tuple[list[dict[str, Any]], dict[str, Any], str]] = {
         {"columns": [{"at": [2.0, 0.2], "height": 2.0, "size": 0.4}]},
         "columns column1: the one at x = 2 m, y = 0.2 m stands in wall a",
     ),
-    "opening beyond the wall": ([A | {"openings": [{"name": "door", "at": 7, "width": 1.0}]}], {}, "opening door of wall a: at 7 m"),
+    "opening beyond the wall": ([A | {"openings": [{"name": "door", "at": 7, "width": 1.0}]}], {}, "opening door of wall a at 7 m"),
     "openings over each other": (
         [A | {"openings": [{"at": 3, "width": 1.0, "height": 1.5}, {"at": 3.6, "width": 1.0, "height": 1.5}]}],
         {},
-        "opening o2 of wall a at 3.6 m: it overlaps opening o1 at 3 m, with their heads, at x = 3.3",
+        "opening o2 of wall a at 3.6 m: with its head it overlaps opening o1 of wall a at 3 m, at x = 3.3",
     ),
     "rise of another shape": ([A | {"openings": [{"at": 3, "width": 1.0, "rise": 0.2}]}], {}, "a at 3 m: rise belongs to another shape"),
     "junction of walls that do not meet": (

@@ -120,4 +120,4 @@ def test_stones_beside_the_head_of_an_opening_are_cut_into_wide_parts() -> None:
     blocks = build("building", walls=[wall("a", [[0, 0], [7.5, 0]], 0.9, 4.5, openings=openings)], block_length=1.5, course_height=0.75)
     parts = [np.unique(part.vertices[:, [0, 2]].round(7), axis=0) for block in blocks if not block.fixed for part in block.convex_parts]
     hulls = [shapely.MultiPoint(part).convex_hull for part in parts]
-    assert min(least_width(np.array(hull.exterior.coords)[:-1]) for hull in hulls) > 0.1
+    assert min(least_width(np.array(hull.exterior.coords)[:-1]) for hull in hulls) > 0.09

@@ -19,7 +19,8 @@ def corner(leaves: int = 1, bonded: bool = True) -> list[Block]:
     along = wall_plan.Wall("along", "along", 0, 0.0, 4.0, 0.0, THICK, 0.0, 2.0, leaves=leaves)
     across = wall_plan.Wall("across", "across", 1, 0.0, 3.0, 0.0, THICK, 0.0, 2.0, leaves=leaves)
     walls = [along, across]
-    return square_plan.build(walls, wall_plan.levels(walls, COURSE), UNIT, 2000.0, bonded)
+    sizes = wall_plan.Sizes(COURSE, UNIT)
+    return square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, 2000.0, bonded)
 
 
 def test_stones_on_a_corner_reach_beyond_the_other_wall_and_take_turns() -> None:
