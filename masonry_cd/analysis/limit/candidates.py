@@ -105,7 +105,7 @@ def _begun_at(analysis: Analysis, assembly: Assembly, joints: Joints, mechanisms
 
     def search(problem: LimitProblem) -> LeastFound | None:
         nonlocal found
-        found = begun_at(problem, before, mechanisms, cap, np.inf if before.least is None else before.least.optimum.factor)
+        found = begun_at(problem, before, mechanisms, cap)
         return found.least
 
     problem, least = searched_finely(analysis.problem, search)

@@ -65,9 +65,9 @@ def crushed_joints(problem: LimitProblem, collapse: Collapse, assembly: Assembly
 
 
 def _named(j: int, strength: float, share: float, assembly: Assembly, joints: Joints) -> CrushedJoint:
-    ends = int(joints.block_a[j]), int(joints.block_b[j])
-    groups = "-".join(assembly.groups[assembly.group_of[block]] for block in ends)
-    return CrushedJoint(j, *(assembly.names[block] for block in ends), groups, strength, share)
+    a, b = int(joints.block_a[j]), int(joints.block_b[j])
+    groups = "-".join(assembly.groups[assembly.group_of[block]] for block in (a, b))
+    return CrushedJoint(j, assembly.names[a], assembly.names[b], groups, strength, share)
 
 
 def little_left(problem: LimitProblem, assembly: Assembly, joints: Joints, options: Options) -> LittleLeft | None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -34,25 +35,21 @@ class Searched:
     starts: int
 
 
-def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float, known: float = np.inf) -> list[Pair]:
+def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float) -> list[Pair]:
     """The pairs that descents from velocities (unknowns,) come to, those that come to an end.
-
-    In space a descent ends early that cannot come below the least factor, the ``known`` one or that of a descent before.
 
     Args:
         problem: whose least factor is sought.
         mechanisms: velocities that the live loads drive, w_1 . v > 0, under which no joint closes and that no tie holds which does not
             yield; others are passed over.
         cap: the largest factor that is looked for.
-        known: factor; infinite: every descent goes on to its end.
     """
-    ends, descend = list[Pair](), _descent(problem, cap)
+    ends, descend = [], _descent(problem, cap)
     for velocity in mechanisms:
         power = float(problem.live @ velocity)
-        end = descend(velocity / power, known) if power > 0.0 and not _held(problem, velocity) else None
+        end = descend(velocity / power) if power > 0.0 and not _held(problem, velocity) else None
         if end is not None:
             ends.append(end)
-            known = min(known, end[0].factor) if np.isfinite(known) else known
     return ends
 
 
@@ -89,24 +86,24 @@ def admitted(problem: LimitProblem, assembly: Assembly, velocity: np.ndarray, cr
     return None
 
 
-def _descent(problem: LimitProblem, cap: float) -> Callable[[np.ndarray, float], Pair | None]:
-    """The descent from velocities (unknowns,) with w_1 . v = 1, and a known factor."""
+def _descent(problem: LimitProblem, cap: float) -> Callable[[np.ndarray], Pair | None]:
+    """The descent from velocities (unknowns,) with w_1 . v = 1."""
     if problem.axis is not None:
-        return lambda velocity, known: nonassociated.descend(problem, velocity)
+        return partial(nonassociated.descend, problem)
     programmes = SearchInSpace(problem, cap)
 
-    def descend(velocity: np.ndarray, known: float) -> Pair | None:
+    def descend(velocity: np.ndarray) -> Pair | None:
         try:
-            return programmes.descend(velocity, known)
+            return programmes.descend(velocity)
         except Unbounded:
             return None
 
     return descend
 
 
-def begun_at(problem: LimitProblem, before: Searched, mechanisms: Sequence[np.ndarray], cap: float, known: float = np.inf) -> Searched:
+def begun_at(problem: LimitProblem, before: Searched, mechanisms: Sequence[np.ndarray], cap: float) -> Searched:
     """A search that has begun at mechanisms as well; arguments as of :func:`ends_of`."""
-    every, apart = ends_of(problem, mechanisms, cap, known), list[Pair]()
+    every, apart = ends_of(problem, mechanisms, cap), list[Pair]()
     for end in sorted(every, key=lambda pair: pair[0].factor):
         if not apart or end[0].factor - apart[-1][0].factor > ALIKE * abs(apart[-1][0].factor):
             apart.append(end)

@@ -34,7 +34,6 @@ STEPS = 20  # of the sequence at most
 SETTLED = 5e-3  # change of the factor, as a share of it, at which the sequence ends: the descent behind it takes longer steps
 ROUNDS = 8  # of the descent at most
 LOWER = 2e-3  # share of the factor that a round of the descent takes off at least
-FASTER = 2.0  # times what its last round took off that each round left of a descent is trusted to take off
 AGAIN = 0.5  # blend of the sequence with which a start goes on whose descent came to no end
 CLOSER = 0.9  # of the gap of the round before, at most, in a round that ends in no pair
 PENALTY = 100.0  # M, over w_1 . v = 1
@@ -98,15 +97,14 @@ class SearchInSpace:
             normal = blend * normal + (1.0 - blend) * _normal(self.problem, found)
         return _with_power(self.problem, found)
 
-    def descend(self, velocity: np.ndarray, known: float = np.inf) -> Pair | None:
+    def descend(self, velocity: np.ndarray) -> Pair | None:
         """The least pair from a mechanism (unknowns,) with w_1 . v = 1, None where none has a small g.
 
-        By turns the forces of least lambda + M g for a mechanism are found, and the mechanism of least g for these forces. A descent ends
-        where the rounds that are left cannot bring it below a factor that is ``known``.
+        By turns the forces of least lambda + M g for a mechanism are found, and the mechanism of least g for these forces.
         """
         best: Pair | None = None
         last = np.inf
-        for number in range(ROUNDS):
+        for _ in range(ROUNDS):
             pair = self._forces(velocity)
             optimum, gap = pair
             self.normal = _normal(self.problem, optimum)
@@ -116,8 +114,6 @@ class SearchInSpace:
             if gap <= NEARLY:
                 best = min((each for each in (best, pair) if each is not None), key=lambda each: each[0].factor)
             if before is not None and optimum.factor >= before[0].factor * (1.0 - LOWER):
-                break
-            if before is not None and _too_high(optimum.factor, before[0].factor - optimum.factor, ROUNDS - 1 - number, known):
                 break
             found = self._within_strips(self.normal)
             if float(self.problem.live @ found.velocity) < NO_POWER:
@@ -145,11 +141,6 @@ class SearchInSpace:
         power = abs(float(problem.dead @ velocity)) + abs(found.factor) + 1e-300
         pair = replace(found, velocity=velocity, method="sequence of cone programmes (Clarabel)")
         return pair, abs(float(np.sum(prices * lifted)) + float(slack @ found.bars) - least) / power
-
-
-def _too_high(factor: float, taken: float, left: int, known: float) -> bool:
-    """Whether a descent whose last round has ``taken`` so much off its factor does not come below a known one in the rounds left."""
-    return np.isfinite(known) and factor - FASTER * taken * left > known
 
 
 def _normal(problem: LimitProblem, found: Optimum) -> np.ndarray:

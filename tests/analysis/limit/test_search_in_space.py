@@ -13,7 +13,6 @@ from models import box, ground
 
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, searched, with_more_starts
 from masonry_cd.analysis.limit.nonassociated_space import MOST, SearchInSpace
-from masonry_cd.analysis.limit.solution import Optimum
 from masonry_cd.app.limit_case import limit_case
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -71,24 +70,3 @@ def test_of_two_walls_that_no_start_joins_the_slenderer_one_is_found_as_a_part(t
     found = limit_case(path).analysis.least
     assert found is not None and found.starts >= 3
     assert found.optimum.factor == pytest.approx(0.48 / 3.0, rel=1e-3)
-
-
-@pytest.mark.parametrize(("known", "rounds"), [(np.inf, 8), (0.27, 8), (0.05, 2)])
-def test_a_descent_ends_where_it_cannot_come_below_the_least_factor_known(
-    known: float, rounds: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Each round takes 0.005 off a factor of 0.3; twice that may be hoped for of each of the six that are left after two."""
-    _, _, analysis = wedged(0)
-    programmes = SearchInSpace(analysis.problem, 1.0)
-    optimum = analysis.associated.optimum
-    factors = 0.3 - 0.005 * np.arange(8)
-    made: list[float] = []
-
-    def forces(velocity: np.ndarray) -> tuple[Optimum, float]:
-        made.append(float(factors[len(made)]))
-        return replace(optimum, factor=made[-1]), 0.0
-
-    monkeypatch.setattr(programmes, "_forces", forces)
-    monkeypatch.setattr(programmes, "_within_strips", lambda normal: optimum)
-    end = programmes.descend(optimum.velocity, known)
-    assert len(made) == rounds and end is not None and end[0].factor == made[-1]
