@@ -30,12 +30,13 @@ class Range:
         return value == 0.0 or self.low <= abs(value) <= self.high
 
     def meant(self, value: float, per: float) -> str:
-        """How a value would be written that is meant in another unit, ``if g is meant: "0.25 g"``; empty where it is usual in none."""
+        """How a value would be written that is meant in another unit, ``if g is meant: "0.25 g"``; in each in which it is usual."""
+        said = []
         for name, size in self.others:
             if self.holds(value * size / per):
                 written = f"{value:g} {name}" if name not in WEIGHTS else f"{value * size:.4g} {name.replace('kN', 'kg')}"
-                return f'if {name} is meant: "{written}"'
-        return ""
+                said.append(f'if {name} is meant: "{written}"')
+        return "; ".join(said)
 
 
 _PA, _GROUND, _FORCE = (("MPa", 1e6), ("GPa", 1e9)), (("g", G), ("cm/s2", 0.01)), (("kN", 1e3), ("MN", 1e6))
@@ -50,6 +51,7 @@ _STIFFNESS, _AREA = (("N/mm3", 1e9), ("MN/m3", 1e6), ("kN/m3", 1e3)), (("cm2", 1
 RANGES = {
     # what shakes
     "ag": Range(0.6, 10.0, _GROUND, "hazard maps give 0.6 to 10 m/s2 (0.06 to 1 g) where masonry is checked", ("*.ag",)),
+    "corner": Range(0.05, 2.0, (("ms", 1e-3),), "T*_C is 0.1 to 1 s", ("*.tc_star",)),
     "target_pga": Range(0.6, 2.0 * G, _GROUND, "0.6 m/s2 (0.06 g) harms hardly any masonry, and few records exceed 2 g", ("*.target_pga",)),
     "pulse": Range(0.3, 50.0 * G, _GROUND, "0.3 m/s2 (0.03 g) harms no masonry, blows beyond 50 g are rare", ("loads.acceleration",)),
     "sine": Range(0.05, 2.0 * G, _SPEED, "2 pi frequency times it, its PGA, is usually 0.005 to 2 g"),

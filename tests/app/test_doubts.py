@@ -87,6 +87,8 @@ CASES = [
     ('structure={kind="bridge", fill={friction_angle=0.6}}', "structure.fill.friction_angle = 0.6 degrees: ", '"0.6 rad"'),
     ('structure={kind="bridge", cover=500}', "structure.cover = 500 m: ", '"500 mm"'),
     ("structure.floors=[{height=3.0, mass=300, anchors={spacing=1800}}]", "structure.floors[0].anchors.spacing = 1800 m: ", '"1800 mm"'),
+    ('limit.check={spectrum="NTC", tc_star=300}', "limit.check.tc_star = 300 s: ", 'if ms is meant: "300 ms"'),
+    ("structure.ties=[{along='x', height=1.0, area=314}]", "structure.ties[0].area = 314 m2: ", '"314 cm2"; if mm2 is meant: "314 mm2"'),
     ("material.density=1.9 kg/m3", "material.density = 1.9 kg/m3: ", 'if t/m3 is meant: "1.9 t/m3"'),  # a text with a unit is judged alike
 ]  # fmt: skip
 
@@ -215,7 +217,7 @@ def test_units_that_are_suggested_have_the_size_that_the_reader_gives_them() -> 
     """Those of a range are of one dimension, that of its keys."""
     of = {"g": "m/s2", "cm/s2": "m/s2", "cm/s": "m/s", "mm/s": "m/s", "km/h": "m/s", "mm": "m", "cm": "m", "kN": "N", "MN": "N"}
     of |= {"t/m3": "kg/m3", "t/m2": "kg/m2", "MPa": "Pa", "GPa": "Pa", "kPa": "Pa", "cm2": "m2", "mm2": "m2"}
-    of |= {"N/mm3": "N/m3", "MN/m3": "N/m3", "rad": "degrees"}
+    of |= {"N/mm3": "N/m3", "MN/m3": "N/m3", "rad": "degrees", "ms": "s"}
     for name, usual in RANGES.items():
         for unit, size in usual.others:
             if unit in of:
