@@ -21,7 +21,7 @@ from structures.building import columns, junctions, leaves, openings, roofs, vau
 from structures.building.added_walls import added
 from structures.building.axes import SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
-from structures.building.footprints import Plan, order
+from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay
 from structures.building.slivers import Stone, joined
@@ -104,7 +104,7 @@ def prepared(table: BuildingTable, faults: list[str]) -> Walls | None:
         return None
     size.within(_estimate(legs, table), "block_length")
     plan = Plan(legs, junctions.find(legs, table, faults))
-    frames = openings.frames(legs, table, faults)
+    frames = openings.frames(plan, table, faults)
     layings = _layings(legs, table, frames)
     _check_courses(plan, layings, faults)
     if not faults:
@@ -137,7 +137,7 @@ def _layings(legs: Sequence[Leg], table: BuildingTable, frames: dict[tuple[int, 
 
 
 def _check_courses(plan: Plan, layings: Sequence[Laying], faults: list[str]) -> None:
-    """Walls that are bonded share their courses, and somebody fills each junction."""
+    """Walls that are bonded share their courses."""
     for junction in plan.junctions:
         for pair in junction.pairs:
             a, b = (arm.leg for arm in pair.arms)
@@ -147,13 +147,6 @@ def _check_courses(plan: Plan, layings: Sequence[Laying], faults: list[str]) -> 
                     f"{layings[a].course:g} and {layings[b].course:g} m do not interlock; give both one course_height, or a junction with "
                     'bond = "butt"'
                 )
-        levels = layings[junction.legs[0]].beds
-        for course in range(len(levels) - 1):
-            try:
-                order(plan, junction, course, float(levels[course]), float(levels[course + 1]))
-            except ValueError as fault:
-                faults.append(str(fault))
-                break
 
 
 def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -> None:

@@ -4,7 +4,7 @@ walls before it in the order of the course fill.
 
 Interlocked walls take turns: of two, one is first in even courses and the other in odd ones; of more, each in its turn. At a butt joint one
 is always first, and of a share of interlocked courses the other one in half as many. A wall that does not stand as high as the course, or
-that slopes within it there, is never first.
+that slopes within it there, is never first; of two such walls each fills what of the junction lies under its own top, where that is higher.
 """
 
 from __future__ import annotations
@@ -12,18 +12,33 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+import shapely
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from masonry_cd.mechanics.model.polygon import clip
-from structures.building.axes import SAME, Leg, place
+from structures.building.axes import SAME, Facet, Leg
 from structures.building.junctions import Arm, Junction, Pair
 from structures.building.widths import NARROW, without_tails
-from structures.geometry.polygons import without_straight
+from structures.geometry import polygons
 
 LEAST_AREA = 1e-10  # what is smaller in plan is rounding [m2]
+LEVEL = 1e-7  # tops that differ by less are as high [m]
+FAR = 1e4  # beyond any strip [m]
+
+
+Rival = tuple[int, bool]  # another leg that does not stand all the way up, and whether it comes first where both are as high
+
+
+class Turns(NamedTuple):
+    """The legs of a junction in a course, in their order."""
+
+    whole: list[int]  # that stand all the way up: the first fills it
+    part: list[int]  # that do not: of the rest each fills what it is the highest over
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +48,8 @@ class Plan:
     legs: Sequence[Leg]
     junctions: Sequence[Junction]
     shapes: dict[tuple[int, int], Polygon] = field(default_factory=dict)  # of leg and facet, drawn out to far faces; s, n [m]
-    areas: dict[tuple[int, int, frozenset[int]], list[Polygon]] = field(default_factory=dict)  # what other legs leave of it
-    orders: dict[tuple[Junction, int, float, float], list[int]] = field(default_factory=dict)  # by junction, course and heights
+    areas: dict[tuple[int, int, frozenset[int], frozenset[Rival]], list[Polygon]] = field(default_factory=dict)  # what others leave of it
+    orders: dict[tuple[Junction, int, float, float], Turns] = field(default_factory=dict)  # by junction, course and heights
 
     def shape(self, leg: int, facet: int) -> Polygon:
         """What a facet would fill in plan if it came first everywhere; s, n [m]."""
@@ -55,17 +70,20 @@ class Plan:
 
     def owned(self, leg: int, facet: int, course: int, low: float, high: float) -> list[Polygon]:
         """What a facet fills in plan in a course between two heights; s, n [m]."""
-        before = frozenset(
-            other
-            for junction in {id(j): j for j, *_ in self.arms(leg, facet)}.values()
-            for other in _before(self.order(junction, course, low, high), leg)
-        )
-        key = leg, facet, before
+        before, rivals = set[int](), set[Rival]()
+        for junction in {id(j): j for j, *_ in self.arms(leg, facet)}.values():
+            turns = self.order(junction, course, low, high)
+            before |= {*turns.whole[: turns.whole.index(leg)]} if leg in turns.whole else {*turns.whole}
+            rivals |= {
+                (other, turns.part.index(other) < turns.part.index(leg)) for other in turns.part if leg in turns.part and other != leg
+            }
+            before |= {*turns.part} if leg not in turns.whole and leg not in turns.part else set()
+        key = leg, facet, frozenset(before), frozenset(rivals)
         if key not in self.areas:
-            self.areas[key] = _left_of(self, leg, facet, before)
+            self.areas[key] = _left_of(self, *key)
         return self.areas[key]
 
-    def order(self, junction: Junction, course: int, low: float, high: float) -> list[int]:
+    def order(self, junction: Junction, course: int, low: float, high: float) -> Turns:
         """See :func:`order`."""
         key = junction, course, low, high
         if key not in self.orders:
@@ -75,7 +93,8 @@ class Plan:
     def first_at(self, leg: int, facet: int, course: int, low: float, high: float) -> Iterator[Arm]:
         """The arms of a facet at which it lies over another wall in a course between two heights, and interlocks with it."""
         for junction, pair, own, other in self.arms(leg, facet):
-            legs = self.order(junction, course, low, high)
+            turns = self.order(junction, course, low, high)
+            legs = [*turns.whole, *turns.part]
             if pair.bond != "butt" and leg in legs and other.leg in legs and legs.index(leg) < legs.index(other.leg):
                 yield own
 
@@ -91,26 +110,13 @@ def stands(plan: Plan, arm: Arm, low: float, high: float) -> float:
     return max(0.0, least) / (high - low) if least < high - low - SAME else 1.0
 
 
-def order(plan: Plan, junction: Junction, course: int, low: float, high: float) -> list[int]:
-    """The legs that stand at a junction in a course, the first of them fills it.
-
-    Raises:
-        ValueError: no leg fills it, and two do so in part.
-    """
+def order(plan: Plan, junction: Junction, course: int, low: float, high: float) -> Turns:
+    """The legs that stand at a junction in a course, those that do so all the way up first."""
     arms = {arm.leg: arm for pair in junction.pairs for arm in pair.arms}
     share = {leg: stands(plan, arm, low, high) for leg, arm in arms.items()}
     standing = [leg for leg in junction.legs if share[leg] > 0.0 or _grazes(plan, arms[leg], low, high)]
-    whole = [leg for leg in standing if share[leg] == 1.0]
-    part = [leg for leg in standing if share[leg] < 1.0]
-    if not whole and len(part) > 1:
-        if len({round(share[leg], 6) for leg in part}) > 1 or share[part[0]] == 0.0:
-            names = " and ".join(plan.legs[leg].keys.name for leg in part)
-            raise ValueError(
-                f"walls {names}: both tops slope or step within their junction at {place(junction.point)}, z = {low:.4g} to {high:.4g} m; "
-                "let one of them be level there"
-            )
-        whole, part = part, []
-    return [*_in_turn(junction, whole, course), *part]
+    whole, part = ([leg for leg in standing if (share[leg] == 1.0) == up] for up in (True, False))
+    return Turns(_in_turn(junction, whole, course), _in_turn(junction, part, course))
 
 
 def _grazes(plan: Plan, arm: Arm, low: float, high: float) -> bool:
@@ -139,10 +145,6 @@ def _first_of(pair: Pair, course: int) -> int:
     return 1 - pair.through if other else pair.through
 
 
-def _before(legs: Sequence[int], leg: int) -> Sequence[int]:
-    return legs[: legs.index(leg)] if leg in legs else legs
-
-
 def _drawn_out(plan: Plan, number: int, f: int) -> Polygon:
     """The strip of a facet, at junctions where it ends up to the far face of each wall there."""
     leg = plan.legs[number]
@@ -164,25 +166,62 @@ def _drawn_out(plan: Plan, number: int, f: int) -> Polygon:
     return Polygon(corners)
 
 
-def _left_of(plan: Plan, number: int, f: int, before: frozenset[int]) -> list[Polygon]:
-    """What of a facet the legs before it leave; what of that is narrow is for itself."""
-    facet, shape = plan.legs[number].facets[f], plan.shape(number, f)
-    left: BaseGeometry = shape
+def _left_of(plan: Plan, number: int, f: int, before: frozenset[int], rivals: frozenset[Rival]) -> list[Polygon]:
+    """What of a facet the legs before it leave, and its rivals where they are higher; what of that is narrow is for itself."""
+    left: BaseGeometry = plan.shape(number, f)
     for other in sorted(before):
-        for g in sorted({arm.facet for j in plan.junctions for p in j.pairs for arm in p.arms if arm.leg == other and number in j.legs}):
-            across = plan.legs[other].facets[g]
-            ring = np.array(plan.shape(other, g).exterior.coords)[:-1]
-            left = left.difference(Polygon(_on_faces(facet.local(across.place(ring)), 0.5 * plan.legs[number].thickness)))
+        for g in _met(plan, number, other):
+            left = left.difference(_seen_from(plan, (number, f), (other, g)))
+    for other, first in sorted(rivals):
+        for g in _met(plan, number, other):
+            left = left.difference(_higher(plan, (number, f), (other, g), first))
     parts = getattr(left, "geoms", [left])  # polygons, and lines where two only touch
     thickness = plan.legs[number].thickness
-    whole = [part for part in parts if isinstance(part, Polygon) and part.area > LEAST_AREA]
-    cut = [piece for part in whole for piece in (without_tails(part, NARROW * thickness) if before else [part])]
+    whole = [half for part in parts if isinstance(part, Polygon) and part.area > LEAST_AREA for half in polygons.without_holes(part)]
+    cut = [piece for part in whole for piece in (without_tails(part, NARROW * thickness) if before or rivals else [part])]
     return [_snapped(piece, 0.5 * thickness) for piece in cut]
+
+
+def _met(plan: Plan, number: int, other: int) -> list[int]:
+    """The facets of another leg that meet one."""
+    return sorted({arm.facet for j in plan.junctions if number in j.legs for p in j.pairs for arm in p.arms if arm.leg == other})
+
+
+def _seen_from(plan: Plan, own: tuple[int, int], other: tuple[int, int]) -> Polygon:
+    """The footprint of a facet in the coordinates s, n of another."""
+    facet, across = (plan.legs[leg].facets[f] for leg, f in (own, other))
+    ring = np.array(plan.shape(*other).exterior.coords)[:-1]
+    return Polygon(_on_faces(facet.local(across.place(ring)), 0.5 * plan.legs[own[0]].thickness))
+
+
+def _higher(plan: Plan, own: tuple[int, int], other: tuple[int, int], first: bool) -> BaseGeometry:
+    """Where another facet is higher than one, s, n of this; where both are as high, all or nothing of it."""
+    (leg, facet), (rival, across) = ((plan.legs[k], plan.legs[k].facets[f]) for k, f in (own, other))
+    shared = plan.shape(*own).intersection(_seen_from(plan, own, other))
+    found = []
+    for (a, low), (b, high) in _slopes(leg, facet, plan.shape(*own)):
+        for (c, lower), (d, upper) in _slopes(rival, across, plan.shape(*other)):
+            strip = Polygon(facet.local(across.place(np.array([(c, -FAR), (d, -FAR), (d, FAR), (c, FAR)]))))
+            for cell in polygons.polygons(shared.intersection(polygons.box(a, b)).intersection(strip), LEAST_AREA):
+                ring = polygons.loop(cell)
+                there = across.local(facet.place(ring))[:, 0]
+                above = lower + (upper - lower) * (there - c) / (d - c) - low - (high - low) * (ring[:, 0] - a) / (b - a)
+                if np.abs(above).max() < LEVEL:
+                    found += [cell] if first else []
+                elif len(corners := clip(ring, above, SAME)) > 2:
+                    found.append(Polygon(corners))
+    return shapely.union_all([cell for cell in found if cell.area > LEAST_AREA])
+
+
+def _slopes(leg: Leg, facet: Facet, shape: Polygon) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """The straight pieces s, z of the top over a footprint, without its steps."""
+    left, _, right, _ = shape.bounds
+    return [(a, b) for a, b in pairwise(leg.tops_between(facet, left, right)) if b[0] - a[0] > SAME]
 
 
 def _snapped(shape: Polygon, half: float) -> Polygon:
     """A polygon whose corners on the faces of its wall lie in them to the bit, without corners in the middle of a side."""
-    return Polygon(without_straight(_on_faces(np.array(shape.exterior.coords)[:-1], half)))
+    return Polygon(polygons.without_straight(_on_faces(np.array(shape.exterior.coords)[:-1], half)))
 
 
 def _on_faces(ring: np.ndarray, half: float) -> np.ndarray:

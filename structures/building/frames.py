@@ -28,6 +28,9 @@ LEAST_MEASURE = 1e-2  # of a width or a ring [m]
 SLENDER = 0.6  # width of a voussoir on the intrados, in thicknesses of the ring
 MOST_VOUSSOIRS = 199
 LEAST_ROUND = 7  # voussoirs of a half circle
+LEAST_BEARING = 0.1  # of a lintel that has less masonry beside it than it should [m]
+LEAST_RING = 0.12  # of an arch that has less masonry around it than it should, in widths
+LEAST_LINTEL = 0.15  # and the height of such a lintel
 SKEW = math.radians(20.0)  # of the skewbacks of a flat arch from the upright
 
 
@@ -60,6 +63,8 @@ class Around:
     course: float
     unit: float
     thickness: float
+    beside: float = math.inf  # masonry beside the hole, on the side that has less of it
+    top: float = math.inf  # z of the lowest part of the top over the hole
 
 
 def frame_of(keys: WallOpeningTable, name: str, around: Around) -> Frame:
@@ -123,11 +128,13 @@ def _with_defaults(keys: WallOpeningTable, around: Around) -> WallOpeningTable:
         new["height"] = keys.height or max(new["height"], new["rise"])
         if new["height"] < new["rise"] * (1.0 - 1e-9):
             raise ValueError(f"its height must be at least the rise of its head, {new['rise']:.4g} m, got {new['height']:g}")
+    above = around.top - around.base - keys.sill - new["height"]
     if arched or shape == "rose":
-        new["ring"] = keys.ring or natural_ring(width, around.course)
+        space = min(around.beside, above, keys.sill if shape == "rose" else math.inf)
+        new["ring"] = keys.ring or _fitted(natural_ring(width, around.course), space, LEAST_RING * width)
     elif keys.ring is None:
-        new["lintel"] = keys.lintel or around.course
-        new["bearing"] = keys.bearing or natural_bearing(width, around.unit)
+        new["lintel"] = keys.lintel or _fitted(around.course, above, LEAST_LINTEL * width)
+        new["bearing"] = keys.bearing or _fitted(natural_bearing(width, around.unit), around.beside, LEAST_BEARING)
     if shape == "niche":
         new["depth"] = keys.depth or around.thickness / 3.0
         if new["depth"] > 0.8 * around.thickness:
@@ -137,6 +144,11 @@ def _with_defaults(keys: WallOpeningTable, around: Around) -> WallOpeningTable:
         if value is not None and value < LEAST_MEASURE:
             raise ValueError(f"its {key} must be at least {LEAST_MEASURE:g} m, got {value:g}")
     return keys.model_copy(update=new)
+
+
+def _fitted(natural: float, space: float, least: float) -> float:
+    """A measure of a head by default: less where there is not as much masonry, unless that is too little for any [m]."""
+    return space if least <= space < natural else natural
 
 
 def _straight(keys: WallOpeningTable, name: str, box: np.ndarray) -> Frame:

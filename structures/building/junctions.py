@@ -188,7 +188,7 @@ def _bonds(legs: Sequence[Leg], pairs: Sequence[Pair], table: BuildingTable, fau
         whole = 1 if pair.arms[0].end and not pair.arms[1].end else 0  # of a T, the one that goes on
         found.append((given[key][0], int(key != (a, b))) if key else (table.junction, whole))
     for names, (_, where) in given.items():
-        if names not in used:
+        if names not in used and not any(fault.startswith(f"walls {a} and {b}") for a, b in (names, names[::-1]) for fault in faults):
             faults.append(f"{where}: walls {names[0]} and {names[1]} do not meet")
     return found
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from types import MappingProxyType
@@ -15,7 +16,7 @@ from structures.building.beds import course_range
 from structures.building.footprints import Plan
 from structures.building.frames import Around, Frame, frame_of
 from structures.building.panels import Laying
-from structures.building.table import BuildingTable
+from structures.building.table import BuildingTable, WallOpeningTable
 from structures.building.widths import fat_pieces
 from structures.geometry import polygons
 
@@ -23,10 +24,9 @@ LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction 
 Frames = dict[tuple[int, int], list[Frame]]
 
 
-def frames(
-    legs: Sequence[Leg], table: BuildingTable, faults: list[str], names: Mapping[tuple[int, int], str] = MappingProxyType({})
-) -> Frames:
+def frames(plan: Plan, table: BuildingTable, faults: list[str], names: Mapping[tuple[int, int], str] = MappingProxyType({})) -> Frames:
     """The frames of all openings by leg and facet; one beyond its wall is a fault. Faults give them names, by wall and opening."""
+    legs = plan.legs
     found: Frames = {}
     for number, wall in enumerate(table.walls):
         for i, keys in enumerate(wall.openings):
@@ -39,13 +39,36 @@ def frames(
             leg, f = legs[there[0]], there[1]
             around = Around(
                 leg.facets[f].s_of(keys.at), leg.base, wall.course_height or table.course_height, wall.block_length or table.block_length,
-                wall.thickness,
+                wall.thickness, *_masonry(plan, there, keys),
             )  # fmt: skip
             try:
                 found.setdefault(there, []).append(frame_of(keys, name, around))
             except ValueError as fault:
                 faults.append(f"{name}: {fault}")
     return found
+
+
+def _masonry(plan: Plan, there: tuple[int, int], keys: WallOpeningTable) -> tuple[float, float]:
+    """Masonry beside a hole, on the side that has less of it, and z of the lowest part of the top over it [m]."""
+    leg, facet = plan.legs[there[0]], plan.legs[there[0]].facets[there[1]]
+    s, half = facet.s_of(keys.at), 0.5 * keys.width
+    bends = [0.5 * leg.thickness * abs(cut) for cut in facet.cuts]
+    taken = [(-math.inf, bends[0]), (facet.length - bends[1], math.inf)]
+    taken += [
+        (arm.low, arm.high) for _, _, arm, other in plan.arms(*there) if max(z for _, z in plan.legs[other.leg].tops) > leg.base + keys.sill
+    ]
+    holes = [(o, facet.s_of(o.at)) for o in leg.keys.openings if o is not keys and _heights_meet(o, keys)]
+    spaces = [max(low - s, s - high) - half - LEAST_JAMB for low, high in taken]
+    spaces += [0.5 * (abs(at - s) - half - 0.5 * o.width) - SAME for o, at in holes]
+    left, right = max(0.0, s - half), min(facet.length, s + half)
+    top = min(z for _, z in leg.tops_between(facet, left, right)) if left < right else math.inf
+    return min(spaces), top
+
+
+def _heights_meet(one: WallOpeningTable, other: WallOpeningTable) -> bool:
+    """Whether two openings of a wall may have masonry in common beside them: one does not begin well above the other."""
+    top = [o.sill + (o.height or 2.0 * o.width) + 0.5 * o.width for o in (one, other)]
+    return one.sill < top[1] and other.sill < top[0]
 
 
 def _facet_at(legs: Sequence[Leg], wall: int, at: float) -> tuple[int, int] | None:

@@ -265,14 +265,7 @@ def _touches(area: Polygon, facet: Facet, end: int) -> bool:
 
 def _cut(region: Polygon, low: float, high: float) -> list[Polygon]:
     """What of a region lies between two head joints; around a hole in two halves."""
-    found = []
-    for part in polygons.polygons(region.intersection(polygons.box(low, high))):
-        if not part.interiors:
-            found.append(part)
-            continue
-        middle = float(np.mean([polygons.loop(Polygon(ring))[:, 0].mean() for ring in part.interiors]))
-        found += _cut(part, low, middle) + _cut(part, middle, high)
-    return found
+    return [whole for part in polygons.polygons(region.intersection(polygons.box(low, high))) for whole in polygons.without_holes(part)]
 
 
 def _without_slivers(pieces: Sequence[Piece], laying: Laying) -> list[Piece]:

@@ -87,7 +87,9 @@ def frames_of(walls: Sequence[Wall], sizes: Sizes, faults: list[str]) -> opening
     """The frames of all openings by wall and facet, which is 0; faults name the keys that draw them."""
     table = _table(walls, sizes)
     legs = [leg for k, keys in enumerate(table.walls) for leg in legs_of(k, keys)]
-    return openings.frames(legs, table, faults, {(k, i): o.key for k, wall in enumerate(walls) for i, o in enumerate(wall.openings)})
+    return openings.frames(
+        Plan(legs, []), table, faults, {(k, i): o.key for k, wall in enumerate(walls) for i, o in enumerate(wall.openings)}
+    )
 
 
 def _table(walls: Sequence[Wall], sizes: Sizes) -> BuildingTable:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -20,7 +21,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 from structures.building.axes import SAME, Facet
 from structures.building.panels import Piece
-from structures.building.widths import fat_pieces
+from structures.building.widths import NARROW, fat_pieces
 from structures.geometry import polygons
 from structures.geometry.compound_block import compound_block
 from structures.geometry.convex import halves
@@ -40,10 +41,9 @@ def parts_of(piece: Piece, facet: Facet, thickness: float) -> list[Part]:
         return [across(polygon, facet, (-half, half)) for polygon in fat_pieces(piece.shape)]
     found: list[Part] = []
     level = polygons.is_rectangle(piece.shape)
-    stretches = [(left, right)] if level else [(left, min(a, right)), (max(left, a), min(right, b)), (max(left, b), right)]
-    for low, high in stretches:
-        if high - low < SAME:
-            continue
+    narrow = NARROW * thickness  # an end that is cut less obliquely is not for itself
+    inner = [s for s, end in ((a, a - left), (b, right - b)) if end > narrow and left < s < right and not level]
+    for low, high in pairwise([left, *inner, right]):
         for shape in [piece.shape] if level else polygons.polygons(piece.shape.intersection(polygons.box(low, high))):
             if low >= a - SAME and high <= b + SAME:
                 found += [across(polygon, facet, (-half, half)) for polygon in fat_pieces(shape)]

@@ -9,11 +9,18 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from masonry_cd.foundation.units import Unit
 from structures.plans.keys import PlanKeys
 from structures.schema import ArealMass, Density, Height, Length, Place, Table
+
+
+def _printable(name: str) -> str:
+    if not name.isprintable():
+        raise ValueError("should have no control characters")
+    return name
+
 
 FARTHEST = 1e5  # of a point of a plan from its origin [m]
 Coordinate = Annotated[Place, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -23,7 +30,7 @@ Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Bond = Literal["regular", "irregular", "rubble"]
 JunctionBond = Literal["bonded", "butt"] | Fraction
 OpeningShape = Literal["rectangular", "round", "segmental", "pointed", "rose", "niche"]
-Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^.\s*]+$")]
+Name = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^.\s*]+$"), AfterValidator(_printable)]
 Angle = Annotated[float, Unit("degrees"), Field(allow_inf_nan=False)]
 
 

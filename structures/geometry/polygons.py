@@ -33,6 +33,16 @@ def _plain(shape: Polygon) -> Polygon:
     return Polygon(loop(shape), [without_straight(np.array(ring.coords)[:-1]) for ring in shape.interiors])
 
 
+def without_holes(shape: Polygon) -> list[Polygon]:
+    """A polygon, or its halves beside an upright line through its holes."""
+    if not shape.interiors:
+        return [shape]
+    left, _, right, _ = shape.bounds
+    middle = float(np.mean([loop(Polygon(ring))[:, 0].mean() for ring in shape.interiors]))
+    halves = [part for a, b in ((left, middle), (middle, right)) for part in polygons(shape.intersection(box(a, b)))]
+    return [whole for half in halves for whole in without_holes(half)]
+
+
 def loop(shape: Polygon) -> np.ndarray:
     """The corners (n, 2) of a polygon, counter-clockwise."""
     ring = without_straight(np.array(shape.exterior.coords)[:-1])

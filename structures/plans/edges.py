@@ -220,7 +220,10 @@ def polygon(ring: Sequence[Edge]) -> Any:
     if len(corners) < 3:
         return shapely.Polygon()
     shape = shapely.Polygon(corners)
-    return shape if shape.is_valid else shapely.make_valid(shape)
+    if shape.is_valid:
+        return shape
+    parts = shapely.get_parts(shapely.get_parts(shapely.make_valid(shape)))  # lines, too, where a ring runs to and fro
+    return shapely.union_all([part for part in parts if part.geom_type == "Polygon"])
 
 
 def _even_odd(rings: list[list[Edge]]) -> tuple[Any, list[list[Edge]], list[str]]:

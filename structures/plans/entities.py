@@ -62,5 +62,12 @@ def from_pieces(pieces: Iterable[Piece]) -> list[Entity]:
         handle, owner, drawn_as, text = piece.name.split("\n", 3)
         if not (0 <= piece.number < len(KINDS) and np.isfinite(piece.vertices).all() and np.isfinite(piece.density)):
             raise ValueError(f"{drawn_as} {handle} on layer {piece.group} has places that are no numbers")
-        found.append(Entity(KINDS[piece.number], handle, drawn_as, piece.group, piece.vertices, text, piece.fixed, piece.density, owner))
+        handle, owner, drawn_as, layer = (_plain(words) for words in (handle, owner, drawn_as, piece.group))
+        text = "\n".join(map(_plain, text.split("\n")))
+        found.append(Entity(KINDS[piece.number], handle, drawn_as, layer, piece.vertices, text, piece.fixed, piece.density, owner))
     return found
+
+
+def _plain(words: str) -> str:
+    """Words of a drawing, which are shown as they are, without control characters."""
+    return "".join(c if c.isprintable() else "?" for c in words)

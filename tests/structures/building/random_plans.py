@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plans by chance: rooms out of square with walls within, curved ones, crossings, openings that may lie anywhere, gables and steps."""
+"""Plans by chance: rooms out of square with walls within, curved ones, crossings, gables and steps.
+
+Openings lie where a person would draw them, clear of other walls, of each other and of the top; in one plan of eight they lie anywhere.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import shapely
 from plans import wall
+from shapely.geometry import LineString, Point
 
+CLEAR = 0.25  # masonry between an opening and another wall or opening [m]
 SHAPES = ("rectangular", "round", "segmental", "pointed", "rose", "niche")
 
 
@@ -34,6 +42,9 @@ def plan(seed: int) -> dict[str, Any]:
     if kind == "through":
         beyond = [end + sign * 1.2 * (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0])) for end, sign in zip(ends, (-1, 1), strict=True)]
         walls.append(_wall(random, "through", [end.tolist() for end in beyond]))
+    if random.random() > 0.125:
+        for one in walls:
+            one["openings"] = list(_placed(random, one, [other for other in walls if other is not one]))
     bond = random.choice(["regular", "irregular", "rubble"])
     junction: Any = random.choice(["bonded", "butt", "half"])
     keys = {"walls": walls, "course_height": course, "block_length": float(random.choice([0.5, 0.8, 1.2])), "seed": seed, "bond": str(bond)}
@@ -57,3 +68,49 @@ def _wall(random: np.random.Generator, name: str, axis: list[Any]) -> dict[str, 
         opening: dict[str, Any] = {"shape": str(random.choice(SHAPES)), "at": at, "width": width, "sill": sill}
         openings.append(opening if opening["shape"] == "rose" else opening | {"height": round(float(random.uniform(0.8, 1.4)), 2)})
     return wall(name, axis, thickness, height, openings=openings, **keys)
+
+
+def _placed(random: np.random.Generator, one: dict[str, Any], others: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """The openings of a wall that have a place where they can be, put there."""
+    taken = _taken(one, others)
+    for opening in one["openings"]:
+        half = 0.5 * opening["width"] + CLEAR
+        free = [(a + half, b - half) for (_, a), (b, _) in pairwise(sorted(taken)) if b - a > 2.0 * half]
+        if not free:
+            continue
+        low, high = free[int(random.integers(len(free)))]
+        at = round(float(random.uniform(low, high)), 3)
+        head = 0.4 * opening["width"]
+        sill = max(opening["sill"], head) if opening["shape"] == "rose" else opening["sill"]
+        height = min(opening.get("height", opening["width"]), _top_over(one, at, half) - head - sill)
+        if height < opening["width"] * (1.0 if opening["shape"] in ("rose", "pointed") else 0.7):
+            continue
+        taken.append((at - half, at + half))
+        yield opening | {"at": at, "sill": sill} | ({} if opening["shape"] == "rose" else {"height": round(height, 3)})
+
+
+def _taken(one: dict[str, Any], others: list[dict[str, Any]]) -> list[tuple[float, float]]:
+    """Where other walls, and ends, lie along a wall [m]; of a curved one all but the middle of its arc."""
+    if isinstance(one["axis"][1], dict):
+        arc = _line(one).length
+        return [(-1.0, 0.35 * arc), (0.6 * arc, arc)]
+    line, found = _line(one), []
+    for other in others:
+        shared = line.buffer(0.5 * one["thickness"]).intersection(_line(other).buffer(0.5 * other["thickness"] + 1e-3, cap_style="square"))
+        if not shared.is_empty:
+            places = [line.project(corner) for corner in map(Point, shapely.get_coordinates(shared))]
+            found.append((min(places) - CLEAR, max(places) + CLEAR))
+    return [*found, (-1.0, CLEAR), (line.length - CLEAR, line.length + 1.0)]
+
+
+def _line(one: dict[str, Any]) -> LineString:
+    start, end = one["axis"]
+    return LineString([start, end["through"], end["to"]] if isinstance(end, dict) else [start, end])
+
+
+def _top_over(one: dict[str, Any], at: float, half: float) -> float:
+    """Height of the lowest part of the top over an opening [m]."""
+    if "top" not in one:
+        return float(one["height"])
+    places, heights = zip(*one["top"], strict=True)
+    return float(min(np.interp(np.linspace(at - half, at + half, 9), places, heights)))

@@ -6,9 +6,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from drawings import Drawing
 
+from structures.files.foreign import Piece
+from structures.plans.entities import from_pieces
 from structures.plans.recognised import Recognised
 
 CORNERS = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0)]
@@ -81,3 +84,17 @@ def test_what_a_block_within_a_block_brings_is_read_and_not_listed(tmp_path: Pat
     (opening,) = [opening for wall in found.tables["walls"] for opening in wall.get("openings", ())]
     assert opening["width"] == pytest.approx(0.9)
     assert [left.layer for left in found.left] == ["DOORS"]
+
+
+def test_an_outline_that_runs_to_and_fro_has_no_part_in_the_ground(tmp_path: Path) -> None:
+    drawing = Drawing()
+    outlines(drawing)
+    drawing.outline([(8.0, 0.0), (10.0, 0.0), (10.0, 1.0), (9.0, 1.0), (9.0, 0.0), (9.0, 2.0), (9.0, 0.5), (8.0, 1.0)])
+    drawing.outline([(8.0, 0.0), (12.0, 0.0), (9.0, 0.0)])
+    assert len(drawing.plan(tmp_path).tables["walls"]) >= 4
+
+
+def test_control_characters_of_a_drawing_are_not_shown() -> None:
+    piece = Piece(3, "1A\n\nLI\0NE\nw\tords\nmore", np.zeros((1, 3)), (), "WA\x1bLLS", False, 0.0)
+    (entity,) = from_pieces([piece])
+    assert (entity.drawn_as, entity.layer, entity.text) == ("LI?NE", "WA?LLS", "w?ords\nmore")
