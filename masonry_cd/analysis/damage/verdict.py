@@ -102,7 +102,7 @@ def checks_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState 
     if summary.get("solver", {}).get("false_slip_max") is not None:
         found.append(_false_motion(summary, thresholds))
     if "balance_error" in summary.get("energy", {}):
-        found.append(_energy(summary["energy"]))
+        found.append(_energy(summary, thresholds))
     if "penetration_max" in summary:
         found.append(_overlap(summary, thresholds))
     if "time_step_remarks" in summary:
@@ -157,13 +157,15 @@ def _false_motion(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding
     )
 
 
-def _energy(energy: Mapping[str, Any]) -> Finding:
-    """Whether the energy adds up."""
+def _energy(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:
+    """Whether the energy adds up; what lifts a structure that moves by less than an open joint is wide changes no grade."""
+    energy, moved = summary["energy"], summary.get("displacement_max")
+    still = moved is not None and moved <= min(thresholds.opened, thresholds.slid)
     if energy.get("at_rest"):
         return Finding(ENERGY, GOOD, "no work was done to speak of")
     share = float("inf") if energy["balance_error"] is None else float(energy["balance_error"])
     lift = energy.get("lift_share") or 0.0
-    verdict = max(graded(share, BALANCE), graded(lift, LIFT), key=RANKS.index)
+    verdict = max(graded(share, BALANCE), GOOD if still else graded(lift, LIFT), key=RANKS.index)
     closes = f"the energy balance is open by {100 * share:.2g} % of the largest work" if share > NOTHING else "the energy balance closes"
     lifted = f", and taking overlaps away put in {100 * lift:.2g} %{'' if share > NOTHING else ' of the largest work'}"
     return Finding(ENERGY, verdict, closes + (lifted if lift > LIFT[0] else ""))

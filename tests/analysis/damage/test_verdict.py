@@ -64,6 +64,8 @@ def solver(**changes: Any) -> dict[str, Any]:
             "doubtful",
             "the energy balance closes, and taking overlaps away put in 5 % of the largest work",
         ),
+        ({"energy": {"balance_error": 1e-10, "lift_share": 0.25}, "displacement_max": 2e-6}, "good", ""),  # of a structure all but at rest
+        ({"energy": {"balance_error": 1e-10, "lift_share": 0.25}, "displacement_max": 0.02}, "doubtful", "put in 25 %"),
         ({"penetration_max": 5e-3, "penetration_where": "a and b at 1 s"}, "doubtful", "overlap by up to 5 mm, of a and b at 1 s"),
         ({"penetration_max": 1.5e-3, "displacement_max": 0.095}, "look", "overlap by up to 1.5 mm"),  # of a structure that is thrown about
         ({"penetration_max": 1.5e-3, "displacement_max": 0.02}, "doubtful", "overlap by up to 1.5 mm"),
