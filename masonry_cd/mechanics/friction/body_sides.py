@@ -1,116 +1,64 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The contacts of each body: what they give to it is added up in their order, whichever thread of a team does it.
+"""G p, the generalised impulses of the bodies: over bodies H^T p, where W alone is given see coupling.py.
 
-Looped over contacts, two threads would add to one body at once; looped over bodies, each has its own.
+Two threads may not add to one body at once. So each of a team passes over all contacts, and adds to bodies of its own: what a body gets is
+added up in the order of the contacts, whichever thread does it.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
-from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coupling import add_coupled, is_coupled
 from masonry_cd.mechanics.friction.joint_twists import out_of_frame
 from masonry_cd.mechanics.friction.operators import has_frames, unknowns_at
 
-BODY = 2  # what a body costs beside its contacts, in sides of contacts
-LATER = 2  # what a side costs for the blocks between its body and one that is eliminated later
-
-
-class BodySides(NamedTuple):
-    """The sides of the contacts that bodies have, of B bodies in order of elimination."""
-
-    start: np.ndarray  # (B + 1,) starts of the sides of each body
-    side: np.ndarray  # (S,) 2 c + s for side s of contact c, ascending for each body
-    cost: np.ndarray  # (B + 1,) what the bodies before each cost in a pass over their sides
-    matrix_cost: np.ndarray  # (B + 1,) in one that assembles their columns of M + H^T B H
-
-
-@entry()
-def sides_of_bodies(bodies, count):
-    """The sides of contacts (C, 2) on each of ``count`` bodies: starts (B + 1,), and 2 c + side, contact by contact.
-
-    Other numbers than 0 to B - 1 are supports.
-    """
-    start = np.zeros(count + 1, dtype=np.int64)
-    for c in range(len(bodies)):
-        for s in range(2):
-            if 0 <= bodies[c, s] < count:
-                start[bodies[c, s] + 1] += 1
-    for b in range(count):
-        start[b + 1] += start[b]
-    side, at = np.empty(start[count], dtype=np.int64), start[:-1].copy()
-    for c in range(len(bodies)):
-        for s in range(2):
-            b = bodies[c, s]
-            if 0 <= b < count:
-                side[at[b]] = 2 * c + s
-                at[b] += 1
-    return start, side
-
-
-@kernel()
-def weighed_sides(places, block, count):
-    """:class:`BodySides` of contacts with the ``places`` (C, 2) of their bodies, ``count`` for supports, their blocks (C,) or -1."""
-    start, side = sides_of_bodies(places, count)
-    later = np.zeros(count + 1, dtype=np.int64)
-    for c in range(len(places)):
-        if block[c] >= 0:
-            later[min(places[c, 0], places[c, 1]) + 1] += LATER
-    for b in range(count):
-        later[b + 1] += later[b]
-    cost = start + BODY * np.arange(count + 1)
-    return BodySides(start, side, cost, cost + later)
-
-
-@kernel(inline="always")
-def share_by_cost(team, cost):
-    """First and end of the thread's share of items before each of which so much is spent, see :class:`BodySides`."""
-    count = len(cost) - 1
-    first, end = 0, 0
-    for k in range(count):
-        first += 1 if cost[k] * team.size < cost[count] * team.rank else 0
-        end += 1 if cost[k] * team.size < cost[count] * (team.rank + 1) else 0
-    return first, end
-
 
 @borrower(fastmath={"contract"})
-def add_impulse_of_sides(problem, sides, p, begin, stop, out):
-    """out (B + 1, n) += G p of the bodies from begin to stop, for impulses p (C, m); each thread has its own when all have theirs."""
-    jacobian, m = problem.jacobian, len(problem.m)
+def add_impulse(problem, p, begin, stop, out):
+    """out (B or more, n) += G p of the bodies at the places from begin to stop, for impulses p (C, m)."""
     if is_coupled(problem):
         add_coupled(problem, p, begin, stop, out)
         return
-    for b in range(begin, stop):
-        if has_frames(problem):
-            add_wrench_of_sides(problem, sides, p, b, out)
-            continue
-        n = unknowns_at(problem, b, b)
-        for e in range(sides.start[b], sides.start[b + 1]):
-            c, s = sides.side[e] // 2, sides.side[e] % 2
-            for i in range(m):
-                x = p[c, i]
-                for k in range(n):
-                    out[b, k] += jacobian[c, s, i, k] * x
+    if has_frames(problem):
+        add_wrenches(problem, p, begin, stop, out)
+        return
+    for c in range(len(p)):
+        for side in range(2):
+            b = problem.places[c, side]
+            if begin <= b < stop:
+                for i in range(len(problem.m)):
+                    x = p[c, i]
+                    for k in range(unknowns_at(problem, b, b)):
+                        out[b, k] += problem.jacobian[c, side, i, k] * x
 
 
 @borrower(fastmath={"contract"})
-def add_wrench_of_sides(problem, sides, p, b, out):
-    """out (B + 1, 6) += H^T p of a rigid body in space, by the frames of its contacts."""
-    x, y, z, r0, r1, r2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for e in range(sides.start[b], sides.start[b + 1]):
-        c, s = sides.side[e] // 2, sides.side[e] % 2
-        f, sign, at = problem.frame[c], 1.0 - 2.0 * s, 9 + 3 * s
-        f0, f1, f2 = out_of_frame(f, sign * p[c, 0], sign * p[c, 1], sign * p[c, 2])
-        x, y, z = x + f0, y + f1, z + f2
-        r0 += f[at + 1] * f2 - f[at + 2] * f1
-        r1 += f[at + 2] * f0 - f[at] * f2
-        r2 += f[at] * f1 - f[at + 1] * f0
-    out[b, 0] += x
-    out[b, 1] += y
-    out[b, 2] += z
-    out[b, 3] += r0
-    out[b, 4] += r1
-    out[b, 5] += r2
+def add_wrenches(problem, p, begin, stop, out):
+    """:func:`add_impulse` of rigid bodies in space, by the frames of the contacts, those of a joint at once."""
+    c, places = 0, problem.places
+    while c < len(p):
+        a, b = places[c, 0], places[c, 1]
+        is_own, x, y, z, r0, r1, r2, s0, s1, s2 = begin <= a < stop or begin <= b < stop, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        while c < len(p) and places[c, 0] == a and places[c, 1] == b:
+            if is_own:
+                f = problem.frame[c]
+                f0, f1, f2 = out_of_frame(f, p[c, 0], p[c, 1], p[c, 2])
+                x, y, z = x + f0, y + f1, z + f2
+                r0, r1, r2 = r0 + f[10] * f2 - f[11] * f1, r1 + f[11] * f0 - f[9] * f2, r2 + f[9] * f1 - f[10] * f0
+                s0, s1, s2 = s0 + f[13] * f2 - f[14] * f1, s1 + f[14] * f0 - f[12] * f2, s2 + f[12] * f1 - f[13] * f0
+            c += 1
+        if begin <= a < stop:
+            add_wrench(out, a, 1.0, (x, y, z, r0, r1, r2))
+        if begin <= b < stop:
+            add_wrench(out, b, -1.0, (x, y, z, s0, s1, s2))
+
+
+@kernel(inline="always")
+def add_wrench(out, b, sign, wrench):
+    """out (B, 6) += sign times a wrench of six numbers, on body b."""
+    out[b, 0] += sign * wrench[0]
+    out[b, 1] += sign * wrench[1]
+    out[b, 2] += sign * wrench[2]
+    out[b, 3] += sign * wrench[3]
+    out[b, 4] += sign * wrench[4]
+    out[b, 5] += sign * wrench[5]

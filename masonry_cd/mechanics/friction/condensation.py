@@ -27,7 +27,6 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry
-from masonry_cd.mechanics.friction.body_sides import sides_of_bodies
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 from masonry_cd.mechanics.linalg.small_blocks import STEP, dot, room_for
@@ -79,6 +78,29 @@ def _identities(bodies: int, n: int) -> np.ndarray:
     out = np.zeros((bodies, n, n))
     out[:, np.arange(n), np.arange(n)] = 1.0
     return out
+
+
+@entry()
+def sides_of_bodies(bodies, count):
+    """The sides of contacts (C, 2) on each of ``count`` bodies: starts (B + 1,), and 2 c + side, contact by contact.
+
+    Other numbers than 0 to B - 1 are supports.
+    """
+    start = np.zeros(count + 1, dtype=np.int64)
+    for c in range(len(bodies)):
+        for s in range(2):
+            if 0 <= bodies[c, s] < count:
+                start[bodies[c, s] + 1] += 1
+    for b in range(count):
+        start[b + 1] += start[b]
+    side, at = np.empty(start[count], dtype=np.int64), start[:-1].copy()
+    for c in range(len(bodies)):
+        for s in range(2):
+            b = bodies[c, s]
+            if 0 <= b < count:
+                side[at[b]] = 2 * c + s
+                at[b] += 1
+    return start, side
 
 
 @entry()

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.jit import borrower, entry, kernel
-from masonry_cd.mechanics.friction.coupling import add_coupled, is_coupled
+from masonry_cd.foundation.jit import entry, kernel
+from masonry_cd.mechanics.friction.body_sides import add_impulse
 from masonry_cd.mechanics.friction.joint_twists import NUMBERS
 from masonry_cd.mechanics.friction.operators import (
     OrderedProblem,
@@ -22,7 +22,6 @@ from masonry_cd.mechanics.friction.operators import (
     measure_scales,
     squared_map_norm_of,
     squared_size_of,
-    unknowns_at,
     widths_in_order,
 )
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
@@ -86,29 +85,11 @@ def begin_terms(team, given, scaled, terms):
 def move_terms(team, problem, p, terms):
     """v = v_free + M^-1 G p of impulses p (C, m), by a team."""
     b0, b1 = share_of(team, 0, len(problem.free))
-    add_impulse_of_own(problem, p, b0, b1, terms.momentum)
+    terms.momentum[b0:b1] = 0.0
+    add_impulse(problem, p, b0, b1, terms.momentum)
     wait(team)
     body_velocity_of(problem, terms.momentum, b0, b1, terms.v)
     wait(team)
-
-
-@borrower(fastmath={"contract"})
-def add_impulse_of_own(problem, p, begin, stop, out):
-    """out = G p of the bodies from begin to stop; each adds up in the order of the contacts, whatever the others do."""
-    jacobian, m = problem.jacobian, len(problem.m)
-    out[begin:stop] = 0.0
-    if is_coupled(problem):
-        add_coupled(problem, p, begin, stop, out)
-        return
-    for c in range(len(p)):
-        for side in range(2):
-            b = problem.places[c, side]
-            if begin <= b < stop:
-                n = unknowns_at(problem, b, b)
-                for i in range(m):
-                    x = p[c, i]
-                    for k in range(n):
-                        out[b, k] += jacobian[c, side, i, k] * x
 
 
 @kernel()

@@ -41,82 +41,94 @@ def turn_blocks(problem, blocks, first, end, world):
 
 
 @kernel(fastmath={"contract"})
-def augment_blocks(problem, sides, blocks, world, symbolic, share, matrix):
-    """The columns of a share (first, end) of the :class:`BlockMatrix` of M + G B H, from the sides of the contacts of their bodies.
+def augment_blocks(problem, blocks, world, symbolic, share, matrix):
+    """The columns of a share (first, end) of the :class:`BlockMatrix` of M + G B H.
 
     B has one (m, m) block per contact, the first rows of ``blocks`` (C, m or more, m); ``world`` is what :func:`turn_blocks` made of them.
     A block off the diagonal is in the column of that of its bodies that is eliminated first.
     """
-    begin, stop = share
-    places, block, turned = problem.places, problem.block, np.empty((2, len(problem.m), len(problem.n)))
-    diagonal, lower, upper = matrix.diagonal, matrix.lower, matrix.upper
-    room = np.empty((4, len(problem.m) * longest_run(places), len(problem.n))) if is_wide(problem.n) else np.empty((0, 0, 0))
+    (begin, stop), places, c = share, problem.places, 0
+    room = np.empty((4, len(problem.m) * (longest_run(places) if is_wide(problem.n) else 1), len(problem.n)))
     for b in range(begin, stop):
-        load_mass(problem, b, diagonal)
-        lower[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
-        upper[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
-        e = sides.start[b]
-        while e < sides.start[b + 1] and not is_coupled(problem):
-            if is_wide(problem.n):
-                e = add_wide_joint(problem, sides, blocks, b, e, room, matrix)
-                continue
-            c, own = sides.side[e] >> 1, sides.side[e] & 1
-            k, beyond = block[c], places[c, 1 - own]
-            later, e = k >= 0 and b < beyond, e + 1
-            if has_frames(problem):
-                own_arm, other_arm = arm_of(problem.frame[c], own), arm_of(problem.frame[c], 1 - own)
-                lines = turn_lines(world[c], own_arm, False)
-                add_turned(lines, own_arm, 1.0, diagonal[b])
-                if later:
-                    add_turned(lines, other_arm, -1.0, lower[k])
-                    add_turned(turn_lines(world[c], own_arm, True), other_arm, -1.0, upper[k])
-                elif b == beyond:
-                    add_turned(turn_lines(world[c], other_arm, False), own_arm, -1.0, diagonal[b])
-                continue
-            one, other = problem.jacobian[c, own], problem.jacobian[c, 1 - own]
-            turn_rows(blocks[c], one, turned[0], problem.m, problem.n)
-            add_outer_product(one, turned[0], diagonal[b], problem.m, problem.n)
-            if b == beyond or later:
-                turn_rows(blocks[c], other, turned[1], problem.m, problem.n)
-            if b == beyond:  # each side adds its product with the other one
-                add_outer_product(one, turned[1], diagonal[b], problem.m, problem.n)
-            elif later:
-                add_outer_product(other, turned[0], lower[k], problem.m, problem.n)
-                add_outer_product(turned[1], one, upper[k], problem.m, problem.n)
+        load_mass(problem, b, matrix.diagonal)
+        matrix.lower[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
+        matrix.upper[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
     if is_coupled(problem):
         add_coupled_blocks(problem, blocks, symbolic, share, matrix)
+        return
+    while c < len(places):
+        a, b, k, first = places[c, 0], places[c, 1], problem.block[c], c
+        c += 1
+        while is_wide(problem.n) and c < len(places) and places[c, 0] == a and places[c, 1] == b:
+            c += 1
+        if not (begin <= a < stop or begin <= b < stop):
+            continue
+        if has_frames(problem):
+            add_rigid_contact(problem, world, first, share, matrix)
+            continue
+        rows = take_rows(problem, blocks, first, c, room)
+        for side in range(2):
+            body = b if side else a
+            if begin <= body < stop:
+                add_pair(problem, room, first, rows, side, side, 0, matrix.diagonal[body])
+                if a == b:  # each side adds its product with the other one
+                    add_pair(problem, room, first, rows, side, 1 - side, 0, matrix.diagonal[body])
+        early = 0 if a < b else 1
+        if k >= 0 and begin <= min(a, b) < stop:
+            add_pair(problem, room, first, rows, 1 - early, early, 0, matrix.lower[k])
+            add_pair(problem, room, first, rows, 1 - early, early, 1, matrix.upper[k])
 
 
 @borrower(fastmath={"contract"})
-def add_wide_joint(problem, sides, blocks, b, e, room, matrix):
-    """What a joint of body b adds where blocks are wide, from the e-th of the sides on; returns the end of its sides.
+def add_rigid_contact(problem, world, c, share, matrix):
+    """What contact c between rigid bodies in space adds to the columns of a share (first, end)."""
+    (begin, stop), places, k = share, problem.places, problem.block[c]
+    for side in range(2):
+        b, beyond, own, other = places[c, side], places[c, 1 - side], arm_of(problem.frame[c], side), arm_of(problem.frame[c], 1 - side)
+        if not begin <= b < stop:
+            continue
+        lines = turn_lines(world[c], own, False)
+        add_turned(lines, own, 1.0, matrix.diagonal[b])
+        if k >= 0 and b < beyond:
+            add_turned(lines, other, -1.0, matrix.lower[k])
+            add_turned(turn_lines(world[c], own, True), other, -1.0, matrix.upper[k])
+        elif b == beyond:  # each side adds its product with the other one
+            add_turned(turn_lines(world[c], other, False), own, -1.0, matrix.diagonal[b])
 
-    ``room`` (4, K m, n) is for the rows of the contacts, H on the side of b and on the other one, and B H likewise.
+
+@kernel(inline="always")
+def add_pair(problem, room, c, rows, one, other, turned, out):
+    """out += J^T B K of contact c, or of the joint that begins there, with the rows H of two sides, J of ``one`` and K of ``other``.
+
+    If ``turned`` it is J^T B^T K. ``room`` holds so many rows of :func:`take_rows`.
     """
-    first, own, m = sides.side[e] >> 1, sides.side[e] & 1, len(problem.m)
-    beyond, k, end = problem.places[first, 1 - own], problem.block[first], e
-    later, width, other = k >= 0 and b < beyond, width_of(problem, b), width_of(problem, beyond)
-    while end < sides.start[b + 1] and sides.side[end] == sides.side[e] + 2 * (end - e):
-        c, at = first + end - e, m * (end - e)
-        if problem.places[c, 1 - own] != beyond:
-            break
-        take_rows(blocks[c], problem.jacobian[c, own], at, width, room[0], room[2], problem.m)
-        if later or b == beyond:
-            take_rows(blocks[c], problem.jacobian[c, 1 - own], at, other, room[1], room[3], problem.m)
-        end += 1
-    rows = m * (end - e)
-    add_turned_product(room[0], room[2], rows, (width, width), matrix.diagonal[b])
-    if b == beyond:  # each side adds its product with the other one
-        add_turned_product(room[0], room[3], rows, (width, width), matrix.diagonal[b])
-    elif later:
-        add_turned_product(room[1], room[2], rows, (other, width), matrix.lower[k])
-        add_turned_product(room[3], room[0], rows, (other, width), matrix.upper[k])
-    return end
+    x, y = room[one + 2 * turned], room[other + 2 - 2 * turned]
+    if is_wide(problem.n):
+        size = width_of(problem, problem.places[c, one]), width_of(problem, problem.places[c, other])
+        add_turned_product(x, y, rows, size, out)
+    else:
+        add_outer_product(x, y, out, problem.m, problem.n)
+
+
+@borrower(fastmath={"contract"})
+def take_rows(problem, blocks, first, end, room):
+    """The rows H of the contacts first to end of a joint into ``room`` (4, K m, n): of both sides, and B H of both; how many they are."""
+    m = len(problem.m)
+    for c in range(first, end):
+        for side in range(2):
+            rows, at = problem.jacobian[c, side], m * (c - first)
+            for i in range(m):
+                for q in range(width_of(problem, problem.places[c, side])):
+                    total = 0.0
+                    for k in range(m):
+                        total += blocks[c, i, k] * rows[k, q]
+                    room[side, at + i, q], room[side + 2, at + i, q] = rows[i, q], total
+    return m * (end - first)
 
 
 @kernel(inline="always")
 def width_of(problem, b):
-    """Unknowns of the body at a place, where blocks are wide."""
+    """Unknowns of the body at a place."""
     return problem.width[b] if has_unit_masses(problem) else len(problem.n)
 
 
@@ -128,18 +140,6 @@ def longest_run(places):
         run = run + 1 if c > 0 and places[c, 0] == places[c - 1, 0] and places[c, 1] == places[c - 1, 1] else 1
         most = max(most, run)
     return most
-
-
-@borrower(fastmath={"contract"})
-def take_rows(block, rows, at, width, own, turned, size_m):
-    """The rows H of a contact (m, n) for a body, and B H, into two arrays from row ``at`` on."""
-    m = len(size_m)
-    for i in range(m):
-        for q in range(width):
-            total = 0.0
-            for k in range(m):
-                total += block[i, k] * rows[k, q]
-            own[at + i, q], turned[at + i, q] = rows[i, q], total
 
 
 @borrower()
@@ -186,15 +186,3 @@ def add_turned(lines, arm, sign, out):
     store_six(out, 3, 0, add_six_times(add_six_times(load_six(out, 3, 0), r1, z), -r2, y))
     store_six(out, 4, 0, add_six_times(add_six_times(load_six(out, 4, 0), r2, x), -r0, z))
     store_six(out, 5, 0, add_six_times(add_six_times(load_six(out, 5, 0), r0, y), -r1, x))
-
-
-@kernel(inline="always")
-def turn_rows(block, rows, out, size_m, size_n):
-    """out (m, n) = B H for the rows of H (m, n) of a body and the first rows of a block (m or more, m)."""
-    m, n = len(size_m), len(size_n)
-    for i in range(m):
-        for q in range(n):
-            total = 0.0
-            for k in range(m):
-                total += block[i, k] * rows[k, q]
-            out[i, q] = total

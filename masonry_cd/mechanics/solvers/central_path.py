@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.body_sides import add_impulse_of_sides
+from masonry_cd.mechanics.friction.body_sides import add_impulse
 from masonry_cd.mechanics.friction.coulomb_law import tangent_length
 from masonry_cd.mechanics.linalg.threads import take, wait
 from masonry_cd.mechanics.solvers.linearised import keep_better
@@ -239,28 +239,19 @@ def interior_direction(shares, problem, work, cones, linear, way):
 
     The factors are those of M + H^T B H with B the gains; ``room`` has H^T p - M (v - v_free).
     """
-    begin, stop = shares.rows
-    start_direction(shares, cones, linear, way)
+    (begin, stop), (first, end) = shares.rows, shares.contacts
+    way.w[first:end] = 0.0
+    change_contacts(shares, cones, linear, way)  # dp as long as the velocities do not change
     copy_share(shares.rows, work.room, way.v)
     wait(shares.team)
-    add_impulse_of_sides(problem, shares.sides, way.p, begin, stop, way.v)
+    add_impulse(problem, way.p, begin, stop, way.v)
     solve_by_first(shares, work.factor, way.v)
     contact_change(shares, problem, way.v, way.w)
-    finish_direction(shares, cones, linear, way)
+    change_contacts(shares, cones, linear, way)
 
 
 @borrower()
-def start_direction(shares, cones, linear, way):
-    """dp of a direction as long as the velocities do not change."""
-    first, end = shares.contacts
-    for c in range(first, end):
-        for i in range(len(cones.m)):
-            way.w[c, i] = linear.miss[c, i]
-        change_contact(linear, cones.mu[c], c, way, len(cones.m))
-
-
-@borrower()
-def finish_direction(shares, cones, linear, way):
+def change_contacts(shares, cones, linear, way):
     """dp, dgamma and dw of a direction from the change of the velocities of the contacts, which is in the place of dw."""
     first, end = shares.contacts
     for c in range(first, end):

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import Entry, entry, kernel
-from masonry_cd.mechanics.friction.body_sides import weighed_sides
 from masonry_cd.mechanics.friction.operators import (
     OrderedProblem,
     ProblemArrays,
@@ -84,19 +83,16 @@ class Begun(NamedTuple):
 
 @entry()
 def room_needed(problem: ProblemArrays, elimination: Elimination) -> int:
-    """Entries of the :class:`SharedRoom` of a team, for that of these methods that takes most."""
+    """Entries of the :class:`SharedRoom` of a team, enough for each of these methods."""
     room, shape, rows, contacts = room_of_own(), problem.offset.shape, (len(elimination.order) + 1, len(problem.n)), len(problem.mu)
     allocate_sums(room, contacts, len(elimination.order))
     allocate_problem(room, problem)
     allocate_work(room, elimination.symbolic, problem.n, rows, len(elimination.frame))
     allocate_answer(room, shape, rows)
-    common = room.used[0]
     allocate_interior(room, shape, rows)
-    interior, room.used[0] = room.used[0], common
     allocate_paths(room, shape, rows)
-    path, room.used[0] = room.used[0], common
     allocate_newton(room, shape, rows)
-    return max(interior, path, room.used[0])
+    return int(room.used[0])
 
 
 class Given(NamedTuple):
@@ -117,8 +113,7 @@ def begin(team, given):
     room, rows = SharedRoom(values, np.zeros(1, dtype=np.int64)), (len(elimination.order) + 1, len(problem.n))
     bodies = len(elimination.order)
     sums = allocate_sums(room, len(impulse), bodies)
-    sides = weighed_sides(elimination.places, elimination.block, bodies)  # by each thread for itself: a small part of an iteration
-    shares = shares_of(team, len(impulse), sides, sums)
+    shares = shares_of(team, len(impulse), bodies, sums)
     ordered = in_order(shares, room, problem, elimination)
     work = allocate_work(room, elimination.symbolic, problem.n, rows, len(elimination.frame))
     return Begun(room, shares, ordered, work, answer_of(shares, room, ordered, work.room, impulse))

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.mechanics.friction.body_sides import add_impulse
 from masonry_cd.mechanics.friction.coulomb_law import COUPLING, INVERSE_NN, NN, ROW, SCALE, SCHUR, C, P, Q, prepare_law
 from masonry_cd.mechanics.friction.coupling import is_coupled
 from masonry_cd.mechanics.friction.joint_twists import NUMBERS
-from masonry_cd.mechanics.friction.law_terms import add_impulse_of_own
 from masonry_cd.mechanics.friction.natural_map import error_of
 from masonry_cd.mechanics.friction.operators import OrderedProblem, squared_map_norm_of
 from masonry_cd.mechanics.linalg.small_blocks import cholesky_small
@@ -140,7 +140,8 @@ def law_of(law, c):
 @kernel()
 def collect(scaled, first, end):
     """y = G^T p of the bodies first to end, from scratch, which also clears the rounding of many sweeps."""
-    add_impulse_of_own(scaled.problem, impulses_of(scaled), first, end, scaled.y)
+    scaled.y[first:end] = 0.0
+    add_impulse(scaled.problem, impulses_of(scaled), first, end, scaled.y)
     if is_coupled(scaled.problem):
         for b in range(first, end):
             for i in range(scaled.y.shape[1]):

@@ -17,7 +17,7 @@ from masonry_cd.mechanics.friction.operators import OrderedProblem, has_unit_mas
 from masonry_cd.mechanics.linalg.threads import take, wait
 from masonry_cd.mechanics.solvers.linearised import STIFFEST, keep_better
 from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, map_norm, missing_momentum, solve_by_first
-from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, copy_share, sum_of_rows
+from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, copy_share, sum_of
 
 GOLDEN, TIGHT = 0.6180339887498949, 1e-8
 WON = 0.9  # of the error, at most, that is left by a problem that is not solved and counts all the same
@@ -202,7 +202,7 @@ def norm_of_momentum(shares, problem, momentum):
                 total += momentum[b, i] * problem.inverse[b, i, j] * momentum[b, j]
         shares.sums[turn, 0, b] = total
     wait(shares.team)
-    return np.sqrt(max(sum_of_rows(shares, len(problem.inverse)), 0.0))
+    return np.sqrt(max(sum_of(shares, 0, len(problem.inverse)), 0.0))
 
 
 @kernel()

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.body_sides import add_impulse_of_sides
+from masonry_cd.mechanics.friction.body_sides import add_impulse
 from masonry_cd.mechanics.friction.operators import (
     body_velocity_of,
     missing_momentum_of,
@@ -46,7 +46,7 @@ def missing_momentum(shares, problem, v, p, out):
     first, end = shares.rows
     wait(shares.team)
     missing_momentum_of(problem, v, first, end, out)
-    add_impulse_of_sides(problem, shares.sides, p, first, end, out)
+    add_impulse(problem, p, first, end, out)
 
 
 @borrower()
@@ -55,7 +55,7 @@ def body_velocity(shares, problem, p, room, v):
     first, end = shares.rows
     wait(shares.team)
     room[first:end] = 0.0
-    add_impulse_of_sides(problem, shares.sides, p, first, end, room)
+    add_impulse(problem, p, first, end, room)
     body_velocity_of(problem, room, first, end, v)
 
 
@@ -77,7 +77,7 @@ def factorise(shares, problem, work, blocks):
     """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
     turn_blocks(problem, blocks, shares.contacts[0], shares.contacts[1], work.world)
     wait(shares.team)
-    augment_blocks(problem, shares.sides, blocks, work.world, work.factor.symbolic, shares.columns, work.matrix)
+    augment_blocks(problem, blocks, work.world, work.factor.symbolic, shares.rows, work.matrix)
     wait(shares.team)
     return factorise_ldu_by_team(shares.team, work.matrix, work.factor, work.signs)
 

@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.body_sides import BodySides, share_by_cost
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, take, wait
 
@@ -27,9 +26,7 @@ class Shares(NamedTuple):
     team: ThreadTeam
     chunks: tuple[int, int]  # of the contacts
     contacts: tuple[int, int]
-    rows: tuple[int, int]  # of velocities
-    columns: tuple[int, int]  # of the matrix, to be assembled
-    sides: BodySides  # of all bodies
+    rows: tuple[int, int]  # of velocities, and columns of the matrix, to be assembled
     sums: np.ndarray  # (2, LANES, K) shared: a number for each chunk, or for each body, by turns
     turn: np.ndarray  # (1,) where the last were; of each thread its own
 
@@ -41,11 +38,11 @@ def allocate_sums(room, contacts, bodies):
 
 
 @kernel()
-def shares_of(team, contacts, sides, sums):
+def shares_of(team, contacts, bodies, sums):
     """The :class:`Shares` of a thread."""
     first, end = share_of(team, 0, -(-contacts // CHUNK))
-    rows, columns = share_by_cost(team, sides.cost), share_by_cost(team, sides.matrix_cost)
-    return Shares(team, (first, end), (CHUNK * first, min(CHUNK * end, contacts)), rows, columns, sides, sums, np.zeros(1, dtype=np.int64))
+    own = CHUNK * first, min(CHUNK * end, contacts)
+    return Shares(team, (first, end), own, share_of(team, 0, bodies), sums, np.zeros(1, dtype=np.int64))
 
 
 @kernel(inline="always")
@@ -62,21 +59,18 @@ def begin_sums(shares):
 
 
 @borrower()
-def sum_of_rows(shares, count):
-    """After a wait, the sum of the numbers that went last to the first lane, one for each of so many bodies."""
+def sum_of(shares, lane, count):
+    """After a wait, the sum of so many numbers that went last to a lane."""
     sums, turn, total = shares.sums, shares.turn[0], 0.0
     for k in range(count):
-        total += sums[turn, 0, k]
+        total += sums[turn, lane, k]
     return total
 
 
 @borrower()
 def sum_of_chunks(shares, lane, contacts):
-    """After a wait, the sum of the numbers that went last to a lane, one for each chunk of so many contacts."""
-    sums, turn, total = shares.sums, shares.turn[0], 0.0
-    for k in range(-(-contacts // CHUNK)):
-        total += sums[turn, lane, k]
-    return total
+    """:func:`sum_of` one number for each chunk of so many contacts."""
+    return sum_of(shares, lane, -(-contacts // CHUNK))
 
 
 @borrower()
