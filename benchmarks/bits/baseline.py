@@ -16,7 +16,7 @@ import numpy as np
 
 from benchmarks.bits.runs import Arrays
 
-PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py", "cvxopt", "gmsh")
+PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py", "qdldl", "gmsh")
 SETTINGS = (
     "MASONRY_CD_NATIVE",
     "NUMBA_CPU_NAME",

@@ -17,6 +17,7 @@ EXTRA_OF = {
     "ezdxf": "cad",
     "clarabel": "limit",
     "skfem": "modal",
+    "cvxopt": "modal",
     "distributed": "studies",
     "dask": "studies",
     "pyarrow": "studies",

@@ -314,7 +314,7 @@ def _mark(file: h5py.File, rows: Mapping[str, int]) -> str:
 def versions() -> dict[str, str]:
     """Versions of this program and of what decides its numbers."""
     out = {"masonry-cd": __version__, "python": platform.python_version()}
-    for name in ("numpy", "scipy", "numba", "h5py", "cvxopt"):
+    for name in ("numpy", "scipy", "numba", "h5py", "qdldl"):
         with contextlib.suppress(Exception):
             out[name] = version(name)
     return out | {"kernels for": compiled_for()}

@@ -2,7 +2,7 @@
 """Where the blocks of M + H^T R H are, and in which order its factorisation eliminates the bodies.
 
 Symbolic work only: it depends on which bodies touch, not on where, so it lasts while the contact graph stands. The order is an
-approximate minimum degree ordering of the body graph (Amestoy, Davis & Duff, SIAM J. Matrix Anal. Appl. 17, 1996), from cvxopt.
+approximate minimum degree ordering of the body graph (Amestoy, Davis & Duff, SIAM J. Matrix Anal. Appl. 17, 1996), from qdldl.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from cvxopt import amd, spmatrix
+import qdldl
+from scipy import sparse
 
 from masonry_cd.mechanics.linalg.elimination_tree import SUBTREE, partition_tree
 from masonry_cd.mechanics.linalg.small_blocks import FULL
@@ -103,9 +104,11 @@ def _places(order: np.ndarray) -> np.ndarray:
 
 
 def _minimum_degree(nodes: int, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Order of elimination (N,)."""
+    """Order of elimination (N,): that in which qdldl factorises the graph's Laplacian plus the identity, which is positive definite."""
     if len(low) == 0:
         return np.arange(nodes)
-    rows, columns = np.concatenate([np.arange(nodes), high]), np.concatenate([np.arange(nodes), low])
-    graph = spmatrix(1.0, rows.tolist(), columns.tolist(), (nodes, nodes))
-    return np.array(amd.order(graph), dtype=np.int64).ravel()
+    ends, all_nodes = np.concatenate([low, high]), np.arange(nodes)
+    rows, columns = np.concatenate([all_nodes, low]), np.concatenate([all_nodes, high])
+    values = np.concatenate([1.0 + np.bincount(ends, minlength=nodes), np.full(len(low), -1.0)])
+    _, _, order = qdldl.Solver(sparse.csc_matrix((values, (rows, columns)), shape=(nodes, nodes)), upper=True).factors()
+    return np.asarray(order, dtype=np.int64)
