@@ -107,8 +107,7 @@ def prepared(table: BuildingTable, faults: list[str]) -> Walls | None:
     frames = openings.frames(plan, table, faults)
     layings = _layings(legs, table, frames)
     _check_courses(plan, layings, faults)
-    if not faults:
-        openings.check(plan, layings, frames, faults)
+    openings.check(plan, layings, frames, faults)
     return Walls(table, plan, frames, layings)
 
 

@@ -74,8 +74,7 @@ def build(walls: Sequence[Wall], levels: Sequence[float], sizes: Sizes, density:
     frames = frames_of(walls, sizes, faults)
     for k, wall in enumerate(walls):
         frames.setdefault((k, 0), []).extend(_left_out(box(a - wall.start, b - wall.start, low, high)) for a, b, low, high in wall.voids)
-    if not faults:
-        openings.check(plan, layings, frames, faults)
+    openings.check(plan, layings, frames, faults)
     first: dict[str, str] = {}
     for fault in faults:  # one for each key: it may draw many openings
         first.setdefault(fault.split(":")[0], fault)

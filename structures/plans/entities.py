@@ -13,6 +13,7 @@ import numpy as np
 
 from structures.files.foreign import Piece
 
+LONGEST_NAME = 255  # characters, of a layer in DXF
 PATH, TEXT, INSERT, OTHER = KINDS = ("path", "text", "insert", "other")
 
 
@@ -69,5 +70,6 @@ def from_pieces(pieces: Iterable[Piece]) -> list[Entity]:
 
 
 def _plain(words: str) -> str:
-    """Words of a drawing, which are shown as they are, without control characters."""
-    return "".join(c if c.isprintable() else "?" for c in words)
+    """Words of a drawing, which are shown as they are, without control characters and what no name is long enough for."""
+    shown = "".join(c if c.isprintable() else "?" for c in words)
+    return shown if len(shown) <= LONGEST_NAME else shown[:LONGEST_NAME] + "..."

@@ -98,3 +98,5 @@ def test_control_characters_of_a_drawing_are_not_shown() -> None:
     piece = Piece(3, "1A\n\nLI\0NE\nw\tords\nmore", np.zeros((1, 3)), (), "WA\x1bLLS", False, 0.0)
     (entity,) = from_pieces([piece])
     assert (entity.drawn_as, entity.layer, entity.text) == ("LI?NE", "WA?LLS", "w?ords\nmore")
+    (entity,) = from_pieces([piece._replace(group="(" * 3000)])
+    assert entity.layer == "(" * 255 + "..."
