@@ -12,7 +12,9 @@ SECONDS = 30.0  # of processor time
 MEMORY = 2e9  # resident [B], where what reads foreign files may have twice as many addresses
 ERROR, WARNING = "masonry-cd: error: ", "masonry-cd: warning: "
 STOPPED = re.compile(r"masonry-cd: interrupted.*|masonry-cd: go on with: .*|.*finishing the step.*")
-FAULT = re.compile(r"(walls?|legs|opening|vault|roof|columns|arcade|buttress) |\S+:\d+: structure\.")  # of a plan, all at once
+FAULT = re.compile(
+    r"(walls?|legs|opening|vault|roof|columns|arcade|buttress) |\S+:\d+: structure\.|and \d+ more faults$"
+)  # of a plan, all at once
 NOTES = re.compile(r"compiling.*|building .*")
 
 

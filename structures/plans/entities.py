@@ -13,6 +13,7 @@ import numpy as np
 
 from structures.files.foreign import Piece
 
+MOST_BULGE = 1e4  # of an arc: with more it is a whole circle to a thousandth of a degree
 LONGEST_NAME = 255  # characters, of a layer in DXF
 PATH, TEXT, INSERT, OTHER = KINDS = ("path", "text", "insert", "other")
 
@@ -63,6 +64,8 @@ def from_pieces(pieces: Iterable[Piece]) -> list[Entity]:
         handle, owner, drawn_as, text = piece.name.split("\n", 3)
         if not (0 <= piece.number < len(KINDS) and np.isfinite(piece.vertices).all() and np.isfinite(piece.density)):
             raise ValueError(f"{drawn_as} {handle} on layer {piece.group} has places that are no numbers")
+        if piece.number == KINDS.index(PATH) and np.abs(piece.vertices[:, 2]).max(initial=0.0) > MOST_BULGE:
+            raise ValueError(f"{drawn_as} {handle} on layer {piece.group} has a bulge of more than {MOST_BULGE:g}")
         handle, owner, drawn_as, layer = (_plain(words) for words in (handle, owner, drawn_as, piece.group))
         text = "\n".join(map(_plain, text.split("\n")))
         found.append(Entity(KINDS[piece.number], handle, drawn_as, layer, piece.vertices, text, piece.fixed, piece.density, owner))

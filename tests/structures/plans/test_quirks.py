@@ -100,3 +100,8 @@ def test_control_characters_of_a_drawing_are_not_shown() -> None:
     assert (entity.drawn_as, entity.layer, entity.text) == ("LI?NE", "WA?LLS", "w?ords\nmore")
     (entity,) = from_pieces([piece._replace(group="(" * 3000)])
     assert entity.layer == "(" * 255 + "..."
+
+
+def test_an_arc_whose_bulge_is_none_is_refused_by_its_handle() -> None:
+    with pytest.raises(ValueError, match="LINE 1A on layer WALLS has a bulge of more than 10000"):
+        from_pieces([Piece(0, "1A\n\nLINE\n", np.array([[0.0, 0.0, 1e200], [1.0, 0.0, 0.0]]), (), "WALLS", False, 0.0)])
