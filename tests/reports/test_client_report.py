@@ -178,14 +178,14 @@ def test_a_sound_run_passes_all_checks(tmp_path):
         ("Contact forces", {"closing": {"steps": 3, "jam": "a wedge"}}, "doubtful"),
         ("Energy balance", {"energy": SOUND["energy"] | {"balance_error": 5e-3}}, "look"),
         ("Energy balance", {"energy": SOUND["energy"] | {"balance_error": 0.1}}, "doubtful"),
-        ("Energy balance", {"energy": SOUND["energy"] | {"lift_share": 0.1}, "displacement_max": 0.01}, "doubtful"),
+        ("Energy balance", {"energy": SOUND["energy"] | {"lift_share": 0.1}}, "doubtful"),
         ("Overlap of blocks", {"penetration_max": 5e-4}, "look"),
         ("Overlap of blocks", {"penetration_max": 5e-3}, "doubtful"),
         ("Time step", {"time_step_remarks": ["run.dt 0.01 s is coarse for the shaking"]}, "look"),
     ],
 )
 def test_a_check_that_is_not_met_says_what_to_do(tmp_path, check, changes, expected):
-    text = page_of(tmp_path, summary=SOUND | changes)
+    text = page_of(tmp_path, summary=SOUND | changes, slip=0.02)
     assert verdict(text, check) == expected
     first = {"look": "Read this before you rely on the run", "doubtful": "Do not rely on this run before it is mended"}[expected]
     assert f"{first}: {check.lower()}." in words(text)
