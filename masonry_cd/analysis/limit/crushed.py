@@ -53,15 +53,14 @@ class LittleLeft:
 
 def crushed_joints(problem: LimitProblem, collapse: Collapse, assembly: Assembly, joints: Joints) -> tuple[CrushedJoint, ...]:
     """The joints that crush in a mechanism, those first that are at their strength over most of their area."""
-    if problem.sections is None or collapse.block_share is None:
+    share = collapse.block_share
+    if problem.sections is None or share is None:
         return ()
     strength = np.full(joints.count, np.nan)
     strength[problem.sections.joint] = problem.sections.strength - problem.sections.tension
     found = np.flatnonzero(collapse.mechanism.crushing & np.isfinite(strength))
-    return tuple(
-        _named(int(j), float(strength[j]), float(collapse.block_share[j]), assembly, joints)
-        for j in sorted(found, key=lambda j: -collapse.block_share[j])
-    )
+    first = found[np.argsort(-share[found], kind="stable")]
+    return tuple(_named(int(j), float(strength[j]), float(share[j]), assembly, joints) for j in first)
 
 
 def _named(j: int, strength: float, share: float, assembly: Assembly, joints: Joints) -> CrushedJoint:
