@@ -43,7 +43,7 @@ def miniseed() -> bytes:
 
     header = {"network": "XX", "station": "FUZZ", "channel": "HNE", "delta": record_files.STEP}
     out = io.BytesIO()
-    Trace((1e4 * record_files.WAVE).astype(np.int32), header).write(out, format="MSEED", reclen=512)
+    Trace((100.0 * record_files.WAVE).astype(np.float32), header).write(out, format="MSEED", reclen=512)
     return out.getvalue()
 
 
