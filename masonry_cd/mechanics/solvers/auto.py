@@ -36,7 +36,7 @@ MOST, FACTOR = 1000, 4  # iterations of ADMM before the next method, and by what
 PIVOTS, CENTRES = 120, 17  # factorisations of proximal points
 ROUGH = 1.0  # friction above which there are several solutions, and pivoting from soft springs may end in one that moves
 LAST = 700  # factorisations of the interior point method
-OPERATIONS = 1e11  # of these together, at most: some ten seconds, beyond which it is not asked
+OPERATIONS = 2e11  # of these together, at most: some ten seconds, beyond which it is not asked
 
 METHODS = {"accelerated": accelerated, "admm": admm, "newton": newton, "pivoting": pivoting, "interior": interior}
 
