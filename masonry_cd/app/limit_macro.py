@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -120,15 +121,16 @@ def _analysed(whole: Whole, elements: Sequence[MacroElement], effort: Effort, jo
     whole.prepare()
     if jobs < 2 or len(asked) < 2:
         return [analyse_element(whole, element, way, effort) for element, way in asked]
+    context = get_context("fork" if hasattr(os, "fork") else "spawn")  # which inherits the structure, or is sent it
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_share, initargs=(whole, effort)) as pool:
+        return list(pool.map(_one, asked))
+
+
+_SHARED: list[Any] = []  # structure and effort, in each process of a pool
+
+
+def _share(whole: Whole, effort: Effort) -> None:
     _SHARED[:] = [whole, effort]
-    try:
-        with ProcessPoolExecutor(jobs, mp_context=get_context("fork")) as pool:
-            return list(pool.map(_one, asked))
-    finally:
-        _SHARED.clear()
-
-
-_SHARED: list[Any] = []  # structure and effort, inherited by the processes of a pool
 
 
 def _one(asked: tuple[MacroElement, tuple[float, float, float]]) -> ElementAnalysis:

@@ -51,6 +51,7 @@ Answer = tuple[Sequence[Piece], Sequence[float]]  # and figures whose meaning th
 
 GIB = 2**30
 MEMORY = 4 * GIB  # addresses [B]: gmsh takes 0.4 GiB and VTK with its readers 0.7 GiB before they open a file; the rest is for the file
+MODEL, PER_BYTE = 3 * GIB // 2, 200  # of a CAD model of so many bytes, gmsh included: a church of 95 MB takes 0.7 GB
 OUTPUT = GIB  # largest file that a child may write [B], its answer of some 100 B per corner among them
 SECONDS = 120.0  # processor time [s]: an STL of 20,000 boxes takes 6, a VTU 3
 WAIT = 2.0  # wall time, in processor times: another program may have the core, but a child that only waits has to end
@@ -74,6 +75,12 @@ class Limits(NamedTuple):
     seconds: float = SECONDS  # processor time [s]
     memory: int = MEMORY  # addresses [B]
     output: int = OUTPUT  # of each file that it writes [B]
+
+
+def of_model(path: Path) -> Limits:
+    """What a child may use for a CAD model: memory by the size of its file, since a damaged surface asks for any."""
+    limits = Limits()
+    return limits._replace(memory=min(limits.memory, MODEL + PER_BYTE * path.stat().st_size))
 
 
 def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, limits: Limits | None = None, advice: str = "") -> Answer:

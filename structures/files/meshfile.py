@@ -16,6 +16,7 @@ import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +72,7 @@ def load(path: Path, format_: str, **asked: Any) -> Loaded:
     Raises:
         InputError: one line that names the file, and the line or block.
     """
-    entries, figures = (_read_obj(path), ()) if format_ == "obj" else _read_apart(path, FORMATS[format_].reader, asked)
+    entries, figures = (_read_obj(path), ()) if format_ == "obj" else _read_apart(path, format_, asked)
     marks = _marks(path, format_)
     if marks and len(marks["blocks"]) == len(entries):
         for entry, mark in zip(entries, marks["blocks"], strict=True):
@@ -211,10 +212,10 @@ def _text(path: Path) -> list[str]:
         raise InputError(f"{path.name}: no text in UTF-8") from None
 
 
-def _read_apart(path: Path, reader: str, asked: dict[str, Any]) -> tuple[list[Entry], Sequence[float]]:
+def _read_apart(path: Path, format_: str, asked: dict[str, Any]) -> tuple[list[Entry], Sequence[float]]:
     """The blocks of a file that is read in a child process; shells of one number are one block."""
     found: dict[int, Entry] = {}
-    pieces, figures = foreign.read(reader, path, asked)
+    pieces, figures = foreign.read(FORMATS[format_].reader, path, asked, foreign.of_model(path) if format_ in CAD else None)
     for piece in pieces:
         new = Entry(piece.name, [], piece.group, piece.fixed, piece.density)
         found.setdefault(piece.number, new).shells.append((piece.vertices, piece.faces))
@@ -236,6 +237,7 @@ def _marks(path: Path, format_: str) -> dict[str, Any] | None:
             text = text.removesuffix("-->").strip()
         marks = json.loads(text)
         sound = marks["units"] == "m" and all({"name", "group", "fixed"} <= set(block) for block in marks["blocks"])
+        sound = sound and all(isfinite(block.get("density", 0.0)) for block in marks["blocks"])
     except (OSError, KeyError, ValueError, TypeError, StopIteration, InputError, RecursionError):
         return None
     return marks if sound else None

@@ -367,3 +367,9 @@ def test_the_command_line_tells_one_line_and_exits_with_2(tmp_path: Path) -> Non
     assert done.stderr.startswith("masonry-cd: error: ")
     assert done.stderr.count("\n") == 1
     assert "wall.geo" in done.stderr
+
+
+def test_a_cad_model_gets_memory_by_its_size(tmp_path: Path) -> None:
+    (tmp_path / "small.step").write_bytes(bytes(1000))
+    (tmp_path / "large.step").write_bytes(bytes(10**8))
+    assert foreign.of_model(tmp_path / "small.step").memory < 2e9 < foreign.of_model(tmp_path / "large.step").memory == foreign.MEMORY

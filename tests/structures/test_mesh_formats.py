@@ -244,3 +244,11 @@ def test_files_that_were_cut_short_lose_no_block_in_silence(tmp_path: Path, name
     (tmp_path / name).write_bytes(content.encode() if isinstance(content, str) else content)
     with pytest.raises(InputError, match=said):
         build(tmp_path, name, up="z", **({} if name.endswith("dxf") else {"units": "m"}))
+
+
+def test_a_density_that_another_program_has_spoilt_is_no_traceback(tmp_path: Path) -> None:
+    meshfile.write(tmp_path / "a.obj", [Block("a", *box_part((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), 2000.0)])
+    text = (tmp_path / "a.obj").read_text().replace('"density": 2000.0', '"density": "little"')
+    assert '"little"' in text
+    (tmp_path / "a.obj").write_text(text)
+    assert len(meshfile.load(tmp_path / "a.obj", "obj").entries) == 1
