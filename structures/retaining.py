@@ -42,7 +42,7 @@ class _Stones(NamedTuple):
     weight: np.ndarray  # (n,) [N per m/s2]
     lever: np.ndarray  # (n,) of the weight about the outer face [m]
     thrust: np.ndarray  # (n,) with K = 1 [N per m/s2]
-    height: np.ndarray  # (n,) at which it acts [m]
+    moment: np.ndarray  # (n,) of the thrust about z = 0 [N m per m/s2]
 
     def over(self, own: np.ndarray) -> np.ndarray:
         """The share of each stone that stands over those of one bed, ``own`` (n,) bool."""
@@ -68,10 +68,12 @@ def weakest_of(assembly: Assembly, fill: Fill) -> list[Weakest]:
     number = {name: b for b, name in enumerate(assembly.names)}
     walls: dict[str, list[FillFace]] = {}
     for face in fill.faces if fill.pressure != "none" else ():
-        if face.kind == "wall" and face.block in number and not assembly.fixed[number[face.block]]:
+        pressed = face.kind == "wall" and face.block in number and face.pressed(fill.level)[0] * math.hypot(*face.area) > 0.0
+        if pressed and not assembly.fixed[number[face.block]]:
             walls.setdefault(assembly.groups[assembly.group_of[number[face.block]]], []).append(face)
     borne = {face.block for face in fill.faces}
-    return [_weakest(group, _stones(faces, borne, assembly, fill), assembly, fill) for group, faces in walls.items()]
+    carrying = {int(assembly.group_of[number[f.block]]) for f in fill.faces if f.kind in ("extrados", "top") and f.block in number}
+    return [_weakest(group, _stones(faces, borne, assembly, fill), carrying, assembly, fill) for group, faces in walls.items()]
 
 
 def _stones(faces: Sequence[FillFace], borne: set[str], assembly: Assembly, fill: Fill) -> _Stones:
@@ -79,8 +81,15 @@ def _stones(faces: Sequence[FillFace], borne: set[str], assembly: Assembly, fill
     out = -np.sum([face.area for face in faces], axis=0)
     out /= math.hypot(*out)
     along = np.cross([0.0, 0.0, 1.0], out)
-    walled = {face.block: face for face in faces}
+    thrust, moment = np.zeros(assembly.count), np.zeros(assembly.count)  # about z = 0
+    walled = {face.block for face in faces}
     blocks = [b for b, name in enumerate(assembly.names) if name in walled]
+    number = {assembly.names[b]: b for b in blocks}
+    for face in faces:
+        depth, place = face.pressed(fill.level)
+        size = fill.density * depth * math.hypot(*face.area)
+        thrust[number[face.block]] += size
+        moment[number[face.block]] += size * place[2]
     corners = {b: assembly.blocks[b].vertices for b in range(assembly.count) if not assembly.fixed[b]}
     toe = max(float((corners[b] @ out).max()) for b in blocks)
     heel = min(float((corners[b] @ out).min()) for b in blocks)
@@ -89,26 +98,23 @@ def _stones(faces: Sequence[FillFace], borne: set[str], assembly: Assembly, fill
         beside = begin < float((own @ along).max()) and float((own @ along).min()) < end
         on = beside and float(own[:, 2].min()) >= fill.level - SAME and heel < float(assembly.centre[b] @ out) < toe
         blocks += [b] if on and assembly.names[b] not in borne else []
-    pressed = [walled[assembly.names[b]].pressed(fill.level) if assembly.names[b] in walled else (0.0, assembly.centre[b]) for b in blocks]
-    size = [math.hypot(*walled[assembly.names[b]].area) if assembly.names[b] in walled else 0.0 for b in blocks]
     return _Stones(
         np.array([(corners[b] @ along).min() for b in blocks]), np.array([(corners[b] @ along).max() for b in blocks]),
         np.array([corners[b][:, 2].min() for b in blocks]), assembly.mass[blocks], toe - assembly.centre[blocks] @ out,
-        fill.density * np.array([depth for depth, _ in pressed]) * np.array(size), np.array([place[2] for _, place in pressed]),
+        thrust[blocks], moment[blocks],
     )  # fmt: skip
 
 
-def _weakest(group: str, stones: _Stones, assembly: Assembly, fill: Fill) -> Weakest:
-    """The bed with the least ratio."""
-    below = [assembly.group_of[assembly.names.index(face.block)] for face in fill.faces if face.kind in ("extrados", "top")]
+def _weakest(group: str, stones: _Stones, carrying: set[int], assembly: Assembly, fill: Fill) -> Weakest:
+    """The bed with the least ratio, of a wall that stands on groups ``carrying`` the fill."""
     mine = assembly.groups.index(group)
-    friction = min(float(assembly.friction[mine, other]) for other in {mine, *below})
+    friction = min(float(assembly.friction[mine, other]) for other in {mine, *carrying})
     found = []
     for bed in np.unique(np.round(stones.bed[stones.thrust > 0.0], 6)):
         own = (np.abs(stones.bed - bed) <= SAME) & (stones.thrust > 0.0)
         share = stones.over(own)
         drives, resists = float(share @ stones.thrust), float(share @ stones.weight)
-        turns = float(share @ (stones.thrust * (stones.height - bed)))
+        turns = float(share @ (stones.moment - stones.thrust * bed))
         ratios = (float(share @ (stones.weight * stones.lever)) / turns, friction * resists / drives)
         found.append((min(ratios), ratios[1] < ratios[0], fill.level - float(bed)))
     ratio, slides, depth = min(found)

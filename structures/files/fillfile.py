@@ -27,6 +27,7 @@ from masonry_cd.mechanics.model.fill import ACTIVE_AT, Fill, FillFace
 from structures.schema import Density, Place, Share, Table
 
 FILL_FILE = "fill.json"
+SAME = 1e-6  # [m]: heights nearer than this are one
 FILLS, CARRIED = "fills", "carried"
 KEYS = (FILLS, CARRIED)
 Point = Annotated[list[Place], Field(min_length=3, max_length=3)]
@@ -135,6 +136,9 @@ def _fill(entry: Any, where: str, of: str, names: set[str]) -> Fill:
             raise InputError(f"{where}.{name}: must be two places, the lower first, got {low:g} and {high:g}")
     if keys.gone_at is not None and keys.gone_at <= keys.active_at:
         raise InputError(f"{where}.gone_at: must exceed active_at, {keys.active_at:g}, got {keys.gone_at:g}")
+    for i, face in enumerate(faces):
+        if (highest := float(face.corners[:, 2].max())) > keys.level + SAME:
+            raise InputError(f"{where}.faces[{i}]: reaches up to z = {highest:.4g} m, above the fill, which ends at {keys.level:.4g} m")
     arrays = {name: None if own[name] is None else np.array(own[name]) for name in ("origin", "turn")}
     return Fill(where=where, **{**own, **arrays, "faces": faces})
 

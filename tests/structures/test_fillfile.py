@@ -105,6 +105,7 @@ def _set(*path: Any, value: Any) -> Callable[[dict], None]:
         (_set("fills", 0, "passive", value=1.5), r"^blocks\.json: fills\[0\]\.passive: input should be less than or equal to 1"),
         (_set("fills", 0, "deck", value=[2.0, 1.0]), r"^blocks\.json: fills\[0\]\.deck: must be two places, the lower first, got 2 and 1$"),
         (_set("fills", 0, "gone_at", value=1e-3), r"^blocks\.json: fills\[0\]\.gone_at: must exceed active_at, 0\.002, got 0\.001$"),
+        (_set("fills", 0, "level", value=0.5), r"^blocks\.json: fills\[0\]\.faces\[\d+\]: reaches up to z = [\d.]+ m, above the fill"),
         (_set("carried", "arch1.v3", "mass", value=-1.0), r'^blocks\.json: carried, block "arch1\.v3"\.mass: '),
         (_set("carried", "other", value={}), r'^blocks\.json: carried: no block "other" in blocks\.json$'),
         (_set("carried", "arch1.v3", "inertia", value=[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]), "moments of 0 or more$"),

@@ -41,6 +41,19 @@ def test_it_slides_by_friction_where_that_is_less() -> None:
     assert wing.ratio == pytest.approx(0.1 * 0.9 / (0.5 * made.fills[0].level))
 
 
+def test_a_stone_is_pressed_on_all_its_faces_and_one_in_the_air_on_none() -> None:
+    """A face cut in two triangles, as a file may have it, and one above the road change nothing."""
+    made, whole = walled(2.0)
+    fill = made.fills[0]
+    halves = [f._replace(corners=f.corners[[0, k, k + 1]]) for f in fill.faces if f.kind == "wall" for k in range(1, len(f.corners) - 1)]
+    above = [half._replace(corners=half.corners - [0.0, 0.0, half.corners[:, 2].min() - fill.level]) for half in halves[:1]]
+    others = [f for f in fill.faces if f.kind != "wall"]
+    assembly = Assembly.from_blocks(made.blocks, 2.0)
+    cut = {one.group: one.ratio for one in retaining.weakest_of(assembly, replace(fill, faces=(*others, *halves, *above)))}
+    assert cut == pytest.approx({group: one.ratio for group, one in whole.items()})
+    assert retaining.weakest_of(assembly, replace(fill, faces=(*others, *above))) == []
+
+
 def test_a_parapet_holds_a_wall_down() -> None:
     made, found = walled(2.0, walls={"parapet_height": 1.0, "parapet_thickness": 0.3})
     height = made.fills[0].level
