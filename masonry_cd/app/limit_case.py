@@ -259,14 +259,15 @@ def lines(case: LimitCase) -> list[str]:
     """The analysis in words: what was found, the check by a code, and what to know of both."""
     how = _how_lines(case) if case.analysis.stands and not case.analysis.endless else ()
     checked = case.check.lines() if case.check else [case.verdict.words] if case.verdict else []
-    return [*all_found(case), *how, *checked, *case.notes]
-
-
-def all_found(case: LimitCase) -> list[str]:
-    return [*found_lines(case), *crushed_lines(case.crushed, case.left)]
+    return [*found_lines(case), *how, *checked, *case.notes]
 
 
 def found_lines(case: LimitCase) -> list[str]:
+    """What was found, in words, and the joints at their compressive strength."""
+    return [*_factor_lines(case), *crushed_lines(case.crushed, case.left)]
+
+
+def _factor_lines(case: LimitCase) -> list[str]:
     """What was found; the first line says of what."""
     analysis, answer, least = case.analysis, case.analysis.associated, case.analysis.least
     space = "in a plane" if analysis.problem.axis is not None else "in space"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from masonry_cd.app.limit_case import EVERY, LimitCase, all_found, summary
+from masonry_cd.app.limit_case import EVERY, LimitCase, found_lines, summary
 from masonry_cd.app.limit_curve import curve_lines, draw_curve, write_curve
 from masonry_cd.app.limit_vehicle import write_crossing
 from masonry_cd.foundation.quantities import force
@@ -40,7 +40,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
         written += write_curve(case.curve, case.assembly.names, folder)
     of_curve = [] if case.curve is None else curve_lines(case.curve, case.assembly.names)
     options = ["--curve"] if case.curve is not None and "curve" not in case.scene.limit else []
-    found = [*all_found(case), *of_curve]
+    found = [*found_lines(case), *of_curve]
     page = LimitPage(facts, found, case.scene.text, options, case.scene.report.model_dump(exclude_unset=True))
     write_limit_page(page, drawn, folder / "limit.html")
     return [*written, *drawn, folder / "limit.html"]

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import os
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -23,6 +22,7 @@ from masonry_cd.app.macro_parts import elements_of
 from masonry_cd.app.macro_verdicts import MacroRow, judged, rows_of
 from masonry_cd.app.modelled import masses
 from masonry_cd.app.scene import Scene
+from masonry_cd.foundation import system
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -121,8 +121,7 @@ def _analysed(whole: Whole, elements: Sequence[MacroElement], effort: Effort, jo
     whole.prepare()
     if jobs < 2 or len(asked) < 2:
         return [analyse_element(whole, element, way, effort) for element, way in asked]
-    context = get_context("fork" if hasattr(os, "fork") else "spawn")  # which inherits the structure, or is sent it
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_share, initargs=(whole, effort)) as pool:
+    with ProcessPoolExecutor(jobs, mp_context=get_context(system.INHERITS), initializer=_share, initargs=(whole, effort)) as pool:
         return list(pool.map(_one, asked))
 
 

@@ -33,6 +33,9 @@ LOOK = 0.2  # between two looks at a child that the system does not limit by its
 KILLED = -9  # exit code of a child that used too much memory, whichever system ended it
 GUARD = "run.lock.guard"  # file that a system without locks on folders locks instead
 
+INHERITS = (
+    "fork" if hasattr(os, "fork") else "spawn"
+)  # how processes of a pool begin: with all that is in memory, or with what they are sent
 RENAMES_OPEN_FILES = os.name == "posix"  # Windows does not
 
 # Those by which a user, a shell or a batch system ends a run; SIGBREAK is Ctrl-Break on Windows

@@ -76,6 +76,8 @@ def names_of_one_system(source: str) -> list[str]:
             found.append(str(node.module))
         elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.attr in NOT_EVERYWHERE.get(node.value.id, ()):
             found.append(f"{node.value.id}.{node.attr}")
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("get_context"):
+            found += [way for argument in node.args for way in ("fork", "forkserver") if f"'{way}'" in ast.unparse(argument)]
     return found
 
 

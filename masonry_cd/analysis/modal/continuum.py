@@ -19,7 +19,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.analysis.modal.eigen import Cholesky, lowest_modes, participation
+from masonry_cd.analysis.modal.eigen import ByCholmod, lowest_modes, participation
 from masonry_cd.analysis.modal.shapes import QuadraticShapes
 from masonry_cd.analysis.modal.solid_mesh import SolidMesh, solid_mesh
 from masonry_cd.foundation.errors import InputError
@@ -70,7 +70,7 @@ def continuum_modes(
     total = float(np.sum(mass @ translation[:, 0]))
     extent = np.ptp(mesh.points, axis=0).max()
     scale = float(np.max(table[mesh.kind, 0] / table[mesh.kind, 1]) / extent**2)
-    pairs = lowest_modes(stiffness[free][:, free], mass[free][:, free], count, scale, Cholesky)
+    pairs = lowest_modes(stiffness[free][:, free], mass[free][:, free], count, scale, ByCholmod)
     values = np.zeros((len(pairs.values), 3 * len(nodes)))
     values[:, free] = pairs.vectors
     facts = {

@@ -43,14 +43,24 @@ class Eigenpairs:
 Solve = Callable[[np.ndarray], np.ndarray]  # the solution (N,) for a right-hand side (N,)
 
 
-def factor(matrix: sparse.spmatrix) -> Solve:
-    """The factor of a sparse symmetric positive definite matrix, by SuperLU; RuntimeError of one that is singular."""
+def by_superlu(matrix: sparse.spmatrix) -> Solve:
+    """Solutions with a sparse symmetric positive definite matrix (N, N), by the factor of SuperLU.
+
+    Raises:
+        ArithmeticError: the matrix is not positive definite: rows are not exchanged, so its pivots have the signs of its eigenvalues.
+    """
     symmetric = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-    return splu(matrix.tocsc(), **symmetric).solve
+    try:
+        factor = splu(matrix.tocsc(), **symmetric)
+    except RuntimeError as singular:
+        raise ArithmeticError(str(singular)) from None
+    if factor.U.diagonal().min() <= 0.0:
+        raise ArithmeticError("a pivot is not positive")
+    return factor.solve
 
 
-class Cholesky:
-    """The factor of a sparse symmetric positive definite matrix, by CHOLMOD; ArithmeticError of one that is not definite."""
+class ByCholmod:
+    """Solutions with a sparse symmetric positive definite matrix, by the factor of CHOLMOD; ArithmeticError of one that is not."""
 
     def __init__(self, matrix: sparse.spmatrix) -> None:
         import cvxopt
@@ -71,7 +81,7 @@ class Cholesky:
 
 
 def lowest_modes(
-    stiffness: sparse.csr_matrix, mass: sparse.csr_matrix, count: int, scale: float, factorise: Callable[..., Solve] = factor
+    stiffness: sparse.csr_matrix, mass: sparse.csr_matrix, count: int, scale: float, factorise: Callable[..., Solve] = by_superlu
 ) -> Eigenpairs:
     """The lowest modes that are no rigid motions.
 
@@ -80,7 +90,7 @@ def lowest_modes(
         mass: (N, N) symmetric, positive definite [kg].
         count: modes asked for; fewer come back where there are fewer unknowns.
         scale: an eigenvalue typical of the structure, E / (density length^2) [1/s2]; shift and threshold are shares of it.
-        factorise: makes the factor of a sparse matrix.
+        factorise: makes what solves with a sparse matrix, :func:`by_superlu` or :class:`ByCholmod`.
 
     Raises:
         InputError: stiffness and mass are so far apart that the factorisation fails.
@@ -92,7 +102,7 @@ def lowest_modes(
         return _sorted(stiffness, mass, columns[:, rigid : rigid + count], rigid)
     try:
         solve = factorise(stiffness + SHIFT * scale * mass)
-    except (ArithmeticError, RuntimeError):
+    except ArithmeticError:
         raise InputError("modal: the stiffness matrix is not positive definite; are there blocks without volume?") from None
     inverse = LinearOperator((size, size), matvec=solve, dtype=float)
     start = np.random.default_rng(0).standard_normal(size)  # fixed, so that two runs agree

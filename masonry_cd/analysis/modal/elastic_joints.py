@@ -16,7 +16,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.analysis.modal.eigen import SHIFT, factor, lowest_modes, participation
+from masonry_cd.analysis.modal.eigen import SHIFT, by_superlu, lowest_modes, participation
 from masonry_cd.analysis.modal.shapes import RigidShapes
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -95,7 +95,7 @@ def period_along(assembly: Assembly, joints: Joints, stiffness: Stiffness, direc
     unknown = (6 * free[:, None] + np.arange(6)).ravel()
     matrix = _stiffness(assembly, joints, *stiffness, np.ones((joints.count, 3)))[unknown][:, unknown]
     mass = _mass(assembly)[unknown][:, unknown]
-    solve = factor(matrix + SHIFT * _scale(assembly, joints, stiffness[0]) * mass)
+    solve = by_superlu(matrix + SHIFT * _scale(assembly, joints, stiffness[0]) * mass)
     shape, value, last = np.tile([*direction, 0.0, 0.0, 0.0], len(free)), 1.0, np.inf
     for _ in range(ITERATIONS):
         shape = solve(mass @ shape)
