@@ -48,7 +48,7 @@ def augment_blocks(problem, blocks, world, symbolic, share, matrix):
     A block off the diagonal is in the column of that of its bodies that is eliminated first.
     """
     (begin, stop), places, c = share, problem.places, 0
-    room = np.empty((4, len(problem.m) * (longest_run(places) if is_wide(problem.n) else 1), len(problem.n)))
+    scratch = np.empty((4, len(problem.m) * (longest_run(places) if is_wide(problem.n) else 1), len(problem.n)))
     for b in range(begin, stop):
         load_mass(problem, b, matrix.diagonal)
         matrix.lower[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
@@ -66,17 +66,17 @@ def augment_blocks(problem, blocks, world, symbolic, share, matrix):
         if has_frames(problem):
             add_rigid_contact(problem, world, first, share, matrix)
             continue
-        rows = take_rows(problem, blocks, first, c, room)
+        rows = take_rows(problem, blocks, first, c, scratch)
         for side in range(2):
             body = b if side else a
             if begin <= body < stop:
-                add_pair(problem, room, first, rows, side, side, 0, matrix.diagonal[body])
+                add_pair(problem, scratch, first, rows, side, side, 0, matrix.diagonal[body])
                 if a == b:  # each side adds its product with the other one
-                    add_pair(problem, room, first, rows, side, 1 - side, 0, matrix.diagonal[body])
+                    add_pair(problem, scratch, first, rows, side, 1 - side, 0, matrix.diagonal[body])
         early = 0 if a < b else 1
         if k >= 0 and begin <= min(a, b) < stop:
-            add_pair(problem, room, first, rows, 1 - early, early, 0, matrix.lower[k])
-            add_pair(problem, room, first, rows, 1 - early, early, 1, matrix.upper[k])
+            add_pair(problem, scratch, first, rows, 1 - early, early, 0, matrix.lower[k])
+            add_pair(problem, scratch, first, rows, 1 - early, early, 1, matrix.upper[k])
 
 
 @borrower(fastmath={"contract"})
@@ -97,12 +97,12 @@ def add_rigid_contact(problem, world, c, share, matrix):
 
 
 @kernel(inline="always")
-def add_pair(problem, room, c, rows, one, other, turned, out):
+def add_pair(problem, scratch, c, rows, one, other, turned, out):
     """out += J^T B K of contact c, or of the joint that begins there, with the rows H of two sides, J of ``one`` and K of ``other``.
 
-    If ``turned`` it is J^T B^T K. ``room`` holds so many rows of :func:`take_rows`.
+    If ``turned`` it is J^T B^T K. ``scratch`` holds as many ``rows`` of :func:`take_rows`.
     """
-    x, y = room[one + 2 * turned], room[other + 2 - 2 * turned]
+    x, y = scratch[one + 2 * turned], scratch[other + 2 - 2 * turned]
     if is_wide(problem.n):
         size = width_of(problem, problem.places[c, one]), width_of(problem, problem.places[c, other])
         add_turned_product(x, y, rows, size, out)
@@ -111,8 +111,8 @@ def add_pair(problem, room, c, rows, one, other, turned, out):
 
 
 @borrower(fastmath={"contract"})
-def take_rows(problem, blocks, first, end, room):
-    """The rows H of the contacts first to end of a joint into ``room`` (4, K m, n): of both sides, and B H of both; how many they are."""
+def take_rows(problem, blocks, first, end, scratch):
+    """Write the rows of the contacts first to end of a joint into ``scratch`` (4, K m, n): H of both sides, B H of both. Returns K m."""
     m = len(problem.m)
     for c in range(first, end):
         for side in range(2):
@@ -122,7 +122,7 @@ def take_rows(problem, blocks, first, end, room):
                     total = 0.0
                     for k in range(m):
                         total += blocks[c, i, k] * rows[k, q]
-                    room[side, at + i, q], room[side + 2, at + i, q] = rows[i, q], total
+                    scratch[side, at + i, q], scratch[side + 2, at + i, q] = rows[i, q], total
     return m * (end - first)
 
 
