@@ -135,7 +135,7 @@ def test_what_a_case_leaves_is_seen(tmp_path: Path) -> None:
     assert promises.left_behind(tmp_path, before, "written") == ("stray", "written/result.part.h5")
 
 
-@pytest.mark.skipif(not together.PEAK.exists(), reason="needs Linux")
+@pytest.mark.skipif(not (together.PEAK.exists() and hasattr(os, "fork")), reason="needs os.fork and Linux")
 def test_cases_in_one_process_end_as_they_do_alone(tmp_path: Path) -> None:
     """Records by the command line: one that is read, one refused, and one after what ended the process."""
     good = texts.RECORDS["at2"].encode()
@@ -147,7 +147,7 @@ def test_cases_in_one_process_end_as_they_do_alone(tmp_path: Path) -> None:
     assert [*tmp_path.iterdir()] == []
 
 
-@pytest.mark.skipif(not together.PEAK.exists(), reason="needs Linux")
+@pytest.mark.skipif(not (together.PEAK.exists() and hasattr(os, "fork")), reason="needs os.fork and Linux")
 def test_a_case_that_ends_the_process_is_judged_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     good = together.Case({"quake.at2": texts.RECORDS["at2"].encode()}, ["record", "quake.at2"], "written")
     ends = good._replace(command=["record", "quake.at2", "--ends"])
