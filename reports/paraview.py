@@ -66,19 +66,10 @@ class Mesh:
 
 
 def export(results: Results, folder: Path, form: str = "vtkhdf", thresholds: Thresholds | None = None) -> list[Path]:
-    """Write a run for ParaView into a folder, which is made if need be.
-
-    Args:
-        results: of a run.
-        folder: for the files.
-        form: ``vtkhdf`` or ``pvd``.
-        thresholds: of the joints' states.
-
-    Returns:
-        the files to open, and names.csv.
+    """Write a run for ParaView into a folder, which is made if need be; return the files to open, and names.csv.
 
     Raises:
-        InputError: another format.
+        InputError: a format that is neither ``vtkhdf`` nor ``pvd``.
     """
     if form not in ("vtkhdf", "pvd"):
         raise InputError(f'--format: "{form}" is none; formats: vtkhdf, pvd')

@@ -6,46 +6,20 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.mechanics.model.blocks import Block
-from reports.drawing.figure import Sheet, in_metres
+from reports.drawing.figure import in_metres
 from reports.drawing.palette import EDGE, GROUPS, PULLING, SUPPORT
 from reports.drawing.parts import RULER, Panel, Sign, Ties, rgb
 from reports.drawing.scene import Scene
 from reports.drawing.solids import block_layers, looking_at, structure_window, within_sight
 
 
-def structure_picture(blocks: Sequence[Block], path: Path, title: str, view: str = "auto", ties: Sequence[np.ndarray] = ()) -> None:
-    """Draw the blocks by group, and ties by their ends (2, 3) each [m], with a key and a scale bar, into a PNG.
-
-    Args:
-        blocks: of the structure.
-        path: of the PNG.
-        title: of the picture.
-        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, top or isometric.
-        ties: their ends.
-
-    Raises:
-        InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
-    """
-    structure_sheet(blocks, title, view, ties).save(path)
-
-
-def structure_sheet(blocks: Sequence[Block], title: str, view: str = "auto", ties: Sequence[np.ndarray] = ()) -> Sheet:
-    """The sheet that :func:`structure_picture` writes.
-
-    Raises:
-        InputError: an unknown view, or no off-screen OpenGL.
-    """
-    return Sheet.drawn(structure_scene(blocks, title, view, ties))
-
-
 def structure_scene(blocks: Sequence[Block], title: str, view: str = "auto", ties: Sequence[np.ndarray] = ()) -> Scene:
-    """What they show.
+    """The blocks by group, and ties by their ends (2, 3) each [m]; in a view by name, or ``auto``, see :func:`auto_view`.
 
     Raises:
         InputError: an unknown view.

@@ -15,33 +15,30 @@ The maps of one :class:`Framing` share view, amplification, window and colours: 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import displacement_max, in_words, joint_damage
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
-from masonry_cd.analysis.deformed import Pose, Solids, frame_index, solids_of
+from masonry_cd.analysis.deformed import Pose, Solids, solids_of
 from masonry_cd.foundation.quantities import force
 from masonry_cd.io.layout import CRUSHED
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing import palette
 from reports.drawing.bands import DrawnJoints
-from reports.drawing.figure import LABELLED, Sheet, in_metres, save
+from reports.drawing.figure import LABELLED, in_metres
 from reports.drawing.parts import BEHIND, Layer, Panel, Sign, Surface, Ties, painted
 from reports.drawing.scene import Scene
 from reports.drawing.solids import block_layers, structure_window, two_colours, within_sight
-from reports.drawing.ties import ties_at
-from reports.maps.framing import Framing, MapStyle, framing, largest_displacement, view_and_cut
+from reports.maps.framing import Framing, MapStyle, largest_displacement, view_and_cut
 from reports.maps.thrust import ribbons
+from reports.ties import ties_at
 
 BAND = 6.0  # width of a closed joint's band [pixels]
 BAND_OF_BLOCK = 0.2  # ... but no more than this share of a block's smallest extent
 LEAST_BAND = 2.5  # ... and no less than this [pixels]
-VECTOR = ("crack_map.svg", "crack_map.pdf")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +60,10 @@ class Subject:
     def of(cls, results: Results, frame: int, framed: Framing) -> Subject:
         """Collect it."""
         solids, thresholds = solids_of(results.blocks), framed.style.thresholds
-        snapshot, last = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1
+        snapshot, last, suffered = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1, ""
+        if last and framed.alone:
+            joints = f", {in_words(joint_damage(results, thresholds))}" if results.joints.count else ""
+            suffered = f"largest displacement {in_metres(displacement_max(results))}{joints}"
         return cls(
             framed=framed,
             joints=results.joints,
@@ -74,7 +74,7 @@ class Subject:
             drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
             ties=ties_at(results, solids, snapshot.pose, framed.factor),
             provisional=end_state(results, thresholds).provisional if last else "",
-            suffered=_suffered(results, thresholds) if last and framed.alone else "",
+            suffered=suffered,
         )
 
     @property
@@ -122,39 +122,6 @@ class Subject:
             parted=snapshot.separated & ~snapshot.down[joints.blocks],
             plate=painted(palette.PARTED, 1)[0],
         )
-
-
-def crack_map(results: Results, path: Path, *, frame: int = -1, style: MapStyle | None = None) -> None:
-    """Draw the crack map of a frame into a PNG.
-
-    Args:
-        results: of a run.
-        path: of the PNG.
-        frame: which; negative ones count from the end.
-        style: view, amplification, thresholds and so on.
-
-    Raises:
-        InputError: no such frame, view or plane, no off-screen OpenGL, or a path that cannot be written.
-    """
-    frame = frame_index(results, frame)
-    sheet_of(results, frame, framing(results, [frame], style or MapStyle())).save(path)
-
-
-def vector_maps(results: Results, folder: Path, style: MapStyle, frame: int = -1) -> list[Path]:
-    """Draw the crack map of a frame into ``crack_map.svg`` and ``crack_map.pdf``; return the files.
-
-    Raises:
-        InputError: no such frame, view or plane, or a folder that cannot be written into.
-    """
-    frame = frame_index(results, frame)
-    scene = crack_scene(results, frame, framing(results, [frame], style))
-    figure = Sheet.as_polygons(scene).figure
-    return [save(figure, folder / name, scene.title) for name in VECTOR]
-
-
-def sheet_of(results: Results, frame: int, framed: Framing) -> Sheet:
-    """The sheet of a frame."""
-    return Sheet.drawn(crack_scene(results, frame, framed))
 
 
 def crack_scene(results: Results, frame: int, framed: Framing) -> Scene:
@@ -205,12 +172,6 @@ def _shadow(solids: Solids) -> Layer:
     colours = painted(palette.SHADOW, len(solids.face_block))
     faces = Surface(solids.vertices, solids.loops, solids.loop_start, colours, lit=False, place=BEHIND)
     return faces.some(~solids.fixed[solids.face_block])
-
-
-def _suffered(results: Results, thresholds: Thresholds) -> str:
-    """The largest displacement and the damage of joints, if there are any, over all time steps, in words."""
-    joints = f", {in_words(joint_damage(results, thresholds))}" if results.joints.count else ""
-    return f"largest displacement {in_metres(displacement_max(results))}{joints}"
 
 
 def _scales(subject: Subject) -> list[Panel]:

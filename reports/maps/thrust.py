@@ -28,19 +28,9 @@ THINNEST = 0.08  # forces below this share of the largest are left out
 def ribbons(
     results: Results, solids: Solids, pose: Pose, snapshot: DamageSnapshot, frame: int, factor: float, view: View, pixel: float
 ) -> tuple[Surface, float]:
-    """The ribbons at a frame as a surface before everything, and the force of the widest one [N].
+    """The ribbons at a frame as a surface before everything, and the force of the widest one [N]; a pixel is so large [m].
 
     What runs in the plane of a cut itself, as in the middle of an arch, stays whole.
-
-    Args:
-        results: of a run, which must hold the forces of its joints and the points where they act.
-        solids: of its blocks.
-        pose: of the frame.
-        snapshot: of the frame, for what has come apart.
-        frame: which.
-        factor: amplification of the displacements.
-        view: from where.
-        pixel: size of a pixel [m].
 
     Raises:
         InputError: the file holds no forces, or not where they act.
@@ -59,13 +49,7 @@ def joint_ribbons(
 ) -> tuple[Surface, float]:
     """The ribbons of J joints as a surface that faces the viewer, and the force of the widest one [N].
 
-    Args:
-        blocks: a and b of each joint, (J,) each.
-        place: (J, 3) where their resultants act [m].
-        force: (J,) normal forces [N].
-        solids: of the blocks.
-        view: from where.
-        pixel: size of a pixel [m].
+    The joints have blocks a and b, (J,) each, places (J, 3) where their resultants act [m], and normal forces (J,) [N].
     """
     largest = float(force.max(initial=0.0))
     lines, strength, _, _ = thrust_lines(blocks, place, force, solids)

@@ -6,16 +6,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from masonry_cd.analysis.modal.modes import Modes
 from masonry_cd.analysis.modal.shapes import RigidShapes, Skin
 from masonry_cd.mechanics.model.blocks import Block
-from reports.drawing.figure import FAINT, INK, MARGIN, TITLE, WIDTH, Layout, Sheet
+from reports.drawing.figure import INK, save, triad
 from reports.drawing.palette import DISPLACED, PARTED, REST, SUPPORT
-from reports.drawing.parts import BEHIND, Layer, Lines, Surface, View, Window, painted, view_named
+from reports.drawing.parts import BEHIND, Layer, Lines, Surface, painted, view_named
+from reports.drawing.plots import DPI, sheet
 from reports.drawing.render import render
 from reports.drawing.scene import Scene
 from reports.drawing.solids import drawn_in, window_around
@@ -23,45 +23,43 @@ from reports.drawing.solids import drawn_in, window_around
 AMPLITUDE = 0.08  # largest drawn displacement, as a share of the size of the structure
 COLUMNS = 3
 LIFT = 1.5e-3  # of edges before the skin, as a share of the picture's height
-CAPTION = 74  # height of the text above a panel
-BAR = 90  # height of the colour bar's strip
 METHOD = {"continuum": "bonded elastic continuum", "joints": "rigid blocks on elastic joints"}
 
 
 def modes_picture(
     modes: Modes, blocks: Sequence[Block], path: Path, title: str, captions: Sequence[str] = (), most: int = 6, view: str = "isometric"
 ) -> None:
-    """Draw the first modes into a PNG.
-
-    Args:
-        modes: of one model.
-        blocks: of the structure.
-        path: of the PNG.
-        title: of the picture.
-        captions: a further line for each mode, such as the measured frequency.
-        most: modes to draw.
-        view: front, back, side, top or isometric.
+    """Draw the first modes of a model into a PNG, each with a further line where ``captions`` has one, such as the measured frequency.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
+    from matplotlib.cm import ScalarMappable
+
     looking, blocks = view_named(view), drawn_in(blocks)
     skin, frame = modes.field.skin(), _frame(modes, blocks)
     reach = AMPLITUDE * float(np.ptp(skin.points, axis=0).max())
     count = min(most, modes.count)
-    window = _window(skin, count, reach, looking, blocks)
-    plan, cells = _plan(count, window)
-    sheet = Sheet(plan)
+    places = np.concatenate([skin.points] + [skin.points + reach * skin.shapes[k] for k in range(count)])
+    window = window_around(looking, places, np.concatenate([places, *(block.vertices for block in blocks if block.fixed)]))
+    rows, columns = math.ceil(count / COLUMNS), min(COLUMNS, count)
+    tall = float(np.clip(window.height / window.width, 0.45, 1.5))
     facts = f"{METHOD[modes.method]} · {_modulus(modes)} · largest displacement drawn as {reach:.3g} m · grey: at rest"
-    sheet.head(title, facts)
-    for k, (left, bottom, width, height) in enumerate(cells):
-        scene = Scene(looking, window.fitted((width, height)), _layers(skin, frame, k, reach, blocks))
-        image = render(scene, (width, height))
-        axes = sheet.axes(left, bottom, width, height)
-        axes.imshow(image, extent=(0, width, 0, height), interpolation="none", aspect="auto")
-        _caption(sheet.axes(left, bottom + height, width, CAPTION), modes, k, captions[k] if k < len(captions) else "")
-    _colour_bar(sheet, looking)
-    sheet.save(path)
+    size = max(4.0 * columns, 8.0), 1.6 + rows * (0.7 + 4.0 * tall)
+    figure, panels = sheet(title, facts, count, size, rows)
+    pixels = round(4.0 * DPI), round(4.0 * DPI * tall)
+    for k, axes in enumerate(panels):
+        image = render(Scene(looking, window.fitted(pixels), _layers(skin, frame, k, reach, blocks)), pixels)
+        axes.imshow(image, extent=(0, pixels[0], 0, pixels[1]))
+        axes.set_axis_off()
+        share = "   ".join(f"{axis} {100 * value:.0f} %" for axis, value in zip("xyz", modes.participation[k], strict=True))
+        more = captions[k] if k < len(captions) else ""
+        words = f"{k + 1}   {modes.frequencies[k]:.4g} Hz   mass  {share}\n{more}"
+        axes.set_title(words, fontsize=11, color=INK, loc="left", parse_math=False)
+    triad(panels[0], looking, (60, 60), 40.0)
+    bar = figure.colorbar(ScalarMappable(cmap=DISPLACED), ax=panels, location="bottom", fraction=0.02, aspect=40, ticks=(0.0, 0.5, 1.0))
+    bar.set_label("displacement over the largest of the mode", color=INK)
+    save(figure, path)
 
 
 def _frame(modes: Modes, blocks: Sequence[Block]) -> Skin:
@@ -80,24 +78,6 @@ def _still(blocks: Sequence[Block]) -> Skin:
     return RigidShapes(blocks, nothing[0], nothing, nothing).skin()
 
 
-def _window(skin: Skin, count: int, reach: float, view: View, blocks: Sequence[Block]) -> Window:
-    """Around the structure in all modes drawn, and its supports as far as they are near."""
-    places = np.concatenate([skin.points] + [skin.points + reach * skin.shapes[k] for k in range(count)])
-    return window_around(view, places, np.concatenate([places, *(block.vertices for block in blocks if block.fixed)]))
-
-
-def _plan(count: int, window: Window) -> tuple[Layout, list[tuple[int, int, int, int]]]:
-    """The sheet and the boxes of the panels (left, bottom, width, height)."""
-    columns = min(COLUMNS, count)
-    rows = math.ceil(count / columns)
-    width = (WIDTH - 2 * MARGIN - (columns - 1) * MARGIN) // columns
-    height = int(np.clip(width * window.height / window.width, 0.45 * width, 1.5 * width))
-    pitch = height + CAPTION
-    total = TITLE + rows * pitch + BAR
-    cells = [(MARGIN + (k % columns) * (width + MARGIN), total - TITLE - (k // columns + 1) * pitch, width, height) for k in range(count)]
-    return Layout((WIDTH, total), (MARGIN, BAR, WIDTH - 2 * MARGIN, rows * pitch), beside=False), cells
-
-
 def _layers(skin: Skin, frame: Skin, mode: int, reach: float, blocks: Sequence[Block]) -> list[Layer]:
     """Deformed skin and the edges of its blocks, supports, and the outline at rest behind."""
     from matplotlib import colormaps
@@ -114,28 +94,6 @@ def _layers(skin: Skin, frame: Skin, mode: int, reach: float, blocks: Sequence[B
         still = _still(supports)
         layers.append(Surface(still.points, still.loops, still.loop_start, painted(SUPPORT, len(still.loop_start) - 1)))
     return layers
-
-
-def _caption(axes: Any, modes: Modes, mode: int, more: str) -> None:
-    """Number, frequency and participating masses of a mode."""
-    share = "   ".join(f"{axis} {100 * value:.0f} %" for axis, value in zip("xyz", modes.participation[mode], strict=True))
-    axes.text(0, 44, f"{mode + 1}", fontsize=17, weight="bold", color=INK, va="center")
-    axes.text(34, 44, f"{modes.frequencies[mode]:.4g} Hz", fontsize=17, color=INK, va="center")
-    axes.text(200, 44, f"mass  {share}", fontsize=12, color=FAINT, va="center")
-    axes.text(34, 16, more, fontsize=12, color=FAINT, va="center", parse_math=False)
-
-
-def _colour_bar(sheet: Sheet, view: View) -> None:
-    """What the colours mean, and where the axes point."""
-    axes = sheet.axes(MARGIN, 0, WIDTH - 2 * MARGIN, BAR)
-    ramp = np.linspace(0.0, 1.0, 256)[None, :]
-    axes.imshow(ramp, extent=(0, 320, 34, 50), cmap=DISPLACED, aspect="auto")
-    axes.set_xlim(0, WIDTH - 2 * MARGIN)
-    axes.set_ylim(0, BAR)
-    for x, text in ((0, "0"), (160, "0.5"), (320, "1")):
-        axes.text(x, 18, text, fontsize=12, color=INK, ha="center", va="center")
-    axes.text(350, 42, "displacement over the largest of the mode", fontsize=12, color=INK, va="center")
-    sheet.triad(axes, view, (WIDTH - 2 * MARGIN - 60, 30))
 
 
 def _modulus(modes: Modes) -> str:

@@ -7,6 +7,7 @@ The file stays below ``LIMIT``: where all frames would not fit, fewer of them ar
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,15 +18,14 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing import palette
 from reports.drawing.parts import Scale, hexed
 from reports.maps.crack_map import at_rest
 from reports.maps.framing import MapStyle, amplification
-from reports.page import downloads, model, motion, series, stress, title_block, words
-from reports.page.document import script_of, write_document
+from reports.page import model, motion, sections, series, stress, words
+from reports.page.document import Head, running, script_of, title_block, write_document
 from reports.page.pack import packed, packed_length
 from reports.page.section import KNOWN
 from reports.ties import tie_lines, tie_tensions
@@ -67,13 +67,16 @@ def write_page(
         raise InputError(f"scale: must be positive, got {scale!r}")
     tolerance = _tolerance(results, summary)
     missed, steps, missed_times = series.steps_missed(results, tolerance)
-    carried = downloads.tables(results, joint_damage(results, thresholds), parts)
+    carried = sections.carried_tables(results, joint_damage(results, thresholds), parts)
     context = words.PageContext(results, thresholds, end_state(results, thresholds), missed, steps, tolerance, summary, parts, carried)
     facts, text = _data(context, largest, {**carried, "missed": missed_times}, limit)
     asked = context.report.get("view", "auto")
     facts |= {"view": asked} if asked != "auto" else {}
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
-    facts["factor"] = scale if scale is not None else _amplification(context.measured)
+    run = context.measured
+    free = run.solids.vertices[~run.solids.fixed[run.solids.vertex_block]]
+    size = float(np.ptp(free, axis=0).max()) if len(free) else 1.0
+    facts["factor"] = scale if scale is not None else amplification(run.displacement_max, bool(run.fallen), size)  # as in the crack map
     write_document(path, "run.html", **_values(context, facts, text))
 
 
@@ -81,18 +84,9 @@ def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
     """The tolerance of the run: from its summary, else from its scene, else the default."""
     from masonry_cd.mechanics.dynamics.settings import Run
 
+    of_scene = tomllib.loads(results.scene).get("run", {}).get("tolerance", Run.model_fields["tolerance"].default)
     given = summary.get("solver", {}).get("tolerance")
-    if given is None and results.scene:
-        import tomllib
-
-        given = tomllib.loads(results.scene).get("run", {}).get("tolerance")
-    return float(given if given is not None else Run.model_fields["tolerance"].default)
-
-
-def _amplification(run: Measured) -> float:
-    """As the crack map picks it, for the run as a whole."""
-    free = run.solids.vertices[~run.solids.fixed[run.solids.vertex_block]]
-    return amplification(run.displacement_max, bool(run.fallen), float(np.ptp(free, axis=0).max()) if len(free) else 1.0)
+    return float(of_scene if given is None else given)
 
 
 def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndarray], limit: int) -> tuple[dict[str, Any], str]:
@@ -152,17 +146,14 @@ def _histories(
 
 def _values(context: words.PageContext, facts: Mapping[str, Any], text: str) -> dict[str, Any]:
     """What the template of the page is filled with."""
+    title, block = context.results.title or "Report of a run", title_block(context)
+    lines = [words.lead(context), *words.outcome(context)]
     return {
-        "title": context.results.title or "Report of a run",
-        "block": title_block.title_block(context),
-        "running": title_block.running(context),
-        "verdict": context.verdict,
-        "lead": words.lead(context),
-        "outcome": words.outcome(context),
-        "context": context,
-        "tiles": words.tiles(context),
-        "head": _sections(context, above=True),
-        "foot": _sections(context, above=False),
+        "title": title,
+        "running": running(context),
+        "page": Head(title, lines, words.notices(context), words.tiles(context), block, context.verdict, "trust"),
+        "above": _sections(context, above=True),
+        "below": _sections(context, above=False),
         "settings": words.settings(context),
         "scene": context.results.scene or "The result keeps no scene.",
         "facts": json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),

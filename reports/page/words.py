@@ -24,6 +24,7 @@ from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.io.results import Results
 from reports.drawing.figure import in_metres
 
+PEAKS = (("pga", "PGA", "m/s²"), ("pgv", "PGV", "m/s"), ("pgd", "PGD", "m"))  # of a base motion: key, name and unit
 TABLES = {"structure": "Structure", "material": "Material", "run": "Computation", "report": "Report"}
 
 
@@ -143,10 +144,12 @@ def lead(context: PageContext) -> str:
     extent = " × ".join(in_metres(v) for v in np.ptp(free, axis=0)) if len(free) else "nothing free"
     time = context.results.time
     span = f"{number(float(time[0]), 's')} to {number(float(time[-1]), 's')}"
+    held = int(solids.fixed.sum())
+    supports = "1 block is a support" if held == 1 else f"{held or 'no'} blocks are supports"
     steps = f", {context.steps} steps{_lengths(context)}" if context.steps else ""
     return (
         f"{len(blocks)} blocks{named} and {context.results.joints.count} joints, {extent} (x, y, z) without supports; "
-        f"{_supports(int(solids.fixed.sum()))}. Computed from {span}{steps}."
+        f"{supports}. Computed from {span}{steps}."
     )
 
 
@@ -158,15 +161,11 @@ def _lengths(context: PageContext) -> str:
     return f" of {number(1e3 * dt)} ms" if dt else ""
 
 
-def _supports(count: int) -> str:
-    return "1 block is a support" if count == 1 else f"{count or 'no'} blocks are supports"
-
-
-def outcome(context: PageContext) -> str:
-    """The damage, in a sentence."""
+def outcome(context: PageContext) -> list[str]:
+    """The damage, in two sentences."""
     table, joints = context.table, context.results.joints.count
     counts = [
-        f"{_of(context.only('opened'), joints)} joints opened",
+        f"{context.only('opened') or 'None'} of {joints} joints opened",
         f"{context.only('slid') or 'none'} slid",
         f"{int(table.both.sum()) or 'none'} opened and slid",
         f"{context.count('separated') or 'none'} separated",
@@ -178,7 +177,27 @@ def outcome(context: PageContext) -> str:
     else:
         down = " and ".join(f"no {kind.removesuffix('s')}" for kind, *_ in kinds) or "no block"
     farthest = f"The largest displacement relative to the base is {in_metres(context.measured.displacement_max)}."
-    return f"{', '.join(counts)}; {widest}; {down} fell. {farthest}"
+    return [f"{', '.join(counts)}; {widest}; {down} fell.", farthest]
+
+
+def notices(context: PageContext) -> list[str]:
+    """What must not be overlooked; nothing when all is well."""
+    summary, out = context.summary, []
+    if summary.get("stopped"):
+        out.append(f"The run ended early: {summary['stopped']}. The page shows it up to there.")
+    elif not summary.get("steps"):
+        out.append("The run has no summary: it was stopped or is still running. The page shows what it had written.")
+    if context.provisional:
+        why = context.provisional.partition(": ")[2]
+        out.append(
+            f"What is left is provisional: {why}. Openings, slidings, drifts, mechanisms and grades would change if the run continued."
+        )
+    if context.missed:
+        most = summary.get("solver", {}).get("error_max")
+        largest = "" if most is None else f"; the largest error is {number(most)}"
+        of = f"{context.missed} of {context.steps} steps missed the tolerance {number(context.tolerance)} of the solver"
+        out.append(f"{of}{largest}. They are marked in the plot of the solver's error.")
+    return out
 
 
 def tiles(context: PageContext) -> list[tuple[str, str, str]]:
@@ -219,15 +238,10 @@ def settings(context: PageContext) -> list[tuple[str, list[tuple[str, str]]]]:
     amounts = context.summary.get("loads", {}).get("tables", [])
     for k, load in enumerate(tables.get("loads", [])):
         after = amounts[k].get("after", {}) if k < len(amounts) else {}
-        boxes.insert(1 + (len(stands) or 1) + k, (f"Load {k + 1}", terms(load) + _peaks(after)))
+        peaks = [(name, number(after[key], unit)) for key, name, unit in PEAKS if isinstance(after.get(key), (int, float))]
+        boxes.insert(1 + (len(stands) or 1) + k, (f"Load {k + 1}", terms(load) + peaks))
     boxes.append(("Versions", terms(context.results.versions)))
     return [(title, rows) for title, rows in boxes if rows]
-
-
-def _peaks(after: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The peaks of a base motion (acceleration, velocity, displacement), as terms."""
-    known = {"pga": ("PGA", "m/s²"), "pgv": ("PGV", "m/s"), "pgd": ("PGD", "m")}
-    return [(name, number(after[key], unit)) for key, (name, unit) in known.items() if isinstance(after.get(key), (int, float))]
 
 
 def terms(table: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -249,7 +263,3 @@ def _plain(value: Any) -> str:
 
 def _most(values: np.ndarray) -> float:
     return float(np.nanmax(values, initial=0.0))
-
-
-def _of(some: int, count: int) -> str:
-    return f"{some or 'None'} of {count}"

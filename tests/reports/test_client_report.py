@@ -23,7 +23,7 @@ from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
 from masonry_cd.analysis.stress.joint_pressure import largest_pressure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.damage.part_files import write_part_damage
+from reports.damage import write_part_damage
 from reports.page import write_page
 from reports.page.pdf import write_pdf
 from reports.settings import report_of
