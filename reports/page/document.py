@@ -169,5 +169,8 @@ def running(context: PageContext) -> str:
 
 
 def _css_text(text: str) -> str:
-    """A text of CSS; all but plain letters by their number, so that nothing in it ends the text or looks like an address."""
-    return '"' + "".join(c if c.isascii() and (c.isalnum() or c in " .,") else f"\\{ord(c):06x}" for c in text) + '"'
+    """A text of CSS; all but plain letters by their number, so that nothing in it ends the text or looks like an address.
+
+    A blank that follows a number belongs to it.
+    """
+    return '"' + "".join(c if c.isascii() and (c.isalnum() or c in " .,") else f"\\{ord(c):06x} " for c in text) + '"'
