@@ -25,7 +25,7 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.grades import NAMES, read_grades
 from masonry_cd.analysis.damage.joint_damage import JointDamage
-from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings
+from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
 from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.outputs.summary import damage_numbers
 from masonry_cd.foundation.atomic import replacing
@@ -44,6 +44,11 @@ def thresholds_of(settings: Report) -> Thresholds:
 def damage_settings(settings: Report) -> Settings:
     """What counts as damage, and from where on it is which grade."""
     return Settings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades))
+
+
+def damage_of(results: Results, settings: Report) -> PartDamage:
+    """The damage by part."""
+    return part_damage(results, damage_settings(settings))
 
 
 def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:

@@ -39,7 +39,7 @@ class Job:
     @cached_property
     def damage(self) -> PartDamage:
         """The damage by part."""
-        from reports.outputs import damage_of
+        from reports.damage import damage_of
 
         return damage_of(self.results, self.settings)
 
@@ -71,8 +71,3 @@ def known_files() -> dict[str, str]:
     """All files with what they hold, those of extra reports last."""
     own = {name: meaning for output in OUTPUTS.values() for name, meaning in output.files.items()}
     return own | {name: report.meaning for report in EXTRA.values() for name in report.files}
-
-
-def carried_files() -> list[str]:
-    """Those that the page carries."""
-    return [name for output in OUTPUTS.values() for name in output.carried]

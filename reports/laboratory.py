@@ -53,7 +53,7 @@ def write_laboratory(results: Results, folder: Path, drawn: bool = True) -> dict
     cycles = [[row["name"], k + 1, *(c[name] for name in CYCLE_COLUMNS[2:])] for row in pushes for k, c in enumerate(row["cycles"])]
     if cycles:
         write_csv(folder / CYCLES, CYCLE_COLUMNS, cycles, digits=10)
-    gauges = _histories(results)
+    gauges = histories_of(results, asked=False)
     for kind, found in gauges.items():
         head, columns = TABLES[f"{kind}.csv"][0], list(next(iter(found.values())))
         write_csv(folder / f"{kind}.csv", [head, *columns], _rows(found.items()), digits=10)
@@ -64,23 +64,17 @@ def write_laboratory(results: Results, folder: Path, drawn: bool = True) -> dict
     return {"pushes": pushes} if pushes else {}
 
 
-def _histories(results: Results) -> dict[str, dict[str, History]]:
-    """Histories by kind, ``points`` and so on, and name; those that there are."""
-    found = {name.removesuffix(".csv"): read(results) for name, (_, read) in TABLES.items()}
-    return {kind: histories for kind, histories in found.items() if histories}
-
-
-def histories_of(results: Results) -> dict[str, dict[str, History]]:
-    """Histories by kind, ``points`` and so on, and name.
+def histories_of(results: Results, asked: bool = True) -> dict[str, dict[str, History]]:
+    """Histories by kind, ``points`` and so on, and name; those that there are.
 
     Raises:
-        InputError: the run kept none.
+        InputError: they are ``asked`` for, and the run kept none.
     """
-    found = _histories(results)
-    if not found:
-        raise InputError(
-            "gauges: the run kept none; [[output.point]], [[output.joint]], [[output.crack]] and [[output.support]] ask for them"
-        )
+    kinds = {name.removesuffix(".csv"): read(results) for name, (_, read) in TABLES.items()}
+    found = {kind: histories for kind, histories in kinds.items() if histories}
+    if asked and not found:
+        words = "[[output.point]], [[output.joint]], [[output.crack]] and [[output.support]] ask for them"
+        raise InputError(f"gauges: the run kept none; {words}")
     return found
 
 

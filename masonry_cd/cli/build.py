@@ -105,7 +105,7 @@ def build(
             written += plan_files.write_plan_files(asked, output, picture)
         if picture:
             from reports.drawing.figure import Sheet
-            from reports.drawing.structure_picture import structure_scene
+            from reports.drawing.solids import structure_scene
             from structures.ties import lines_of
 
             written.append(output / "structure.png")

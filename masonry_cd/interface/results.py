@@ -32,8 +32,8 @@ from masonry_cd.interface.tables import PER_STEP, columns_of, frame_of, frame_of
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from reports.damage import damage_settings, thresholds_of
-from reports.outputs import damage_of, frame_at
+from reports.damage import damage_of, damage_settings, thresholds_of
+from reports.outputs import frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of
 from reports.stress import block_columns, joint_columns

@@ -61,7 +61,7 @@ class Structure(Sequence[Block]):
         from PIL import Image as images
 
         from reports.drawing.figure import Sheet
-        from reports.drawing.structure_picture import structure_scene
+        from reports.drawing.solids import structure_scene
 
         return images.fromarray(Sheet.drawn(structure_scene(self.blocks, title, view, self.ties)).pixels())
 

@@ -44,7 +44,7 @@ def write_assessment(folder: Path) -> Assessment:
         tornado(found, folder / PICTURE)
         drawn = [folder / PICTURE]
     write_page(found, drawn, folder / PAGE)
-    write_json(folder / FILE, as_facts(found) | {"found": facts_of(found)})
+    write_json(folder / FILE, {"found": facts_of(found)} | as_facts(found))
     return found
 
 

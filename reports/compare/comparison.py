@@ -29,8 +29,7 @@ from masonry_cd.analysis.verdict import NOT_GRADED
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from reports.damage import damage_settings
-from reports.outputs import damage_of
+from reports.damage import damage_of, damage_settings
 from reports.settings import Report, report_of
 
 

@@ -140,11 +140,7 @@ def save(figure: Any, path: Path, title: str = "") -> Path:
 
 
 def save_polygons(scene: Scene, folder: Path, name: str) -> list[Path]:
-    """Write a scene as polygons into an SVG and a PDF of a name; return them.
-
-    Raises:
-        InputError: a file cannot be written.
-    """
+    """Write a scene as polygons into an SVG and a PDF of a name; return them."""
     figure = Sheet.as_polygons(scene).figure
     return [save(figure, folder / f"{name}.{form}", scene.title) for form in ("svg", "pdf")]
 
@@ -270,11 +266,7 @@ class Sheet:
         return out
 
     def save(self, path: Path) -> None:
-        """Write the PNG.
-
-        Raises:
-            InputError: the file cannot be written.
-        """
+        """Write the PNG."""
         save(self.figure, path)
 
 

@@ -25,11 +25,7 @@ NO_CONTEXT = (
 
 
 def render(scene: Scene, pixels: tuple[int, int], samples: int = SAMPLES) -> np.ndarray:
-    """Draw a scene into an image (height, width, 3) uint8 on white; each pixel is the mean of samples x samples rendered ones.
-
-    Raises:
-        InputError: no off-screen OpenGL; names the packages that bring it.
-    """
+    """Draw a scene into an image (height, width, 3) uint8 on white; each pixel is the mean of samples x samples rendered ones."""
     with Canvas(scene.view, pixels, samples) as canvas:
         return canvas.draw(scene)
 

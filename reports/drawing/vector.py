@@ -49,7 +49,16 @@ class _Painting:
 
 def draw_polygons(axes: Any, scene: Scene) -> None:
     """Draw a scene into axes of its window's shape."""
-    _place(axes, _painted(scene))
+    from matplotlib.collections import PolyCollection
+
+    painting = _painted(scene)
+    order = np.argsort(painting.rank, kind="stable")
+    colours = np.array([painting.colours[k] for k in order]).reshape(-1, 3)
+    # without outlines, edges of their own colour hide the seams
+    edges = [palette.EDGE if painting.outlined[k] else tuple(painting.colours[k]) for k in order]
+    widths = [OUTLINE if painting.outlined[k] else 0.15 for k in order]
+    polygons = [painting.polygons[k] for k in order]
+    axes.add_collection(PolyCollection(polygons, facecolors=colours, edgecolors=edges, linewidths=widths, joinstyle="round"))
     for layer in cut_layers(scene):
         if isinstance(layer, Lines) and not layer.outline:
             _draw_lines(axes, layer, scene.view)
@@ -115,18 +124,6 @@ def _draw_lines(axes: Any, lines: Lines, view: View) -> None:
 
     flat = view.plane(lines.points)[lines.pairs]
     axes.add_collection(LineCollection(flat, colors=lines.colour, linewidths=POINT * lines.width, zorder=0 if lines.place < AMONG else 2))
-
-
-def _place(axes: Any, painting: _Painting) -> None:
-    """Put the polygons into axes, in the order of their ranks; without outlines, edges of their own colour hide the seams."""
-    from matplotlib.collections import PolyCollection
-
-    order = np.argsort(painting.rank, kind="stable")
-    colours = np.array([painting.colours[k] for k in order]).reshape(-1, 3)
-    edges = [palette.EDGE if painting.outlined[k] else tuple(painting.colours[k]) for k in order]
-    widths = [OUTLINE if painting.outlined[k] else 0.15 for k in order]
-    polygons = [painting.polygons[k] for k in order]
-    axes.add_collection(PolyCollection(polygons, facecolors=colours, edgecolors=edges, linewidths=widths, joinstyle="round"))
 
 
 EDGE_ON = 1e-3  # a plane whose normal is nearer to perpendicular to the view than this puts neither block before the other

@@ -32,6 +32,7 @@ GOES = {
     "elastic": "stored in joints",
     "kinetic": "kinetic",
 }
+UNITS = ((1e-6, "MJ"), (1e-3, "kJ"), (1.0, "J"), (1e3, "mJ"), (1e6, "µJ"))
 POINTS = 4000  # steps drawn at most; more of them share a pixel
 
 
@@ -45,7 +46,8 @@ def energy_figure(results: Results) -> Any:
     if not len(time):
         raise InputError(f"{results.path}: the run made no step: there is no energy to draw")
     works, goes = _present(energy, WORKS), _present(energy, GOES)
-    factor, unit = _unit(max(float(np.abs(energy[key]).max()) for key in (*works, *goes)))
+    size = max(float(np.abs(energy[key]).max()) for key in (*works, *goes))
+    factor, unit = next((row for row in UNITS if size * row[0] >= 1.0), UNITS[-1])
     put_in = factor * sum((energy[key] for key in works), np.zeros(len(time)))
     figure = blank((12.0, 8.2), 110, layout="constrained")
     heading(figure, f"Energy: {results.title}")
@@ -78,14 +80,6 @@ def _present(energy: Mapping[str, np.ndarray], asked: Mapping[str, str]) -> list
     """Those that the run has; the kinetic energy and the work of the supports always, others where they are not nothing throughout."""
     always = ("kinetic", "base_work", "gravity_work", "friction", "impact")
     return [key for key in asked if key in energy and (key in always or energy[key].any())]
-
-
-def _unit(largest: float) -> tuple[float, str]:
-    """Factor and name of the unit in which a largest energy reads well."""
-    for factor, unit in ((1e-6, "MJ"), (1e-3, "kJ"), (1.0, "J"), (1e3, "mJ")):
-        if largest * factor >= 1.0:
-            return factor, unit
-    return 1e6, "µJ"
 
 
 def _write(results: Results, folder: Path) -> None:

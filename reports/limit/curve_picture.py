@@ -73,7 +73,12 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     plain_axes(axes, "load factor", f"displacement of the control block [{unit}]")
     zero_line(axes)
     x = scale * curve.displacement
-    _line(axes, x, curve)
+    for first, end in pairwise([0, *curve.jumps, len(x)]):
+        label = "limit analysis of the moved blocks" if first == 0 else None
+        axes.plot(x[first:end], curve.factor[first:end], color=COLOURS[0], linewidth=2.0, label=label)
+    for jump in curve.jumps:  # where blocks go on by themselves
+        label, there = "blocks go on by themselves" if jump == curve.jumps[0] else None, slice(jump - 1, jump + 1)
+        axes.plot(x[there], curve.factor[there], color=COLOURS[0], linewidth=1.1, linestyle=":", label=label)
     upper = np.array([stage.associated for stage in curve.stages])
     above = upper > curve.factor + 1e-4 * abs(curve.factor[0])
     if above.any():
@@ -95,17 +100,6 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     axes.legend(loc="best", fontsize=10, frameon=False)
 
 
-def _line(axes: Any, x: np.ndarray, curve: CapacityCurve) -> None:
-    """The factor over the displacement (K,) in the unit of the axes; dotted where blocks go on by themselves."""
-    borne = [0, *curve.jumps, len(x)]
-    for first, end in pairwise(borne):
-        label = "limit analysis of the moved blocks" if first == 0 else None
-        axes.plot(x[first:end], curve.factor[first:end], color=COLOURS[0], linewidth=2.0, label=label)
-    for jump in curve.jumps:
-        label = "blocks go on by themselves" if jump == curve.jumps[0] else None
-        axes.plot(x[jump - 1 : jump + 1], curve.factor[jump - 1 : jump + 1], color=COLOURS[0], linewidth=1.1, linestyle=":", label=label)
-
-
 def _images(curve: CapacityCurve, view: str) -> list[np.ndarray]:
     """The structure at the marked points, all in one framing: what stands, what moves, hinges and slips, outlines as built."""
     built = Solids.from_blocks(curve.stages[0].assembly.blocks)
@@ -125,16 +119,12 @@ def _scene(stage: Stage, solids: Solids, built: Solids, looking: View, window: W
     for name in DOTTED:
         which = [j for j in range(joints.count) if at_work.get((int(joints.block_a[j]), int(joints.block_b[j]))) == name]
         layers.append(dots(moves.hinge[which], AT_WORK[name], looking, radius, through(looking)))
-    return Scene(looking, window, layers, ties=_ties(stage))
-
-
-def _ties(stage: Stage) -> Ties:
-    """The ties where they are, without labels; those that are slack pull nothing."""
     tension = np.zeros(len(stage.pulling))
     tension[stage.pulling] = stage.best.bars
     ends = stage.loads.bars.points
-    rods = np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1)) < LONGEST
-    return Ties(ends[rods], ("",) * int(rods.sum()), np.where(tension > SLACK, tension, 0.0)[rods])
+    rods = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) < LONGEST
+    pulls = np.where(tension > SLACK, tension, 0.0)[rods]  # those that are slack pull nothing
+    return Scene(looking, window, layers, ties=Ties(ends[rods], ("",) * len(pulls), pulls))
 
 
 LINE, WORST, SPAN = "#20506f", "#b3261e", "#e9e4d8"

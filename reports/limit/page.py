@@ -160,7 +160,8 @@ def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> 
     """Write the page; ``drawn`` are PNGs with what each shows."""
     summary, least = page.summary, page.least
     block = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene)
-    columns, numbers = _columns(page)
+    rows = [_row(page, row) for row in least]
+    columns = [*rows[0]] if rows else []
     write_document(
         path,
         "macro_elements.html",
@@ -168,8 +169,8 @@ def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> 
         page=Head(summary["title"], summary["lines"][:1], doubts(summary), _tiles(summary, page), block, on_the_check(summary["verdict"])),
         csv=CSV,
         columns=columns,
-        rows=[_row(page, row) for row in least],
-        numbers=numbers,
+        rows=rows,
+        numbers=range(3, columns.index("verdict") if "verdict" in columns else len(columns) - bool(page.damage)),
         any_doubt=any(row["doubt"] for row in least),
         by_displacements=any(row["check"] == "non-linear" for row in least),
         followed=_followed(page),
@@ -198,44 +199,35 @@ def _tiles(summary: Mapping[str, Any], page: MacroPage) -> list[tuple[str, objec
     return out
 
 
-def _columns(page: MacroPage) -> tuple[list[str], tuple[int, ...]]:
-    """Headings of the table, and which of its columns are numbers."""
-    checked = _checked(page)
-    heads = ["part", "push", "mechanism", "held at [m]", "α0", "e*", "a0* [m/s²]"]
-    followed = _followed(page)
-    heads += ["asked for [m/s²]"] if checked else []
-    heads += ["d0* [mm]", "borne [mm]", "asked for [mm]"] if followed else []
-    heads += ["ratio", "verdict"] if checked else []
-    numbers = tuple(range(3, heads.index("verdict") if checked else len(heads)))
-    return heads + (["damage in the run"] if page.damage else []), numbers
-
-
 def _followed(page: MacroPage) -> bool:
     """Whether a mechanism of the table has its check by displacements."""
     return any(row["displacement"] is not None for row in page.least)
 
 
-def _row(page: MacroPage, row: Mapping[str, Any]) -> list[str | Badge]:
-    """The least mechanism of a part and push."""
-    cells: list[str | Badge] = [
-        row["element"], row["push"], row["mechanism"], _aligned(row["height"]), _aligned(row["alpha0"], 4),
-        _aligned(row["fraction"]) + ("¹" if row["doubt"] else ""), _aligned(row["acceleration"], 4),
-    ]  # fmt: skip
+def _row(page: MacroPage, row: Mapping[str, Any]) -> dict[str, str | Badge]:
+    """The least mechanism of a part and push, by the columns of the table."""
+    cells: dict[str, str | Badge] = {
+        "part": row["element"],
+        "push": row["push"],
+        "mechanism": row["mechanism"],
+        "held at [m]": _aligned(row["height"]),
+        "α0": _aligned(row["alpha0"], 4),
+        "e*": _aligned(row["fraction"]) + ("¹" if row["doubt"] else ""),
+        "a0* [m/s²]": _aligned(row["acceleration"], 4),
+    }
     if _checked(page):
-        cells.append(_aligned(row["demand"], 4))
-        cells += [_millimetres(row[name]) for name in ("last", "displacement", "displacement_demand")] if _followed(page) else []
-        cells.append(_aligned(row["ratio"]) + ("²" if row["check"] == "non-linear" else ""))
-        cells.append(Badge(f"verdict {VERDICTS[row['state']]}", row["state"]))
-    return cells + ([page.damage.get(row["element"], "")] if page.damage else [])
+        cells["asked for [m/s²]"] = _aligned(row["demand"], 4)
+        if _followed(page):
+            for name, key in (("d0* [mm]", "last"), ("borne [mm]", "displacement"), ("asked for [mm]", "displacement_demand")):
+                cells[name] = "–" if row[key] is None else number(1e3 * row[key], digits=3)
+        cells["ratio"] = _aligned(row["ratio"]) + ("²" if row["check"] == "non-linear" else "")
+        cells["verdict"] = Badge(f"verdict {VERDICTS[row['state']]}", row["state"])
+    return cells | ({"damage in the run": page.damage.get(row["element"], "")} if page.damage else {})
 
 
 def _aligned(value: float, digits: int = 3) -> str:
     """A number of a column, with the zeros at its end that keep digits below digits."""
     return f"{value:#.{digits}g}".rstrip(".") if 1e-3 <= abs(value) < 1e3 else number(value, digits=digits)
-
-
-def _millimetres(value: float | None) -> str:
-    return "–" if value is None else number(1e3 * value, digits=3)
 
 
 def damage_by_group(folder: Path) -> dict[str, str]:

@@ -29,7 +29,7 @@ from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing import palette
 from reports.drawing.bands import DrawnJoints
 from reports.drawing.figure import LABELLED, in_metres
-from reports.drawing.parts import BEHIND, Layer, Panel, Sign, Surface, Ties, painted
+from reports.drawing.parts import BEHIND, Panel, Sign, Surface, Ties, painted
 from reports.drawing.scene import Scene
 from reports.drawing.solids import block_layers, structure_window, two_colours, within_sight
 from reports.maps.framing import Framing, MapStyle, largest_displacement, view_and_cut
@@ -64,12 +64,14 @@ class Subject:
         if last and framed.alone:
             joints = f", {in_words(joint_damage(results, thresholds))}" if results.joints.count else ""
             suffered = f"largest displacement {in_metres(displacement_max(results))}{joints}"
+        crushed = snapshot.live & ~snapshot.separated
+        crushed &= (results.joints_at(CRUSHED, frame) > 0.0) if results.has_joint_history(CRUSHED) else False
         return cls(
             framed=framed,
             joints=results.joints,
             solids=solids,
             snapshot=snapshot,
-            crushed=_crushed(results, frame, snapshot),
+            crushed=crushed,
             last=last,
             drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
             ties=ties_at(results, solids, snapshot.pose, framed.factor),
@@ -99,7 +101,10 @@ class Subject:
 
     def scene(self, joints: DrawnJoints, colours: np.ndarray, faces: np.ndarray | None = None) -> Scene:
         """The blocks in colours (B, 3) over their shape at rest, some faces in others (F, 3), with joints and ties; without words."""
-        layers = [_shadow(self.solids), *block_layers(self.solids, self.drawn, colours, faces)]
+        solids = self.solids  # its free blocks at rest, pale, behind everything: seen only where they have moved away
+        pale = painted(palette.SHADOW, len(solids.face_block))
+        shadow = Surface(solids.vertices, solids.loops, solids.loop_start, pale, lit=False, place=BEHIND)
+        layers = [shadow.some(~solids.fixed[solids.face_block]), *block_layers(self.solids, self.drawn, colours, faces)]
         return Scene(self.framed.view, self.framed.window, layers, joints, self.ties, self.framed.cut)
 
     def drawn_joints(self) -> DrawnJoints:
@@ -160,20 +165,6 @@ def band_width(solids: Solids, pixel: float) -> float:
     return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
 
 
-def _crushed(results: Results, frame: int, snapshot: DamageSnapshot) -> np.ndarray:
-    """The joints (J,) that are shorter for good at a frame, on blocks that stand."""
-    if not results.has_joint_history(CRUSHED):
-        return np.zeros(len(snapshot.separated), bool)
-    return snapshot.live & ~snapshot.separated & (results.joints_at(CRUSHED, frame) > 0.0)
-
-
-def _shadow(solids: Solids) -> Layer:
-    """The free blocks at rest, pale, behind everything: seen only where the structure has moved away."""
-    colours = painted(palette.SHADOW, len(solids.face_block))
-    faces = Surface(solids.vertices, solids.loops, solids.loop_start, colours, lit=False, place=BEHIND)
-    return faces.some(~solids.fixed[solids.face_block])
-
-
 def _scales(subject: Subject) -> list[Panel]:
     """The scales of opening and sliding; of a structure without joints, such as a packing of spheres, none."""
     if not subject.joints.count:
@@ -195,7 +186,11 @@ def _signs(subject: Subject) -> list[Sign]:
     ]
     if crushed := int(subject.crushed.sum()):
         joints.append(Sign("band", f"crushed ({crushed})", ("#ffffff", palette.CRUSHED)))
-    rows, down, outside = joints if subject.joints.count else [], int(snapshot.down.sum()), _outside(subject)
+    rows, down, window, solids = joints if subject.joints.count else [], int(snapshot.down.sum()), subject.framed.shown, subject.solids
+    x, y = subject.framed.view.plane(subject.drawn).T
+    inside = (x > window.left) & (x < window.right) & (y > window.bottom) & (y < window.top)
+    seen = np.bincount(solids.vertex_block, inside, minlength=len(solids.centre)) > 0
+    outside = int((~seen & ~solids.fixed).sum())
     if down or not alone:
         rows.append(Sign("box", f"fallen block ({down})" + (f", {outside} not in view" if outside else ""), (palette.FALLEN,)))
     return [*rows, *other_signs(subject, always=not alone)]
@@ -223,12 +218,3 @@ def _facts(subject: Subject) -> str:
         + (f"\nover all time steps: {subject.suffered}" if subject.suffered else "")
         + (f" · {subject.provisional}" if subject.provisional else "")
     )
-
-
-def _outside(subject: Subject) -> int:
-    """Number of free blocks of which nothing is in the picture."""
-    solids, window = subject.solids, subject.framed.shown
-    x, y = subject.framed.view.plane(subject.drawn).T
-    inside = (x > window.left) & (x < window.right) & (y > window.bottom) & (y < window.top)
-    seen = np.bincount(solids.vertex_block, inside, minlength=len(solids.centre)) > 0
-    return int((~seen & ~solids.fixed).sum())

@@ -60,11 +60,7 @@ class Pressed:
 
     @classmethod
     def of(cls, results: Results, frame: int | None) -> Pressed:
-        """That of a frame, or of the whole run for None.
-
-        Raises:
-            InputError: the run kept no stress.
-        """
+        """That of a frame, or of the whole run for None."""
         peaks, elements = stress_peaks(results, report_of(results.scene).opened), element_peaks(results)
         if frame is None:
             of_elements = None if elements is None else elements.compression

@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.damage.grades import read_grades
-from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
+from masonry_cd.analysis.damage.part_damage import PartDamage
+from masonry_cd.analysis.damage.part_damage import part_damage as part_damage
 from masonry_cd.analysis.deformed import Solids, frame_index
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
-from reports.damage import damage_settings, thresholds_of
+from reports.damage import damage_settings as damage_settings
+from reports.damage import thresholds_of
 from reports.drawing.scene import Scene
 from reports.files import Job
 from reports.maps.crack_map import crack_scene
@@ -62,11 +64,6 @@ def check_again(settings: Report, results: Results) -> None:
     """
     read_grades(settings.grades)
     framing(results, [0], style_of(settings))
-
-
-def damage_of(results: Results, settings: Report) -> PartDamage:
-    """The damage by part."""
-    return part_damage(results, damage_settings(settings))
 
 
 def parse_times(results: Results, text: str) -> list[float]:

@@ -22,6 +22,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing import palette
 from reports.drawing.parts import Scale, hexed
+from reports.drawing.solids import within_sight
 from reports.maps.crack_map import at_rest
 from reports.maps.framing import MapStyle, amplification
 from reports.page import model, motion, sections, series, stress, words
@@ -49,15 +50,9 @@ def write_page(
 ) -> None:
     """Write a run as one HTML file that needs nothing else.
 
-    Args:
-        results: of a run, also of one that was stopped or killed.
-        path: of the file.
-        summary: as in summary.json; what it lacks is left out.
-        thresholds: of damage; the colour classes begin there.
-        scale: amplification of the displacements at first; None picks 1, or what makes the largest one visible.
-        largest: where the last class of the colour scales begins [m].
-        parts: the damage by part, for a table of its own.
-        limit: of the packed data [bytes]; frames are left out to keep it.
+    What ``summary`` lacks of summary.json is left out. Displacements are amplified by ``scale`` at first; None picks 1, or what makes the
+    largest one visible. The last class of the colours begins at ``largest`` [m]. The packed data keep a ``limit`` [bytes] by leaving out
+    frames.
 
     Raises:
         InputError: a scale that is not positive, or a path that cannot be written.
@@ -77,7 +72,21 @@ def write_page(
     free = run.solids.vertices[~run.solids.fixed[run.solids.vertex_block]]
     size = float(np.ptp(free, axis=0).max()) if len(free) else 1.0
     facts["factor"] = scale if scale is not None else amplification(run.displacement_max, bool(run.fallen), size)  # as in the crack map
-    write_document(path, "run.html", **_values(context, facts, text))
+    title, lines = results.title or "Report of a run", [words.lead(context), *words.outcome(context)]
+    write_document(
+        path,
+        "run.html",
+        title=title,
+        running=running(context),
+        page=Head(title, lines, words.notices(context), words.tiles(context), title_block(context), context.verdict, "trust"),
+        above=_sections(context, above=True),
+        below=_sections(context, above=False),
+        settings=words.settings(context),
+        scene=results.scene or "The result keeps no scene.",
+        facts=json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),
+        data=text,
+        script=script_of("reports.page", *SCRIPTS),
+    )
 
 
 def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
@@ -113,7 +122,8 @@ def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndar
         count = max(2, min(count - 1, int(0.97 * count * limit / length)))
         moved = moved.only(motion.frames_shown(len(moved.frames), count))
     seen = model.camera(solids, moved)
-    arrays["vertices"] = model.vertices_near(solids, np.array([seen["low"], seen["high"]]))
+    origin, box = model.origin_of(solids), np.array([seen["low"], seen["high"]])  # a wide ground is sent as near as it is seen
+    arrays["vertices"] = (within_sight(solids, solids.vertices, box + origin) - origin).astype(np.float32)
     down, apart = motion.read_losses(results, solids, moved, classes[0])
     flags = {"fallen": motion.bits(down), "separated": motion.bits(apart)}
     classes_of_stress, pressed = stress.colours(results, moved.frames)
@@ -142,24 +152,6 @@ def _histories(
         hues = [hexed(colour) for colour in scale.colours]
         scales[name] = {"lowest": lowest, "per_e": per_e, "bounds": scale.bounds, "codes": bounds, "colours": hues}
     return histories, units, scales
-
-
-def _values(context: words.PageContext, facts: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """What the template of the page is filled with."""
-    title, block = context.results.title or "Report of a run", title_block(context)
-    lines = [words.lead(context), *words.outcome(context)]
-    return {
-        "title": title,
-        "running": running(context),
-        "page": Head(title, lines, words.notices(context), words.tiles(context), block, context.verdict, "trust"),
-        "above": _sections(context, above=True),
-        "below": _sections(context, above=False),
-        "settings": words.settings(context),
-        "scene": context.results.scene or "The result keeps no scene.",
-        "facts": json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),
-        "data": text,
-        "script": script_of("reports.page", *SCRIPTS),
-    }
 
 
 def _sections(context: words.PageContext, above: bool) -> list[tuple[str, str, str]]:

@@ -135,7 +135,7 @@ def rows_of(given: Mapping[str, Any], made_by: str, scene: str) -> list[tuple[st
     rows = [(name, str(given[key])) for key, name in KEYS.items() if given.get(key)]
     rows += [("Date", _date(given)), ("Program", made_by)]
     if scene:
-        rows.append(("Scene", f"SHA-256 {checksum(scene)} …"))
+        rows.append(("Scene", f"SHA-256 {hashlib.sha256(scene.encode()).hexdigest()[:PRINT]} …"))
     return rows
 
 
@@ -154,23 +154,13 @@ def program(context: PageContext) -> str:
     return f"masonry_cd {version}" if version else "masonry_cd"
 
 
-def checksum(text: str) -> str:
-    """The beginning of the SHA-256 of a scene's text."""
-    return hashlib.sha256(text.encode()).hexdigest()[:PRINT]
-
-
 def running(context: PageContext) -> str:
     """CSS of the margins of printed pages: project or title at the top; date, program and page number at the foot."""
     head = " · ".join(str(word) for word in (context.report.get("project"), context.results.title) if word)
     places = {"top-left": head, "top-right": str(context.report.get("author") or ""), "bottom-left": program(context)}
     places["bottom-center"] = _date(context.report)
-    boxes = [f"@{place} {{ content: {_css_text(text)}; }}" for place, text in places.items() if text]
+    css = {}  # all but plain letters by their number, so that nothing ends a text or looks like an address; a blank belongs to the number
+    for place, text in places.items():
+        css[place] = "".join(c if c.isascii() and (c.isalnum() or c in " .,") else f"\\{ord(c):06x} " for c in text)
+    boxes = [f'@{place} {{ content: "{text}"; }}' for place, text in css.items() if text]
     return "@media print { @page { " + " ".join(boxes) + " } }"
-
-
-def _css_text(text: str) -> str:
-    """A text of CSS; all but plain letters by their number, so that nothing in it ends the text or looks like an address.
-
-    A blank that follows a number belongs to it.
-    """
-    return '"' + "".join(c if c.isascii() and (c.isalnum() or c in " .,") else f"\\{ord(c):06x} " for c in text) + '"'

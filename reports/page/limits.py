@@ -29,7 +29,7 @@ PAIRS = 6  # of groups whose values are listed
 
 def limits(context: PageContext) -> Mapping[str, Any]:
     """What is assumed and what is not modelled, a sentence or two each."""
-    results, kinds, moving = context.results, _kinds(context), context.moving_axes
+    results, kinds, moving = context.results, [str(load.get("kind")) for load in context.tables.get("loads", [])], context.moving_axes
     stands = [context.tables.get("structure", {}), *context.tables.get("structures", [])]
     return {
         "assumed": assumptions(context),
@@ -57,11 +57,6 @@ def assumptions(context: PageContext) -> list[str]:
         *_gravity(context),
         *([PLANE] if context.summary.get("planar") else []),
     ]
-
-
-def _kinds(context: PageContext) -> list[str]:
-    """Of the loads."""
-    return [str(load.get("kind")) for load in context.tables.get("loads", [])]
 
 
 def _pressure(results: Results) -> dict[str, str] | None:

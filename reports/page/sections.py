@@ -22,7 +22,7 @@ from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
 from reports.damage import write_joints_csv, write_part_damage
 from reports.drawing.figure import in_metres
-from reports.files import carried_files, known_files
+from reports.files import OUTPUTS, known_files
 from reports.page.document import Badge
 from reports.page.section import Section
 from reports.page.words import PageContext, capital, number, sensible, terms
@@ -191,12 +191,13 @@ def trust(context: PageContext) -> Mapping[str, Any]:
 
 def carried_tables(results: Results, table: JointDamage, parts: PartDamage | None) -> dict[str, np.ndarray]:
     """The bytes of each table by its name among the packed arrays; they are those of the files in the run's folder."""
+    carried = [name for output in OUTPUTS.values() for name in output.carried]
     with tempfile.TemporaryDirectory() as folder:
         here = Path(folder)
         write_joints_csv(table, here / JOINTS, end_state(results, parts.settings.thresholds if parts else None).provisional)
         if parts is not None:
             write_part_damage(parts, here)
-        return {PREFIX + name: np.frombuffer((here / name).read_bytes(), np.uint8) for name in carried_files() if (here / name).exists()}
+        return {PREFIX + name: np.frombuffer((here / name).read_bytes(), np.uint8) for name in carried if (here / name).exists()}
 
 
 def downloads(context: PageContext) -> Mapping[str, Any]:

@@ -99,11 +99,7 @@ class JointStudy:
         return {one.path.name: one for one in out if one.drawn.any()}
 
     def draw(self, maps: Iterable[JointValues]) -> list[Path]:
-        """Draw some of them; return their paths.
-
-        Raises:
-            InputError: no off-screen OpenGL, or a path that cannot be written.
-        """
+        """Draw some of them; return their paths."""
         with Results.open(self.study.folder / REFERENCE) as results:
             return draw_joint_values(results, maps, self.style)
 
@@ -138,9 +134,13 @@ def draw_joint_maps(study: Study) -> tuple[list[Path], list[str], list[str]]:
     if found is None:
         return [], [], []
     written = found.draw(found.maps().values())
+    out_of, lacking = int(study.done.sum()), int(study.done.sum()) - len(found.runs.rows) - found.runs.left_out
+    warnings = [f"{found.runs.left_out} runs are left out, whose joints are not those of the first run"] * bool(found.runs.left_out)
+    warnings += [f"{lacking} of {out_of} runs have no file in joints, or are more than can be held"] * bool(lacking)
+    warnings = [f"maps of the joints: {words}" for words in warnings]
     rows = ((j, *cells) for j, cells in enumerate(zip(*found.table.values(), strict=True)))
     write_csv(study.folder / TABLE, ("joint", *found.table), rows, digits=6)
-    return [*written, study.folder / TABLE], _lines(found.runs, found.thresholds, found.pairs), _warnings(study, found.runs)
+    return [*written, study.folder / TABLE], _lines(found.runs, found.thresholds, found.pairs), warnings
 
 
 def _levels(level: np.ndarray, most: int) -> list[float]:
@@ -163,17 +163,6 @@ def _lines(runs: JointRuns, thresholds: Thresholds, pairs: list[tuple[str, str]]
         f"the joint of {pairs[often][0]} and {pairs[often][1]} opened most often, in {100 * share[often]:.0f} % of {len(runs.rows)} runs; "
         f"{many} of {len(share)} joints opened in half of them or more"
     ]
-
-
-def _warnings(study: Study, runs: JointRuns) -> list[str]:
-    """Runs that are not counted."""
-    out = []
-    if runs.left_out:
-        out.append(f"maps of the joints: {runs.left_out} runs are left out, whose joints are not those of the first run")
-    lacking = int(study.done.sum()) - len(runs.rows) - runs.left_out
-    if lacking:
-        out.append(f"maps of the joints: {lacking} of {int(study.done.sum())} runs have no file in joints, or are more than can be held")
-    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,11 +189,7 @@ class JointValues:
 
 
 def draw_joint_values(results: Results, maps: Iterable[JointValues], style: MapStyle) -> list[Path]:
-    """Draw maps on the structure at rest, all in one framing and on one canvas.
-
-    Raises:
-        InputError: no such view or plane, no off-screen OpenGL, or a path that cannot be written.
-    """
+    """Draw maps on the structure at rest, all in one framing and on one canvas."""
     scene, written = at_rest(results, style), []
     assert scene.joints is not None
     with Canvas(scene.view, layout_of(scene).pixels) as canvas:

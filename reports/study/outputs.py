@@ -156,12 +156,16 @@ def _summary(study: Study, fits: Sequence[Fit], rows: Sequence[Correlation], out
 def write_page(study: Study, fits: Sequence[Fit], out: Written, found: Verdict) -> None:
     """Write study.html: words first, then the pictures, the fits and the runs; a run whose page is kept is linked from its row."""
     title = str(study.asked["title"])
+    asked = study.asked
+    varied = [counted(len(study.motions), "record")] if study.motions else []
+    varied += [f"{asked['measure']} at {counted(len(asked['levels']), 'level')}"] if asked["measure"] and asked["levels"] else []
+    block = rows_of_many(asked["scene"], asked.get("program", ""), ", ".join([*varied, *study.varied]) or "nothing but chance")
     notes = dict.fromkeys(fit.betas.note for fit in fits if fit.fitted and fit.betas.note)
     write_document(
         study.folder / PAGE,
         "study.html",
         title=title,
-        page=Head(title, out.lines, out.warnings, _counts(study), _block(study), found),
+        page=Head(title, out.lines, out.warnings, _counts(study), block, found),
         drawn=pictures({path: CAPTIONS.get(path.name, "How often each joint opened at this level.") for path in out.pictures}),
         measure=fits[0].measure if fits else "",
         fits=[_fit(fit) for fit in fits],
@@ -171,14 +175,6 @@ def write_page(study: Study, fits: Sequence[Fit], out: Written, found: Verdict) 
         settings=[*words.settings(study).items()],
         script=script_of("reports.study", "study.js"),
     )
-
-
-def _block(study: Study) -> list[tuple[str, str]]:
-    """The rows of its title block."""
-    asked = study.asked
-    varied = [counted(len(study.motions), "record")] if study.motions else []
-    varied += [f"{asked['measure']} at {counted(len(asked['levels']), 'level')}"] if asked["measure"] and asked["levels"] else []
-    return rows_of_many(asked["scene"], asked.get("program", ""), ", ".join([*varied, *study.varied]) or "nothing but chance")
 
 
 def _counts(study: Study) -> list[tuple[str, object, str]]:

@@ -15,15 +15,18 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from xml.etree import ElementTree as Xml
 
+import numpy as np
+
 from masonry_cd.analysis.fragility.fits import Fit
-from masonry_cd.analysis.fragility.measures import Imt, openquake, unit
+from masonry_cd.analysis.fragility.measures import openquake, unit
 from masonry_cd.analysis.fragility.words import first_fits
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import one_line
 
+SPACE = "http://openquake.org/xmlns/nrml/0.5"
 COLUMNS_OF_FITS = (
     "limit_state", "measure", "method", "theta", "beta", "theta_low", "theta_high", "beta_low", "beta_high", "runs", "exceeded",
 )  # fmt: skip
@@ -67,61 +70,34 @@ def entry_of(fit: Fit) -> dict[str, Any]:
     return row_of(fit) | more
 
 
-def write_openquake(path: Path, title: str, fits: Sequence[Fit]) -> list[str]:
-    """Write fragility.xml where there are fits and OpenQuake has their measure; return warnings."""
-    chosen = [fit for fit in first_fits(fits) if fit.beta > 0]
-    if not chosen:
-        return []
-    imt = openquake(chosen[0].measure)
-    if imt is None:
-        return [f"fragility.xml: what OpenQuake calls {chosen[0].measure} is not known: not written"]
-    curves = [Curve(fit.limit.name, fit.theta * imt.factor, fit.beta) for fit in chosen]
-    every = [value * imt.factor for fit in chosen for value in (float(fit.intensity.min()), float(fit.intensity.max()))]
-    write_nrml(path, title, curves, imt, (min(every), max(every)))
-    return []
-
-
-SPACE = "http://openquake.org/xmlns/nrml/0.5"
-
-
-class Curve(NamedTuple):
-    """A limit state with its lognormal, in the unit of the measure as OpenQuake takes it."""
-
-    limit_state: str
-    theta: float
-    beta: float
-
-
 def mean_and_stddev(theta: float, beta: float) -> tuple[float, float]:
     """Mean and standard deviation of a lognormal variable of a median and a standard deviation of its logarithm."""
     mean = theta * math.exp(0.5 * beta**2)
     return mean, mean * math.sqrt(math.expm1(beta**2))
 
 
-def write_nrml(path: Path, title: str, curves: Sequence[Curve], imt: Imt, range_of: tuple[float, float]) -> None:
-    """Write the limit states of one structure, from the one that is reached first.
-
-    Args:
-        path: of the file.
-        title: of the study.
-        curves: one per limit state.
-        imt: the intensity measure.
-        range_of: least and largest intensity of the runs, in the unit of ``imt``.
-    """
+def write_openquake(path: Path, title: str, fits: Sequence[Fit]) -> list[str]:
+    """Write fragility.xml where there are fits and OpenQuake has their measure, in the order in which they are reached; return warnings."""
+    chosen = sorted((fit for fit in first_fits(fits) if fit.beta > 0), key=lambda fit: fit.theta)
+    if not chosen:
+        return []
+    imt = openquake(chosen[0].measure)
+    if imt is None:
+        return [f"fragility.xml: what OpenQuake calls {chosen[0].measure} is not known: not written"]
     Xml.register_namespace("", SPACE)
     root = Xml.Element(f"{{{SPACE}}}nrml")
     name = re.sub(r"\W+", "_", title).strip("_") or "study"
     model = Xml.SubElement(root, f"{{{SPACE}}}fragilityModel", id=name, assetCategory="buildings", lossCategory="structural")
     Xml.SubElement(model, f"{{{SPACE}}}description").text = f"{one_line(title)}; {imt.name} in {imt.unit}"
-    ordered = sorted(curves, key=lambda curve: curve.theta)
-    names = [re.sub(r"\W+", "_", curve.limit_state) for curve in ordered]
+    names = [re.sub(r"\W+", "_", fit.limit.name) for fit in chosen]
     Xml.SubElement(model, f"{{{SPACE}}}limitStates").text = " ".join(names)
     function = Xml.SubElement(model, f"{{{SPACE}}}fragilityFunction", id=name, format="continuous", shape="logncdf")
-    low, high = range_of
+    low, high = (imt.factor * float(end([end(fit.intensity) for fit in chosen])) for end in (np.min, np.max))
     Xml.SubElement(function, f"{{{SPACE}}}imls", imt=imt.name, noDamageLimit="0", minIML=f"{low:.6g}", maxIML=f"{high:.6g}")
-    for word, curve in zip(names, ordered, strict=True):
-        mean, stddev = mean_and_stddev(curve.theta, curve.beta)
+    for word, fit in zip(names, chosen, strict=True):
+        mean, stddev = mean_and_stddev(fit.theta * imt.factor, fit.beta)
         Xml.SubElement(function, f"{{{SPACE}}}params", ls=word, mean=f"{mean:.6g}", stddev=f"{stddev:.6g}")
     Xml.indent(root)
     with replacing(path) as part:
         Xml.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
+    return []

@@ -23,8 +23,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from reports.drawing import palette
 from reports.drawing.figure import Sheet, in_metres
 from reports.drawing.parts import Scale, Window, rgb, view_named
-from reports.drawing.solids import auto_view, within_sight
-from reports.drawing.structure_picture import families_of, structure_scene
+from reports.drawing.solids import auto_view, families_of, structure_scene, within_sight
 from reports.maps import framing
 
 
@@ -215,7 +214,7 @@ def test_without_opengl_the_packages_are_named() -> None:
 
 
 def test_reports_load_neither_vtk_nor_matplotlib() -> None:
-    code = "import sys; import masonry_cd.analysis.damage.joint_damage, reports.maps.crack_map, reports.drawing.structure_picture\n"
+    code = "import sys; import masonry_cd.analysis.damage.joint_damage, reports.maps.crack_map, reports.drawing.solids\n"
     code += "print([m for m in sys.modules if m in HEAVY])"
     code = code.replace("HEAVY", repr({"vtk", "vtkmodules", "pyvista", "matplotlib", "pandas"}))
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"

@@ -17,8 +17,7 @@ from masonry_cd.io.results import Results
 from reports.drawing.figure import Sheet, save
 from reports.drawing.parts import hexed, view_named
 from reports.drawing.scene import Scene
-from reports.drawing.solids import structure_window
-from reports.drawing.structure_picture import structure_scene
+from reports.drawing.solids import structure_scene, structure_window
 from reports.maps.crack_map import at_rest as scene_at_rest
 from reports.maps.crack_map import crack_scene
 from reports.maps.framing import MapStyle, framing

@@ -25,7 +25,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
 from reports.drawing.figure import Sheet
 from reports.drawing.palette import PULLING
-from reports.drawing.structure_picture import structure_scene
+from reports.drawing.solids import structure_scene
 from reports.page import write_page
 from reports.ties import tie_lines, tie_tensions
 from structures.ties import lines_of

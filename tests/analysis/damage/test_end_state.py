@@ -15,7 +15,7 @@ from masonry_cd.app.part_lines import part_lines
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import State
 from reports import damage as damage_files
-from reports.outputs import damage_of
+from reports.damage import damage_of
 from reports.page.build import write_page
 from reports.settings import Report
 

@@ -44,7 +44,9 @@ def modes_picture(
     window = window_around(looking, places, np.concatenate([places, *(block.vertices for block in blocks if block.fixed)]))
     rows, columns = math.ceil(count / COLUMNS), min(COLUMNS, count)
     tall = float(np.clip(window.height / window.width, 0.45, 1.5))
-    facts = f"{METHOD[modes.method]} · {_modulus(modes)} · largest displacement drawn as {reach:.3g} m · grey: at rest"
+    young = {"": modes.young} if isinstance(modes.young, (int, float)) else modes.young
+    modulus = ", ".join(f"{group} {value / 1e9:.4g}".strip() for group, value in young.items())
+    facts = f"{METHOD[modes.method]} · E = {modulus} GPa · largest displacement drawn as {reach:.3g} m · grey: at rest"
     size = max(4.0 * columns, 8.0), 1.6 + rows * (0.7 + 4.0 * tall)
     figure, panels = sheet(title, facts, count, size, rows)
     pixels = round(4.0 * DPI), round(4.0 * DPI * tall)
@@ -94,10 +96,3 @@ def _layers(skin: Skin, frame: Skin, mode: int, reach: float, blocks: Sequence[B
         still = _still(supports)
         layers.append(Surface(still.points, still.loops, still.loop_start, painted(SUPPORT, len(still.loop_start) - 1)))
     return layers
-
-
-def _modulus(modes: Modes) -> str:
-    """The modulus in words."""
-    if isinstance(modes.young, (int, float)):
-        return f"E = {modes.young / 1e9:.4g} GPa"
-    return "E = " + ", ".join(f"{group} {value / 1e9:.4g}" for group, value in modes.young.items()) + " GPa"
