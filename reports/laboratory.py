@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files of pushes and gauges in the folder of a run: force_displacement.csv, push_cycles.csv, points.csv, joint_gauges.csv, cracks.csv,
-supports.csv, and two plots."""
+"""What a laboratory hands over of a test: curves of force against displacement, and the histories of its gauges, as tables and plots."""
 
 from __future__ import annotations
 
@@ -39,6 +38,15 @@ CURVE_COLUMNS = ("push", "time", "displacement", "force", "moment", "inertia")
 CYCLE_COLUMNS = (
     "push", "cycle", "begin", "end", "displacement_max", "displacement_min", "force_max", "force_min", "dissipated", "damping",
 )  # fmt: skip
+FORCES = (("displacement [mm]", 1e3), ("force [kN]", 1e-3))
+POINTS = 4000  # of a curve that are drawn
+SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "normal_force", "depth"), "cracks": ("opening", "slip")}
+WORDS = {"points": "displacement", "joint_gauges": "joint", "cracks": "crack gauge", "supports": "reaction"}
+MEASURED = (("displacement", "displacement [m]", "u", "d"), ("force", "force [N]", "f", "v"))  # heads of columns, without regard to case
+FEW = 8  # points up to which a computed curve is shown by them
+INSIDE = 5  # curves at most whose legend goes into the plot
+
+Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
 
 
 def write_laboratory(results: Results, folder: Path, drawn: bool = True) -> dict[str, Any]:
@@ -83,18 +91,6 @@ def _rows(found: Iterable[tuple[str, History]]) -> Iterable[list[object]]:
     for name, columns in found:
         for row in zip(*(values.tolist() for values in columns.values()), strict=True):
             yield [name, *row]
-
-
-FORCES = (("displacement [mm]", 1e3), ("force [kN]", 1e-3))
-POINTS = 4000  # of a curve that are drawn
-SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "normal_force", "depth"), "cracks": ("opening", "slip")}
-WORDS = {"points": "displacement", "joint_gauges": "joint", "cracks": "crack gauge", "supports": "reaction"}
-MEASURED = (("displacement", "displacement [m]", "u", "d"), ("force", "force [N]", "f", "v"))  # heads of columns, without regard to case
-
-FEW = 8  # points up to which a computed curve is shown by them
-INSIDE = 5  # curves at most whose legend goes into the plot
-
-Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
 
 
 def curves_figure(

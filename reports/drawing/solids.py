@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blocks in pictures: from where they are seen, what of them, in which colours, with their edges."""
+"""Blocks in pictures: from where they are seen, what of them, in which colours, with their edges; and a structure before any run."""
 
 from __future__ import annotations
 

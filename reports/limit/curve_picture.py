@@ -32,6 +32,8 @@ SLACK = 1e-9  # tension, over the mean weight of a block, below which a tie pull
 WIDE = 150  # letters of the line below the title
 PIXELS = 460  # width of the picture of a marked point
 UNITS = ((0.02, 1e3, "mm"), (0.2, 1e2, "cm"), (np.inf, 1.0, "m"))  # displacements below, factor, name
+LINE, WORST, SPAN = "#20506f", "#b3261e", "#e9e4d8"
+SHOWN = 4.0  # times the least factor: the plot ends there
 
 
 def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: str, facts: str, view: str = "auto") -> None:
@@ -125,10 +127,6 @@ def _scene(stage: Stage, solids: Solids, built: Solids, looking: View, window: W
     rods = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) < LONGEST
     pulls = np.where(tension > SLACK, tension, 0.0)[rods]  # those that are slack pull nothing
     return Scene(looking, window, layers, ties=Ties(ends[rods], ("",) * len(pulls), pulls))
-
-
-LINE, WORST, SPAN = "#20506f", "#b3261e", "#e9e4d8"
-SHOWN = 4.0  # times the least factor: the plot ends there
 
 
 def crossing_picture(position: np.ndarray, factor: np.ndarray, spans: Sequence[tuple[float, float]], path: Path, title: str) -> None:
