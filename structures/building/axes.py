@@ -130,13 +130,13 @@ class Leg:
         return [(low, self.top(facet, low)), *inner, (high, self.top(facet, high, after=False))]
 
 
-def legs_of(number: int, keys: BuildingWallTable) -> list[Leg]:
-    """The legs of a wall.
+def legs_of(number: int, keys: BuildingWallTable, step: float = STEP) -> list[Leg]:
+    """The legs of a wall, its arcs cut into facets of a step at most [rad].
 
     Raises:
         ValueError: an axis that turns back on itself, stays on the spot or has an arc that is none; says where.
     """
-    bends = list(_bends(keys))
+    bends = list(_bends(keys, step))
     for a, b in pairwise(bends):
         if b.length - a.length < 1e-3:
             raise ValueError(f"its axis stays on the spot at {place(a.point)}")
@@ -208,7 +208,7 @@ def _profile(keys: BuildingWallTable, length: float) -> tuple[tuple[float, float
     return tuple((s, round(keys.base + z, DIGITS)) for s, z in keys.top)
 
 
-def _bends(keys: BuildingWallTable) -> Iterator[Bend]:
+def _bends(keys: BuildingWallTable, step: float) -> Iterator[Bend]:
     """The corners of an axis with its arcs as chords."""
     first = keys.axis[0]
     if isinstance(first, ArcTable):
@@ -217,7 +217,7 @@ def _bends(keys: BuildingWallTable) -> Iterator[Bend]:
     yield Bend(point, length)
     for piece in keys.axis[1:]:
         if isinstance(piece, ArcTable):
-            chords = _arc(point, piece, length, keys)
+            chords = _arc(point, piece, (length, step), keys)
             for k, (there, along) in enumerate(chords):
                 yield Bend(there, length + along, k < len(chords) - 1)
             length, point = length + along, there
@@ -227,8 +227,8 @@ def _bends(keys: BuildingWallTable) -> Iterator[Bend]:
             yield Bend(point, length)
 
 
-def _arc(start: np.ndarray, arc: ArcTable, length: float, keys: BuildingWallTable) -> list[tuple[np.ndarray, float]]:
-    """The ends of the chords of an arc that begins at a length of the axis, and the length of the arc up to each [m]."""
+def _arc(start: np.ndarray, arc: ArcTable, cut: tuple[float, float], keys: BuildingWallTable) -> list[tuple[np.ndarray, float]]:
+    """The ends of the chords of an arc and its length up to each [m]; it begins at a length of the axis [m] and is cut by a step [rad]."""
     through, end = np.array(arc.through, dtype=float), np.array(arc.to, dtype=float)
     full = float(np.hypot(*(end - start))) < 1e-9  # a whole circle: the point is opposite
     if full:
@@ -252,14 +252,15 @@ def _arc(start: np.ndarray, arc: ArcTable, length: float, keys: BuildingWallTabl
         raise ValueError(f"its arc from {place(start)} has a radius of {radius:.4g} m, less than half its thickness")
     angle = math.atan2(*(start - centre)[::-1])
     found = []
-    for along in _breaks(abs(sweep) * radius, radius, length, keys):
+    for along in _breaks(abs(sweep) * radius, radius, cut, keys):
         turn = math.copysign(along / radius, sweep)
         found.append((centre + radius * np.array([math.cos(angle + turn), math.sin(angle + turn)]), along))
     return [*found, (end, abs(sweep) * radius)]
 
 
-def _breaks(total: float, radius: float, before: float, keys: BuildingWallTable) -> list[float]:
+def _breaks(total: float, radius: float, cut: tuple[float, float], keys: BuildingWallTable) -> list[float]:
     """Where along an arc its facets end, without the last one [m]: a facet to each opening, the rest evenly."""
+    before, step = cut
     fixed = [(0.0, 0.0)]
     for opening in sorted(keys.openings, key=lambda o: o.at):
         at, half = opening.at - before, 0.5 * opening.width + (opening.ring or opening.bearing or 0.35 * opening.width)
@@ -274,7 +275,7 @@ def _breaks(total: float, radius: float, before: float, keys: BuildingWallTable)
             breaks += [0.5 * (low + high)] if low > 0.0 and end < total else []
             continue
         count = max(
-            math.ceil(gap / radius / GENTLE * 1.001), min(math.ceil(gap / radius / STEP), int(gap / (LEAST_CHORD * keys.thickness))), 1
+            math.ceil(gap / radius / GENTLE * 1.001), min(math.ceil(gap / radius / step), int(gap / (LEAST_CHORD * keys.thickness))), 1
         )
         breaks += [low + gap * k / count for k in range(count + 1)]
     return sorted({round(b, 9) for b in breaks if SAME < b < total - SAME})

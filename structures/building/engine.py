@@ -19,14 +19,14 @@ from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
 from structures.building import columns, junctions, leaves, openings, roofs, vaults
 from structures.building.added_walls import added
-from structures.building.axes import SAME, Facet, Leg, legs_of
+from structures.building.axes import GENTLE, SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
 from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay
 from structures.building.slivers import Stone, joined
 from structures.building.stones import Part, across, parts_of, stone, welded
-from structures.building.table import BuildingTable, BuildingWallTable
+from structures.building.table import ArcTable, BuildingTable, BuildingWallTable
 from structures.building.widths import NARROW
 from structures.geometry import polygons
 from structures.layout.pockets import with_pockets
@@ -103,12 +103,27 @@ def prepared(table: BuildingTable, faults: list[str]) -> Walls | None:
     if faults:
         return None
     size.within(_estimate(legs, table), "block_length")
-    plan = Plan(legs, junctions.find(legs, table, faults))
+    plan = _joined(legs, table, faults)
     frames = openings.frames(plan, table, faults)
-    layings = _layings(legs, table, frames)
+    layings = _layings(plan.legs, table, frames)
     _check_courses(plan, layings, faults)
     openings.check(plan, layings, frames, faults)
     return Walls(table, plan, frames, layings)
+
+
+def _joined(legs: list[Leg], table: BuildingTable, faults: list[str]) -> Plan:
+    """The legs with their junctions; an arc has longer facets where its usual ones are too short for one."""
+    wrong: list[str] = []
+    found = junctions.find(legs, table, wrong)
+    for k, keys in enumerate(table.walls):
+        if wrong and any(isinstance(piece, ArcTable) for piece in keys.axis):
+            left: list[str] = []
+            longer = [*(leg for leg in legs if leg.wall < k), *legs_of(k, keys, GENTLE), *(leg for leg in legs if leg.wall > k)]
+            again = junctions.find(longer, table, left)
+            if len(left) < len(wrong):
+                legs, found, wrong = longer, again, left
+    faults += wrong
+    return Plan(legs, found)
 
 
 def _estimate(legs: Sequence[Leg], table: BuildingTable) -> float:
