@@ -25,6 +25,7 @@ SHARPEST = math.radians(60.0)  # bend between two chords of an arc
 STEP = math.radians(15.0)  # of an arc to a facet, at most
 SAME = 1e-9  # lengths closer than this are one [m]
 DIGITS = 9  # of the height of a top [m]: beds have as many, and a top that rounding parts from its bed would leave a hair over it
+AT_END = 1e-3  # a place of a top this close to an end of its wall is at the end [m]
 LEAST_CHORD = 1.2  # of a facet of an arc, in thicknesses
 JAMB = 0.12  # of a facet beside the head of its opening, at least [m]
 INNER = 0.12  # by how much of the thickness its inner face is shorter at each end
@@ -116,7 +117,7 @@ class Leg:
         level = z[step[-1 if after else 0]] if step else float(np.interp(there, at, z))
         for end, inner, beyond in ((0, 1, there - at[0]), (-1, -2, at[-1] - there)):
             run = abs(at[inner] - at[end])
-            ends = abs(at[end] - (0.0, self.length)[end]) < 1e-6
+            ends = abs(at[end] - (0.0, self.length)[end]) < AT_END
             if beyond < 0.0 and ends and run > 1e-6 and z[inner] > z[end]:
                 level = max(self.base, z[end] + beyond * (z[inner] - z[end]) / run)
         return level

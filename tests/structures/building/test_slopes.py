@@ -57,6 +57,16 @@ def test_two_slopes_in_one_junction_are_filled_exactly(case: str) -> None:
     assert in_one_piece(*assembled(blocks))
 
 
+def test_a_gable_falls_to_both_far_faces_where_its_last_place_is_a_hair_short_of_the_end() -> None:
+    walls = [
+        wall("a", [[0, 0], [4, 0]], top=[[0, 1.6], [2, 2.6], [3.9996, 1.6]]),
+        wall("b", [[0, 0], [0, 3]], height=1.2),
+        wall("c", [[4, 0], [4, 3]], height=1.2),
+    ]
+    (leg,) = [leg for leg in prepare({"walls": walls}).plan.legs if leg.keys.name == "a"]
+    assert [leg.top(leg.facets[0], s) for s in (-0.3, 4.3)] == pytest.approx([1.45, 1.45], abs=5e-4)
+
+
 def test_a_head_without_a_measure_of_its_own_fits_the_masonry_that_there_is() -> None:
     """The lintel of a door near a corner and under the top of its wall is as high and long as it can be."""
     door = {"name": "door", "at": 0.98, "width": 1.0, "height": 2.2}
