@@ -17,6 +17,8 @@ from structures.building.axes import Leg
 from structures.building.engine import Walls, prepared
 from structures.building.table import BuildingTable
 
+GRID = 1e-12  # to which corners are rounded in unions, which otherwise may lose one of two polygons whose sides differ by rounding [m]
+
 
 def wall(name: str, axis: Sequence[object], thickness: float = 0.6, height: float = 2.4, **keys: object) -> dict[str, Any]:
     """The table of a wall; a top in its keys takes the place of the height."""
@@ -83,7 +85,7 @@ def _area(walls: Walls, z: float) -> float:
     for k, leg in enumerate(walls.plan.legs):
         for f in range(len(leg.facets)):
             shapes += _slice(walls, k, f, leg, z)
-    return float(shapely.union_all(shapes).area)
+    return float(shapely.union_all(shapes, grid_size=GRID).area)
 
 
 def _slice(walls: Walls, k: int, f: int, leg: Leg, z: float) -> list[Polygon]:
