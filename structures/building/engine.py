@@ -19,7 +19,7 @@ from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
 from structures.building import columns, junctions, leaves, openings, roofs, vaults
 from structures.building.added_walls import added
-from structures.building.axes import GENTLE, SAME, Facet, Leg, legs_of
+from structures.building.axes import SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
 from structures.building.footprints import Plan
 from structures.building.frames import Frame
@@ -114,16 +114,17 @@ def prepared(table: BuildingTable, faults: list[str]) -> Walls | None:
 
 
 def _joined(legs: list[Leg], table: BuildingTable, faults: list[str]) -> Plan:
-    """The legs with their junctions; an arc has longer facets where its usual ones are too short for one."""
+    """The legs with their junctions; where facets of an arc are too short for one, or meet in it, each of its junctions gets a facet."""
     wrong: list[str] = []
     found = junctions.find(legs, table, wrong)
-    for k, keys in enumerate(table.walls):
+    for k, keys in [*enumerate(table.walls)] * 2:  # the first facets move the places of the second
         if wrong and any(isinstance(piece, ArcTable) for piece in keys.axis):
             left: list[str] = []
-            longer = [*(leg for leg in legs if leg.wall < k), *legs_of(k, keys, GENTLE), *(leg for leg in legs if leg.wall > k)]
-            again = junctions.find(longer, table, left)
+            own = legs_of(k, keys, junctions.along(legs, k))
+            bent = [*(leg for leg in legs if leg.wall < k), *own, *(leg for leg in legs if leg.wall > k)]
+            again = junctions.find(bent, table, left)
             if len(left) < len(wrong):
-                legs, found, wrong = longer, again, left
+                legs, found, wrong = bent, again, left
     faults += wrong
     return Plan(legs, found)
 
