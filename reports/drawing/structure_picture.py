@@ -26,7 +26,7 @@ def structure_picture(blocks: Sequence[Block], path: Path, title: str, view: str
         blocks: of the structure.
         path: of the PNG.
         title: of the picture.
-        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, top or isometric.
+        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, left, top or isometric.
         ties: their ends.
 
     Raises:

@@ -42,7 +42,7 @@ def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: s
         path: of the PNG.
         title: of the picture.
         facts: the line below it.
-        view: auto, front, back, side, top or isometric.
+        view: auto, front, back, side, left, top or isometric.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.

@@ -31,7 +31,7 @@ class MapStyle:
     """How crack maps are drawn.
 
     Attributes:
-        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, top or isometric.
+        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, left, top or isometric.
         scale: amplification of the displacements; None picks 1, or what makes the largest one visible.
         thresholds: where an opening and a sliding begin to be drawn.
         largest: where the last class of the colour scales begins [m].

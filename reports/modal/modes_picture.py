@@ -40,7 +40,7 @@ def modes_picture(
         title: of the picture.
         captions: a further line for each mode, such as the measured frequency.
         most: modes to draw.
-        view: front, back, side, top or isometric.
+        view: front, back, side, left, top or isometric.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.

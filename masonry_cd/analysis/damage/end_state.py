@@ -2,9 +2,10 @@
 r"""Whether a frame is an end state: the blocks and the base are still, and the run was not cut off.
 
 Residual values, mechanisms and grades say what remains, so they hold only where nothing moves any more. The speed of a block is that of
-its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that moves least. A block that has
-fallen may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves; or faster than the tolerance of the run resolves, where
-that is more.
+its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that moves least; or its way since
+the frame before over the time, where that is less: a loose stone that rattles between its neighbours goes nowhere. A block that has fallen
+may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves; or faster than the tolerance of the run resolves, where that is
+more.
 """
 
 from __future__ import annotations
@@ -58,7 +59,10 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
     solids, index = solids_of(results.blocks), frame_index(results, frame)
     velocity = np.asarray(results.velocity[index], dtype=float)
     standing = ~solids.fixed & ~fallen(results, thresholds, index)
-    speed = np.where(standing, speeds(velocity, solids, results.support), -1.0)
+    speed = speeds(velocity, solids, results.support)
+    if index > 0 and results.time[index] > results.time[index - 1]:
+        speed = np.minimum(speed, speeds(_since(results, index), solids, results.support))
+    speed = np.where(standing, speed, -1.0)
     fastest = int(np.argmax(speed)) if standing.any() else -1
     base = np.linalg.norm(velocity[solids.fixed, :3], axis=1)
     return EndState(
@@ -69,6 +73,14 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
         still=float(results.closing.get("still", STILL)),
         stopped=_stopped(results) if index == results.frames - 1 else "",
     )
+
+
+def _since(results: Results, index: int) -> np.ndarray:
+    """Mean velocities (B, 6) of the blocks between the frame before and one [m/s, rad/s]; angular ones by their size, as small turns."""
+    shift, span = results.position[index] - results.position[index - 1], float(results.time[index] - results.time[index - 1])
+    cosine = np.abs((results.orientation[index] * results.orientation[index - 1]).sum(axis=1))
+    turn = 2.0 * np.sqrt(np.maximum(0.0, 2.0 - 2.0 * np.minimum(cosine, 1.0)))
+    return np.column_stack([shift, turn, np.zeros((len(turn), 2))]) / span
 
 
 def speeds(velocity: np.ndarray, solids: Solids, support: int) -> np.ndarray:
