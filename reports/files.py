@@ -39,10 +39,9 @@ class Job:
     @cached_property
     def damage(self) -> PartDamage:
         """The damage by part."""
-        from masonry_cd.analysis.damage.part_damage import part_damage
-        from reports.damage.joint_files import damage_settings
+        from reports.damage import damage_of
 
-        return part_damage(self.results, damage_settings(self.settings))
+        return damage_of(self.results, self.settings)
 
     def wants(self, name: str) -> bool:
         """Whether an output is asked for."""
@@ -54,16 +53,12 @@ class Job:
         return [path for name in order if self.wants(name) for path in OUTPUTS[name].write(self)]
 
 
-def _nothing(_: Job) -> Iterable[Path]:
-    return ()
-
-
 @dataclass(frozen=True)
 class Output:
     """Files that belong together."""
 
     files: Mapping[str, str]  # what each holds, by its name
-    write: Callable[[Job], Iterable[Path]] = _nothing  # by default the run itself writes them, step by step
+    write: Callable[[Job], Iterable[Path]] = lambda _: ()  # by default the run itself writes them, step by step
     asked: Callable[[Job], bool] = lambda _: False
     place: int = 0  # in the order in which they are written
     carried: tuple[str, ...] = ()  # tables that the page carries
@@ -76,8 +71,3 @@ def known_files() -> dict[str, str]:
     """All files with what they hold, those of extra reports last."""
     own = {name: meaning for output in OUTPUTS.values() for name, meaning in output.files.items()}
     return own | {name: report.meaning for report in EXTRA.values() for name in report.files}
-
-
-def carried_files() -> list[str]:
-    """Those that the page carries."""
-    return [name for output in OUTPUTS.values() for name in output.carried]

@@ -66,19 +66,10 @@ class Mesh:
 
 
 def export(results: Results, folder: Path, form: str = "vtkhdf", thresholds: Thresholds | None = None) -> list[Path]:
-    """Write a run for ParaView into a folder, which is made if need be.
-
-    Args:
-        results: of a run.
-        folder: for the files.
-        form: ``vtkhdf`` or ``pvd``.
-        thresholds: of the joints' states.
-
-    Returns:
-        the files to open, and names.csv.
+    """Write a run for ParaView into a folder, which is made if need be; return the files to open, and names.csv.
 
     Raises:
-        InputError: another format.
+        InputError: a format that is neither ``vtkhdf`` nor ``pvd``.
     """
     if form not in ("vtkhdf", "pvd"):
         raise InputError(f'--format: "{form}" is none; formats: vtkhdf, pvd')
@@ -90,7 +81,10 @@ def export(results: Results, folder: Path, form: str = "vtkhdf", thresholds: Thr
     if results.meshes is not None:
         meshes.append(_elements(results, results.meshes))
     files = [write(mesh, results.time, folder / f"{mesh.name}.{form}") for mesh in meshes]
-    return [*files, _write_names(results, folder / "names.csv")]
+    groups = list(dict.fromkeys(block.group for block in results.blocks))
+    names = ((k, block.name, groups.index(block.group), block.group) for k, block in enumerate(results.blocks))
+    write_csv(folder / "names.csv", ("block", "name", "group", "group_name"), names)
+    return [*files, folder / "names.csv"]
 
 
 def blocks_as_polydata(results: Results, frame: int, thresholds: Thresholds) -> Any:
@@ -121,17 +115,8 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
             data |= {"stress": stress[block], "principal_stress": principal(stress)[block]}
         return points, {"displacement": moved}, data
 
-    return Mesh(
-        name="blocks",
-        loops=faces.loops,
-        loop_start=faces.loop_start,
-        fixed={
-            "block": block.astype(np.int32),
-            "group": group[block],
-            "fixed": solids.fixed[block].astype(np.uint8),
-        },
-        at=at,
-    )
+    fixed = {"block": block.astype(np.int32), "group": group[block], "fixed": solids.fixed[block].astype(np.uint8)}
+    return Mesh("blocks", faces.loops, faces.loop_start, fixed, at)
 
 
 def _joints(results: Results, thresholds: Thresholds) -> Mesh:
@@ -150,18 +135,13 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
         data["state"] = classify(snapshot.opening, snapshot.sliding, snapshot.separated, thresholds).astype(np.uint8)
         return points + base_shift(results, solids, position), {"displacement": points - joints.polygon}, data
 
-    return Mesh(
-        name="joints",
-        loops=np.arange(len(joints.polygon)),
-        loop_start=joints.polygon_start,
-        fixed={
-            "joint": np.arange(joints.count, dtype=np.int32),
-            "block_a": joints.block_a.astype(np.int32),
-            "block_b": joints.block_b.astype(np.int32),
-            "area": joints.area.astype(np.float32),
-        },
-        at=at,
-    )
+    fixed = {
+        "joint": np.arange(joints.count, dtype=np.int32),
+        "block_a": joints.block_a.astype(np.int32),
+        "block_b": joints.block_b.astype(np.int32),
+        "area": joints.area.astype(np.float32),
+    }
+    return Mesh("joints", np.arange(len(joints.polygon)), joints.polygon_start, fixed, at)
 
 
 def _elements(results: Results, meshes: Meshes) -> Mesh:
@@ -181,14 +161,8 @@ def _elements(results: Results, meshes: Meshes) -> Mesh:
         return points, {"displacement": points - meshes.nodes - base_shift(results, solids, position)}, data
 
     corners = meshes.elements.shape[1]
-    return Mesh(
-        name="elements",
-        loops=meshes.elements.ravel(),
-        loop_start=corners * np.arange(len(meshes.elements) + 1),
-        fixed={"block": block.astype(np.int32)},
-        at=at,
-        kind=TETRAHEDRON if corners == 4 else TRIANGLE,
-    )
+    start, kind = corners * np.arange(len(meshes.elements) + 1), TETRAHEDRON if corners == 4 else TRIANGLE
+    return Mesh("elements", meshes.elements.ravel(), start, {"block": block.astype(np.int32)}, at, kind)
 
 
 def _write_vtkhdf(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
@@ -299,14 +273,6 @@ def _write_xml(data: Any, path: Path) -> None:
             part.write_text(writer.GetOutputString(), encoding="utf-8")
         except OSError as failure:
             raise OSError(f"{path}: cannot be written: {failure.strerror}") from None
-
-
-def _write_names(results: Results, path: Path) -> Path:
-    """Numbers and names of blocks and groups."""
-    groups = list(dict.fromkeys(block.group for block in results.blocks))
-    rows = ((k, block.name, groups.index(block.group), block.group) for k, block in enumerate(results.blocks))
-    write_csv(path, ("block", "name", "group", "group_name"), rows)
-    return path
 
 
 def _single(values: np.ndarray) -> np.ndarray:

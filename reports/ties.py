@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the ties of a run had to bear, in a file and in pictures: ties.csv, and lines for the page."""
+"""The ties of a run: ties.csv, lines with their tension in a picture, and lines for the page."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.analysis.ties import histories
 from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
+from reports.drawing.parts import Ties
 
 CSV = "ties.csv"
 COLUMNS = (
@@ -38,10 +41,21 @@ def write_ties(results: Results, folder: Path) -> list[dict[str, Any]]:
     """Write ties.csv, and return its rows; nothing is written without ties."""
     rows = [tie.row() for tie in histories(results)]
     if rows:
-        write_csv(folder / CSV, COLUMNS, map(_cells, rows), digits=10)
+        cells = (row | {"tie": row["name"], "block_a": row["blocks"][0], "block_b": row["blocks"][1]} for row in rows)
+        write_csv(folder / CSV, COLUMNS, ([cell[column] for column in COLUMNS] for cell in cells), digits=10)
     return rows
 
 
-def _cells(row: dict[str, Any]) -> list[object]:
-    named = row | {"tie": row["name"], "block_a": row["blocks"][0], "block_b": row["blocks"][1]}
-    return [named[column] for column in COLUMNS]
+def ties_at(results: Results, solids: Solids, pose: Pose, factor: float) -> Ties:
+    """The ties at a frame; displacements are drawn amplified by a factor."""
+    ends, texts, tension = [], [], []
+    for tie in histories(results):
+        blocks = np.array([bar.blocks for bar in tie.bars])
+        moved = [pose.moved(solids, np.array([bar.points[k] for bar in tie.bars]), blocks[:, k], factor) for k in range(2)]
+        weight = np.array([bar.section for bar in tie.bars]) / tie.area
+        ends.append([weight @ points for points in moved])
+        now = tie.at(pose.time)
+        yielded = tie.yielding[: max(1, int(np.searchsorted(tie.time, pose.time * (1.0 + 1e-12), side="right")))].any()
+        tension.append(now)
+        texts.append(("slack" if now == 0.0 else force(now)) + (", has yielded" if yielded else ""))
+    return Ties(np.array(ends, dtype=float).reshape(-1, 2, 3), tuple(texts), np.array(tension))

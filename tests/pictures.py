@@ -8,9 +8,14 @@ from pathlib import Path
 import numpy as np
 from made_run import box
 
-from reports.drawing.figure import layout
+from masonry_cd.analysis.deformed import frame_index
+from masonry_cd.io.results import Results
+from reports.drawing.figure import Sheet, layout
 from reports.drawing.palette import OPENING
 from reports.drawing.parts import Scale
+from reports.drawing.scene import Scene
+from reports.maps.crack_map import crack_scene
+from reports.maps.framing import MapStyle, framing
 
 BASE = box("base", (-1.5, -0.5, -0.3), (1.5, 0.5, 0), "base", fixed=True)
 COLUMN = [BASE, *(box(f"d{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(3))]
@@ -43,3 +48,14 @@ def model_area(image: np.ndarray, aspect: float) -> np.ndarray:
 
 def opening_scale() -> Scale:
     return Scale(1e-4, 0.05, OPENING)
+
+
+def scene_of(results: Results, frame: int = -1, style: MapStyle | None = None) -> Scene:
+    """The crack map of a frame, in a framing of its own."""
+    frame = frame_index(results, frame)
+    return crack_scene(results, frame, framing(results, [frame], style or MapStyle()))
+
+
+def crack_map(results: Results, path: Path, frame: int = -1, style: MapStyle | None = None) -> None:
+    """Draw it into a PNG."""
+    Sheet.drawn(scene_of(results, frame, style)).save(path)

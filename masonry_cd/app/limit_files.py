@@ -18,9 +18,8 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
         InputError: an unknown view, no off-screen OpenGL for the pictures; the tables are written by then.
     """
     from masonry_cd.app.summary import write_json
-    from reports.limit.check_files import write_check
     from reports.limit.page import LimitPage, write_limit_page
-    from reports.limit.tables import write_limit_ties, write_tables
+    from reports.limit.tables import write_check, write_limit_ties, write_tables
 
     folder.mkdir(parents=True, exist_ok=True)
     for name in EVERY:
@@ -52,13 +51,14 @@ def draw(case: LimitCase, folder: Path, view: str = "auto") -> list[Path]:
     Raises:
         InputError: an unknown view, no off-screen OpenGL.
     """
-    from reports.limit.picture import Subject, mechanism_picture, thrust_picture
+    from reports.drawing.figure import Sheet
+    from reports.limit.picture import Subject, mechanism_scene, thrust_scene
 
     what, facts = Subject(case.collapse, case.assembly.blocks, case.joints, case.ties), _facts(case)
-    mechanism_picture(what, folder / "mechanism.png", f"{case.scene.title}: mechanism", facts, view)
+    Sheet.drawn(mechanism_scene(what, f"{case.scene.title}: mechanism", facts, view)).save(folder / "mechanism.png")
     if not case.analysis.stands:
         return [folder / "mechanism.png"]
-    thrust_picture(what, folder / "thrust.png", f"{case.scene.title}: forces at collapse", facts, view)
+    Sheet.drawn(thrust_scene(what, f"{case.scene.title}: forces at collapse", facts, view)).save(folder / "thrust.png")
     curve = [draw_curve(case.curve, case.assembly.names, folder, (case.scene.title, case.loads.words), view)] if case.curve else []
     return [folder / "mechanism.png", folder / "thrust.png", *curve]
 

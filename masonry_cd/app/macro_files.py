@@ -20,7 +20,7 @@ from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.limit_macro import MacroCase, least_rows, lines
 from masonry_cd.app.macro_verdicts import MacroRow, way_words
 from masonry_cd.mechanics.model.joints import Joints
-from reports.limit.macro_page import CSV, JSON, PAGE, PICTURES, MacroPage, damage_by_group, write_macro_csv, write_macro_page
+from reports.limit.page import CSV, JSON, PAGE, PICTURES, MacroPage, damage_by_group, write_macro_csv, write_macro_page
 
 if TYPE_CHECKING:
     from reports.limit.picture import Subject
@@ -115,7 +115,8 @@ def _damage(case: MacroCase, run: Path) -> dict[str, str]:
 
 def _draw(case: MacroCase, least: list[MacroRow], folder: Path, view: str) -> Mapping[Path, str]:
     """A picture of the least mechanism of each part, by what it shows."""
-    from reports.limit.picture import mechanism_picture
+    from reports.drawing.figure import Sheet
+    from reports.limit.picture import mechanism_scene
 
     folder.mkdir()
     drawn: dict[Path, str] = {}
@@ -126,10 +127,8 @@ def _draw(case: MacroCase, least: list[MacroRow], folder: Path, view: str) -> Ma
             continue
         seen.add(row.element)
         path = folder / f"{len(seen):02d}_{re.sub('[^a-z0-9]+', '_', row.element.lower()).strip('_')}.png"
-        subject = _subject(case, one)
-        mechanism_picture(
-            subject, path, f"{case.scene.title}: {row.element}", f"push {row.push} · {_named(row.mechanism)} · α0 {row.alpha0:.4g}", view
-        )
+        facts = f"push {row.push} · {_named(row.mechanism)} · α0 {row.alpha0:.4g}"
+        Sheet.drawn(mechanism_scene(_subject(case, one), f"{case.scene.title}: {row.element}", facts, view)).save(path)
         drawn[path] = row.words
     return drawn
 

@@ -330,7 +330,7 @@ def write(
     if table:
         _write_rows(folder / "mesh_convergence.csv", list(table))
     if asked.pictures:
-        from reports.modal.modes_picture import modes_picture
+        from reports.modes_picture import modes_picture
 
         for result in results:
             path = folder / f"modes_{result.modes.method}.png"

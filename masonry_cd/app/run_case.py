@@ -170,10 +170,10 @@ def _steps(
 
 def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
     """Write joints.csv and summary.json; return the summary, whose seconds count from a reading of the clock."""
-    from reports.damage import joint_files
+    from reports import damage as damage_files
 
     with Results.open(folder / RESULTS) as results:
-        summary |= joint_files.write_joint_damage(results, folder, case.scene.report)
+        summary |= damage_files.write_joint_damage(results, folder, case.scene.report)
         summary |= _write_laboratory(results, folder, summary)
     summary = {key: summary[key] for key in FIRST} | summary
     summary["wall_seconds"] = since + time.perf_counter()
@@ -186,7 +186,7 @@ def _write_laboratory(results: Results, folder: Path, summary: dict[str, Any]) -
     if not results.gauges.any:
         return {}
     from masonry_cd.analysis.pushover import push_warnings
-    from reports.laboratory.files import write_laboratory
+    from reports.laboratory import write_laboratory
 
     share = write_laboratory(results, folder)
     return share | {"warnings": [*push_warnings(share.get("pushes", [])), *summary["warnings"]]}

@@ -104,11 +104,12 @@ def build(
         if plan_files.is_of_plan(asked):
             written += plan_files.write_plan_files(asked, output, picture)
         if picture:
-            from reports.drawing.structure_picture import structure_picture
+            from reports.drawing.figure import Sheet
+            from reports.drawing.solids import structure_scene
             from structures.ties import lines_of
 
             written.append(output / "structure.png")
-            structure_picture(blocks, written[-1], asked.title, ties=lines_of(ties))
+            Sheet.drawn(structure_scene(blocks, asked.title, ties=lines_of(ties))).save(written[-1])
         typer.echo(f"written: {', '.join(map(str, written))}")
 
 

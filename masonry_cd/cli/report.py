@@ -57,8 +57,8 @@ def report(
             from masonry_cd.app.part_lines import part_lines
             from masonry_cd.app.summary import damage_line, verdict_lines, write_json
             from masonry_cd.io.summary_file import NAME
+            from reports import damage as damage_files
             from reports import outputs
-            from reports.damage import joint_files
             from reports.files import Job
 
             changes = {"view": view, "scale": scale, "cut": cut, "thrust": thrust, "vector": vector or None, "animation": animation}
@@ -68,7 +68,7 @@ def report(
             chosen = outputs.parse_times(results, times) if times is not None else []
             settings = settings.model_copy(update={"times": tuple(chosen), "extra": tuple(names)})
             summary, words = summary_of(results, folder)
-            summary |= joint_files.write_joint_damage(results, folder, settings)
+            summary |= damage_files.write_joint_damage(results, folder, settings)
             typer.echo("\n".join([*verdict_lines(summary), damage_line(summary)]))
             asked = {"damage": True, "crack_map": crack_map, "stress": stress_map or results.has_stress, "stress_map": stress_map}
             job = Job(results, folder, settings, summary, time, asked | {"page": html or pdf, "pdf": pdf})

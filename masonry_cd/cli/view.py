@@ -11,7 +11,7 @@ import typer
 
 from masonry_cd.cli.shared import Folder, errors_reported
 
-STUDY_PAGE = "study.html"  # as reports.study.page calls it, which takes long to import
+STUDY_PAGE = "study.html"  # as reports.study.outputs calls it, which takes long to import
 
 
 def view(folder: Folder) -> None:

@@ -108,8 +108,7 @@ class Assessment:
 
     def page(self) -> Page:
         """assess.html with all of it, which needs no network; table and chart in the folder are written again with it."""
-        from reports.assess.outputs import write_assessment
-        from reports.assess.page import PAGE
+        from reports.assess.outputs import PAGE, write_assessment
 
         write_assessment(self.folder)
         return Page(self.folder / PAGE)

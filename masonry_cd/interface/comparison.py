@@ -37,7 +37,7 @@ class Comparison:
 
     def plot(self) -> Figure:
         """The picture of the comparison, a figure that a notebook shows."""
-        from reports.compare.comparison_picture import comparison_figure
+        from reports.compare.comparison_files import comparison_figure
 
         return shown(comparison_figure(self._found))
 

@@ -10,7 +10,7 @@ from masonry_cd.analysis.pushover import push_curves, require_pushes
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.io.results import Results
-from reports.laboratory.files import histories_of
+from reports.laboratory import histories_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame

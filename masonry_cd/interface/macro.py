@@ -92,7 +92,7 @@ class MacroElements:
 
 def _frame(rows: Sequence[MacroRow]) -> DataFrame:
     """Rows as a table with the heads of the CSV file."""
-    from reports.limit.macro_page import COLUMNS, HEADS
+    from reports.limit.page import COLUMNS, HEADS
 
     return frame_of_rows([{head: getattr(row, name) for name, head in zip(COLUMNS, HEADS, strict=True)} for row in rows])
 

@@ -54,11 +54,12 @@ class Plots:
         """
         from PIL import Image as images
 
-        from reports.outputs import sheet_at
+        from reports.drawing.figure import Sheet
+        from reports.outputs import crack_scene_at
 
         settings = parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")
         with self._results() as found:
-            return images.fromarray(sheet_at(found, settings, time).pixels())
+            return images.fromarray(Sheet.drawn(crack_scene_at(found, settings, time)).pixels())
 
     def stress_map(self, time: float | None = None, **keys: Any) -> Image:
         """The structure with its blocks coloured by their compression: the largest of the run, or that at the frame next to a time [s].
@@ -72,13 +73,14 @@ class Plots:
         """
         from PIL import Image as images
 
-        from reports.maps.stress_map import stress_sheet
+        from reports.drawing.figure import Sheet
+        from reports.maps.stress_map import stress_scene
         from reports.outputs import frame_at, style_of
 
         settings = parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")
         with self._results() as found:
             frame = None if time is None else frame_at(found, time)
-            return images.fromarray(stress_sheet(found, frame, style_of(settings)).pixels())
+            return images.fromarray(Sheet.drawn(stress_scene(found, frame, style_of(settings))).pixels())
 
     def energy(self) -> Figure:
         """What was put in, where it went, and the balance, over time."""
@@ -97,7 +99,7 @@ class Plots:
             InputError: the run has no push by displacement, or a file that is no such curve.
         """
         from masonry_cd.analysis.pushover import require_pushes
-        from reports.laboratory.plots import push_figure, read_measured
+        from reports.laboratory import push_figure, read_measured
 
         with self._results() as found:
             curves = require_pushes(found)
@@ -109,8 +111,7 @@ class Plots:
         Raises:
             InputError: it names none.
         """
-        from reports.laboratory.files import histories_of
-        from reports.laboratory.plots import gauges_figure
+        from reports.laboratory import gauges_figure, histories_of
 
         with self._results() as found:
             return shown(gauges_figure(histories_of(found), found.title))

@@ -32,11 +32,11 @@ from masonry_cd.interface.tables import PER_STEP, columns_of, frame_of, frame_of
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from reports.damage.joint_files import damage_settings, thresholds_of
-from reports.outputs import damage_of, frame_at
+from reports.damage import damage_of, damage_settings, thresholds_of
+from reports.outputs import frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of
-from reports.stress.files import block_columns, joint_columns
+from reports.stress import block_columns, joint_columns
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -15,7 +15,7 @@ from masonry_cd.foundation.extras import require
 from masonry_cd.interface.tables import columns_of, frame_of
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import rotation_matrices
-from reports.damage.joint_files import thresholds_of
+from reports.damage import thresholds_of
 from reports.maps.thrust import thrust_lines
 from reports.outputs import frame_at
 from reports.settings import report_of

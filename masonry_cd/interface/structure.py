@@ -60,9 +60,10 @@ class Structure(Sequence[Block]):
         """The blocks by group, as an image that a notebook shows; ``view`` as in :meth:`Scene.picture`."""
         from PIL import Image as images
 
-        from reports.drawing.structure_picture import structure_sheet
+        from reports.drawing.figure import Sheet
+        from reports.drawing.solids import structure_scene
 
-        return images.fromarray(structure_sheet(self.blocks, title, view, self.ties).pixels())
+        return images.fromarray(Sheet.drawn(structure_scene(self.blocks, title, view, self.ties)).pixels())
 
     @overload
     def __getitem__(self, key: int | str) -> Block: ...

@@ -72,7 +72,7 @@ class StudyPlots:
             InputError: no run was kept, one has no push by displacement, or a file that is no such curve.
         """
         from masonry_cd.analysis.pushover import require_pushes
-        from reports.laboratory.plots import curves_figure, read_measured
+        from reports.laboratory import curves_figure, read_measured
 
         curves = []
         for name in self._study.text("run"):

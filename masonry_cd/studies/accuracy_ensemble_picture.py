@@ -12,7 +12,7 @@ from typing import Any
 
 from masonry_cd.studies.accuracy_ensemble import LENGTHS, EnsembleRow
 from reports.drawing.figure import FAINT, INK, plain_axes, save
-from reports.study.plots import MARKERS, colour, halo, legend, logarithmic, sheet
+from reports.drawing.plots import MARKERS, colour, halo, legend, logarithmic, sheet
 
 MM = 1e3
 

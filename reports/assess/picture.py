@@ -14,7 +14,7 @@ import numpy as np
 from masonry_cd.analysis.assessment.assessment import GRADE, Answer, Assessment, Known
 from masonry_cd.analysis.damage.grades import NAMES
 from reports.drawing.figure import FAINT, INK, plain_axes, save
-from reports.study.plots import halo, sheet
+from reports.drawing.plots import halo, sheet
 
 PICTURE = "assess.png"
 FULL, HOLLOW, BAND, LINE = "#d55e00", "#ffffff", "#d3d9df", "#7a838c"
@@ -26,11 +26,7 @@ ROOM = 0.14  # beside the bars, as a share of their range
 
 
 def tornado(found: Assessment, path: Path) -> None:
-    """Draw the tornado.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Draw the tornado."""
     answers, known = found.answers, [one for one in found.ranked if found.tested(one)]
     rows = -(-len(answers) // BESIDE)
     across = -(-len(answers) // rows)
@@ -53,7 +49,8 @@ def _panel(axes: Any, found: Assessment, known: list[Known], answer: Answer, fir
     base = answer.factor * found.base.of(answer)
     axes.axvline(base, color=INK, linewidth=1.2, zorder=1.5)
     ends = _limits(axes, found, answer)
-    _ensemble(axes, found, answer)
+    values = [answer.factor * one.of(answer) for one in found.ensemble]
+    axes.plot(values, np.zeros(len(values)), "|", color=INK, markersize=13, markeredgewidth=1.1, zorder=4)
     for row, one in enumerate(known, 1):
         _bar(axes, found, one, answer, row, ends)
     if answer != GRADE:
@@ -76,12 +73,6 @@ def _limits(axes: Any, found: Assessment, answer: Answer) -> tuple[float, float]
     ends = (low - ROOM * wide, high + ROOM * wide)
     axes.set_xlim(*ends)
     return ends
-
-
-def _ensemble(axes: Any, found: Assessment, answer: Answer) -> None:
-    """A mark per member in the uppermost row."""
-    values = [answer.factor * one.of(answer) for one in found.ensemble]
-    axes.plot(values, np.zeros(len(values)), "|", color=INK, markersize=13, markeredgewidth=1.1, zorder=4)
 
 
 def _bar(axes: Any, found: Assessment, one: Known, answer: Answer, row: int, ends: tuple[float, float]) -> None:

@@ -21,11 +21,7 @@ WIDEST = 44  # characters of a reason in the terminal
 
 
 def write_table(found: Assessment, path: Path) -> None:
-    """Write assess.csv: a row per run, SI units, all digits.
-
-    Raises:
-        InputError: it cannot be written.
-    """
+    """Write assess.csv: a row per run, SI units, all digits."""
     columns = ["assumption", "level", "status", "reason", *NUMBERS, "run"]
     write_csv(path, columns, (_row(one) for one in found.members))
 
@@ -45,11 +41,6 @@ def _row(member: Member) -> list[str]:
 def heads(found: Assessment) -> list[str]:
     """Headings of the answers, with their units."""
     return [f"{SHORT[one.key]}{f' [{one.unit}]' if one.unit else ''}" for one in found.answers]
-
-
-def cells_of(found: Assessment, member: Member) -> list[str]:
-    """The answers of a run; a run that is no data has none."""
-    return [_cell(answer, member) for answer in found.answers]
 
 
 def _cell(answer: Answer, member: Member) -> str:
@@ -77,22 +68,22 @@ def rows_of(found: Assessment) -> Iterator[list[str]]:
         if member.kind == ENSEMBLE:
             if shown_name != "ensemble" and all(not one.row or one.done for one in found.ensemble):
                 chance = [between(answer, *found.chance(answer)).removesuffix(f" {answer.unit}") for answer in found.answers]
-                yield ["ensemble", f"{sum(one.done for one in found.ensemble)} members", *chance, _ensemble_note(found)]
+                missed, waiting = sum(one.missed for one in found.ensemble), sum(not one.row for one in found.ensemble)
+                notes = [f"{MISSED} {missed} members missed steps"] * bool(missed) + [f"{waiting} {WAITS}"] * bool(waiting)
+                yield ["ensemble", f"{sum(one.done for one in found.ensemble)} members", *chance, ", ".join(notes)]
                 shown_name = "ensemble"
             if shown_name == "ensemble":
                 continue
         name, level = heading(member)
         if member.kind == BASE:
             level = "as the scene has it"
-        yield ["" if name == shown_name and name != "ensemble" else name, level, *cells_of(found, member), note_of(found, member)]
+        yield [
+            "" if name == shown_name and name != "ensemble" else name,
+            level,
+            *(_cell(answer, member) for answer in found.answers),
+            note_of(found, member),
+        ]
         shown_name = name
-
-
-def _ensemble_note(found: Assessment) -> str:
-    """How many members missed the tolerance or wait."""
-    missed, waiting = sum(one.missed for one in found.ensemble), sum(not one.row for one in found.ensemble)
-    parts = [f"{MISSED} {missed} members missed steps"] if missed else []
-    return ", ".join(parts + ([f"{waiting} {WAITS}"] if waiting else []))
 
 
 def text_table(found: Assessment) -> str:

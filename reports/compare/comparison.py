@@ -29,8 +29,7 @@ from masonry_cd.analysis.verdict import NOT_GRADED
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from reports.damage.joint_files import damage_settings
-from reports.outputs import damage_of
+from reports.damage import damage_of, damage_settings
 from reports.settings import Report, report_of
 
 
@@ -63,11 +62,7 @@ class Comparison:
 
 
 def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comparison:
-    """Compare the runs in some folders.
-
-    Args:
-        folders: of the runs.
-        names: by which they are called; the shortest ends of their paths when not given.
+    """Compare the runs in some folders, called by names, or else by the shortest ends of their paths.
 
     Raises:
         InputError: fewer than two folders, one given twice, or one that holds no run.
@@ -89,7 +84,8 @@ def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comp
                 words.append(f"{name}: {NOT_GRADED}: {whole['grade_reason']}")
             if end := runs[-1].damage.provisional:
                 words.append(f"{name}: grades, mechanisms and what is left are {end}")
-    rows = [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *_response_rows(runs), *_solver_rows(runs)]
+    response = [(number.name, number.unit, [run.numbers[key] for run in runs]) for key, number in numbers_in(COMPARE).items()]
+    rows = [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *response, *_solver_rows(runs)]
     return Comparison(runs, rows, words)
 
 
@@ -178,11 +174,6 @@ def _part_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
         if any(row is not None and row["grade"] not in ("D0", NOT_GRADED) for row in found):
             rows.append((f"part {name}", "", [f"{row['grade']} {row['mechanism']}" if row else None for row in found]))
     return rows
-
-
-def _response_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
-    """Displacements relative to the base, and drift."""
-    return [(number.name, number.unit, [run.numbers[key] for run in runs]) for key, number in numbers_in(COMPARE).items()]
 
 
 def _solver_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:

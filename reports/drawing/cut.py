@@ -48,22 +48,13 @@ class Cut:
         return f"{self.axis} = {round(self.value, 3) + 0.0:g} m"
 
 
-def axis_of(text: str) -> str:
-    """The axis of a cut given as ``y`` or ``y=1.5``.
-
-    Raises:
-        InputError: anything else.
-    """
-    return _parse(text)[0]
-
-
 def cut_named(text: str, solids: Solids, view: View) -> Cut:
     """The cut that a text asks for: ``y=1.5``, or ``y`` for the middle of the structure.
 
     Raises:
         InputError: no such plane, one that the view sees edge-on, or one that leaves nothing of the structure.
     """
-    axis, value = _parse(text)
+    axis, value = plane_of(text)
     k = AXES.index(axis)
     free = solids.vertices[~solids.fixed[solids.vertex_block]] if not solids.fixed.all() else solids.vertices
     low, high = float(free[:, k].min()), float(free[:, k].max())
@@ -78,7 +69,12 @@ def cut_named(text: str, solids: Solids, view: View) -> Cut:
     return Cut(axis, float(value), normal)
 
 
-def _parse(text: str) -> tuple[str, float | None]:
+def plane_of(text: str) -> tuple[str, float | None]:
+    """Axis and place [m] of a cut given as ``y``, without a place, or ``y=1.5``.
+
+    Raises:
+        InputError: anything else.
+    """
     axis, equals, place = (part.strip() for part in text.partition("="))
     number = finite_number(place)
     known = axis in tuple(AXES)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -38,6 +38,7 @@ INK, FAINT, COLOURS = palette.INK, palette.FAINT, palette.CURVES
 
 PITCH, SIGN = 29.0, 46.0  # of the rows of a key, and width of a sign
 LETTER = 8.6  # mean width of a letter of a note
+WIDE = 0.58  # of a letter of the facts, as a share of its size
 
 FIXED_TEXTS: dict[Any, Any] = {"svg.hashsalt": "masonry_cd", "svg.fonttype": "path", "pdf.fonttype": 42}
 
@@ -125,11 +126,7 @@ def zero_line(axes: Any) -> None:
 
 
 def save(figure: Any, path: Path, title: str = "") -> Path:
-    """Write a figure of matplotlib as PNG, SVG or PDF by its ending, with nothing in it that depends on the day; return the path.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write a figure of matplotlib as PNG, SVG or PDF by its ending, with nothing in it that depends on the day; return the path."""
     import matplotlib
 
     form = path.suffix[1:]
@@ -140,6 +137,12 @@ def save(figure: Any, path: Path, title: str = "") -> Path:
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     return path
+
+
+def save_polygons(scene: Scene, folder: Path, name: str) -> list[Path]:
+    """Write a scene as polygons into an SVG and a PDF of a name; return them."""
+    figure = Sheet.as_polygons(scene).figure
+    return [save(figure, folder / f"{name}.{form}", scene.title) for form in ("svg", "pdf")]
 
 
 class Sheet:
@@ -171,31 +174,30 @@ class Sheet:
     @classmethod
     def drawn_on(cls, canvas: Canvas, scene: Scene, panels: Sequence[Panel] | None = None) -> Sheet:
         """The sheet of a scene, drawn on a canvas of its size, with all of its key or some ``panels``."""
-        sheet = cls.around(scene, panels)
-        fitted = replace(scene, window=scene.window.fitted(sheet.plan.pixels))
-        axes = sheet.model(fitted)
-        axes.imshow(canvas.draw(fitted), extent=(*axes.get_xlim(), *axes.get_ylim()), interpolation="none", aspect="auto")
-        label_ties(axes, fitted)
-        return sheet
+
+        def draw(axes: Any, fitted: Scene) -> None:
+            axes.imshow(canvas.draw(fitted), extent=(*axes.get_xlim(), *axes.get_ylim()), interpolation="none", aspect="auto")
+
+        return cls._with_model(scene, draw, panels)
 
     @classmethod
     def as_polygons(cls, scene: Scene) -> Sheet:
         """The sheet of a scene whose model is polygons, for SVG and PDF."""
         from reports.drawing.vector import draw_polygons
 
-        sheet = cls.around(scene)
-        fitted = replace(scene, window=scene.window.fitted(sheet.plan.pixels))
-        axes = sheet.model(fitted)
-        draw_polygons(axes, fitted)
-        label_ties(axes, fitted)
-        return sheet
+        return cls._with_model(scene, draw_polygons)
 
-    def model(self, scene: Scene) -> Any:
-        """The axes of the model, in metres of the plane of the picture."""
-        axes = self.axes(*self.plan.model)
-        axes.set_xlim(scene.window.left, scene.window.right)
-        axes.set_ylim(scene.window.bottom, scene.window.top)
-        return axes
+    @classmethod
+    def _with_model(cls, scene: Scene, draw: Callable[[Any, Scene], None], panels: Sequence[Panel] | None = None) -> Sheet:
+        """The sheet of a scene; ``draw`` puts the model into axes in metres of the plane of the picture."""
+        sheet = cls.around(scene, panels)
+        window = scene.window.fitted(sheet.plan.pixels)
+        axes = sheet.axes(*sheet.plan.model)
+        axes.set_xlim(window.left, window.right)
+        axes.set_ylim(window.bottom, window.top)
+        draw(axes, replace(scene, window=window))
+        label_ties(axes, scene)
+        return sheet
 
     @classmethod
     def around(cls, scene: Scene, panels: Sequence[Panel] | None = None) -> Sheet:
@@ -213,35 +215,14 @@ class Sheet:
         """Title and facts at the top; lines of facts that are wider than the sheet are broken between words."""
         axes = self.axes(MARGIN, self.plan.size[1] - TITLE, self.plan.size[0] - 2 * MARGIN, TITLE)
         for size, most in FACTS:
-            lines = self._broken(facts, size)
+            letters = int(72 * (self.plan.size[0] - 2 * MARGIN) / (100 * WIDE * size))
+            lines = [part for line in facts.split("\n") for part in textwrap.wrap(line, letters)]
             if len(lines) <= most:
                 break
-        crowded = len(lines) > 2
-        axes.text(
-            0, 92 if crowded else 72, textwrap.shorten(title, 95, placeholder=" …"), fontsize=23, weight="bold", color=INK, va="center",
-            parse_math=False,
-        )  # fmt: skip
-        axes.text(0, 36 if crowded else 30, "\n".join(lines), fontsize=size, color=FAINT, va="center", parse_math=False)
-
-    def _broken(self, text: str, size: float) -> list[str]:
-        """The lines of a text in letters of a size [points], broken where they would not fit between the margins."""
-        lines = []
-        for line in text.split("\n"):
-            words = line.split(" ")
-            while words:
-                count = len(words)
-                while count > 1 and self._wide(" ".join(words[:count]), size) > self.plan.size[0] - 2 * MARGIN:
-                    count -= 1
-                lines.append(" ".join(words[:count]))
-                words = words[count:]
-        return lines
-
-    def _wide(self, text: str, size: float) -> float:
-        """Width of a text [pixels]."""
-        from matplotlib.font_manager import FontProperties
-
-        renderer = self.figure.canvas.get_renderer()
-        return float(renderer.get_text_width_height_descent(text, FontProperties(size=size), ismath=False)[0])
+        high, low = (92, 36) if len(lines) > 2 else (72, 30)
+        look = {"va": "center", "parse_math": False}
+        axes.text(0, high, textwrap.shorten(title, 95, placeholder=" …"), fontsize=23, weight="bold", color=INK, **look)
+        axes.text(0, low, "\n".join(lines), fontsize=size, color=FAINT, **look)
 
     def scale_bar(self, axes: Any, metres_per_pixel: float, left: float, bottom: float, longest: float = 300.0) -> None:
         """A bar of a round length, in two halves."""
@@ -255,15 +236,6 @@ class Sheet:
         axes.text(left + width, bottom + 16, in_metres(length), fontsize=12, color=INK, ha="center")
         axes.text(left, bottom - 22, "in the plane of the picture", fontsize=11, color=FAINT)
 
-    def triad(self, axes: Any, view: View, place: tuple[float, float], size: float = 26.0) -> None:
-        """The axes x, y, z as a view shows them, from a place in pixels."""
-        for name, colour, right, up in zip("xyz", palette.AXES.values(), view.right, view.up, strict=True):
-            x, y = size * float(right), size * float(up)
-            if math.hypot(x, y) < SEEN * size:  # it points at the reader
-                continue
-            axes.plot([place[0], place[0] + x], [place[1], place[1] + y], color=colour, linewidth=2.0)
-            axes.text(place[0] + 1.45 * x, place[1] + 1.45 * y, name, fontsize=12, color=colour, ha="center", va="center")
-
     def panel(self, panel: Panel, box: Box, view: View, pixel: float) -> None:
         """A part of the key, from the top of its box; a pixel of the model is so large [m]."""
         axes, (width, top) = self.axes(*box), box[2:]
@@ -272,7 +244,7 @@ class Sheet:
             top -= 84
         if panel.ruler:
             self.scale_bar(axes, pixel, 10, top - 44, width - 60 - TRIAD)
-            self.triad(axes, view, (width - 0.5 * TRIAD, top - 58))
+            triad(axes, view, (width - 0.5 * TRIAD, top - 58))
             top -= 80
         per_column = max(1, int((top - 4) // PITCH))
         rows, most = list(panel.signs), per_column * (1 if self.plan.beside else panel.wide)
@@ -294,12 +266,18 @@ class Sheet:
         return out
 
     def save(self, path: Path) -> None:
-        """Write the PNG.
-
-        Raises:
-            InputError: the file cannot be written.
-        """
+        """Write the PNG."""
         save(self.figure, path)
+
+
+def triad(axes: Any, view: View, place: tuple[float, float], size: float = 26.0) -> None:
+    """The axes x, y, z as a view shows them, from a place in pixels."""
+    for name, colour, right, up in zip("xyz", palette.AXES.values(), view.right, view.up, strict=True):
+        x, y = size * float(right), size * float(up)
+        if math.hypot(x, y) < SEEN * size:  # it points at the reader
+            continue
+        axes.plot([place[0], place[0] + x], [place[1], place[1] + y], color=colour, linewidth=2.0)
+        axes.text(place[0] + 1.45 * x, place[1] + 1.45 * y, name, fontsize=12, color=colour, ha="center", va="center")
 
 
 def label_ties(axes: Any, scene: Scene) -> None:
@@ -309,7 +287,7 @@ def label_ties(axes: Any, scene: Scene) -> None:
         flat, colour = scene.view.plane(ties.ends[i]), palette.PULLING if ties.tension[i] > 0.0 else FAINT
         along = np.abs(np.ptp(flat, axis=0))
         beside = (0, 12) if along[0] >= along[1] else (30, 0)
-        words = {
+        look = {
             "fontsize": 12,
             "weight": "bold",
             "color": colour,
@@ -318,7 +296,7 @@ def label_ties(axes: Any, scene: Scene) -> None:
             "path_effects": halo(),
             "parse_math": False,
         }
-        axes.annotate(ties.texts[i], flat.mean(axis=0), beside, textcoords="offset points", annotation_clip=True, **words)
+        axes.annotate(ties.texts[i], flat.mean(axis=0), beside, textcoords="offset points", annotation_clip=True, **look)
 
 
 def halo() -> list[Any]:

@@ -18,16 +18,9 @@ GAP = 1.5  # between elevations [m]
 
 
 def plan_picture(walls: Sequence[WallOutline], others: Sequence[tuple[str, np.ndarray]], path: Path, title: str) -> None:
-    """Draw a plan above the elevations of its walls, each seen from its right side.
+    """Draw a plan into an SVG or PNG, above the elevations of its walls, each seen from its right side.
 
-    Args:
-        walls: of the plan.
-        others: names and corners (Q, 2) of columns and vaults in plan [m].
-        path: of the SVG or PNG.
-        title: of the drawing.
-
-    Raises:
-        InputError: the file cannot be written.
+    ``others`` are names and corners (Q, 2) of columns and vaults in plan [m].
     """
     figure = blank((WIDE, WIDE))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))

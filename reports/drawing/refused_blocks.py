@@ -28,19 +28,15 @@ PITCH = 36.0  # of the names [pixels]
 
 
 def problem_picture(blocks: Sequence[Block], faulty: Sequence[str], message: str, path: Path) -> None:
-    """Draw a structure that was refused into a PNG.
-
-    Args:
-        blocks: of the structure, sound or not.
-        faulty: names of those at fault.
-        message: what is wrong, in a line.
-        path: of the PNG.
+    """Draw a structure that was refused into a PNG, with the names of those at fault, and what is wrong, in a line.
 
     Raises:
         InputError: no off-screen OpenGL, or a path that cannot be written.
     """
     drawn = [block for block in blocks if _can_be_drawn(block)]
-    solids = _solids(drawn)
+    shells = [Polyhedron(block.vertices, tuple(face for face in block.faces if len(face) >= 3)) for block in drawn]
+    centre = np.array([block.vertices.mean(axis=0) for block in drawn])  # of blocks that may enclose no volume
+    solids = Solids.of(shells, centre, np.array([block.fixed for block in drawn]))
     at_fault = np.array([block.name in set(faulty) for block in drawn])
     view, count, left_out = looking_at(solids), int(at_fault.sum()), len(blocks) - len(drawn)
     rows = [Sign("box", f"at fault ({count})", (FAULTY,)), Sign("box", f"others ({len(drawn) - count})", (SOUND,))]
@@ -67,16 +63,13 @@ def _can_be_drawn(block: Block) -> bool:
     return whole and bool(faces) and all(min(face) >= 0 and max(face) < len(block.vertices) for face in faces)
 
 
-def _solids(blocks: Sequence[Block]) -> Solids:
-    """The flat arrays of blocks that may enclose no volume: the mean of their corners stands for the centre of mass."""
-    shells = [Polyhedron(block.vertices, tuple(face for face in block.faces if len(face) >= 3)) for block in blocks]
-    centre = np.array([block.vertices.mean(axis=0) for block in blocks])
-    return Solids.of(shells, centre, np.array([block.fixed for block in blocks]))
-
-
 def _layers(solids: Solids, at_fault: np.ndarray) -> list[Surface | Lines]:
     """Faulty blocks with their edges, then the others as glass."""
-    edges, vertices = _sides(solids), within_sight(solids, solids.vertices)
+    pairs = np.stack([solids.loops, solids.loops[next_in_loop(solids.loop_start)]], axis=1)
+    edges, vertices = (
+        np.unique(np.sort(pairs, axis=1), axis=0),
+        within_sight(solids, solids.vertices),
+    )  # an open shell has sides of one face
     red = at_fault[solids.vertex_block[edges[:, 0]]]
 
     def faces(chosen: np.ndarray, colour: str, opacity: float) -> Surface:
@@ -89,13 +82,6 @@ def _layers(solids: Solids, at_fault: np.ndarray) -> list[Surface | Lines]:
         Lines(vertices, edges[~red], "#9aa2a7", 0.6),
         faces(~at_fault, SOUND, GLASS),
     ]
-
-
-def _sides(solids: Solids) -> np.ndarray:
-    """(E, 2) all sides of all faces, each once; an open shell has sides of one face only."""
-    following = next_in_loop(solids.loop_start)
-    pairs = np.stack([solids.loops, solids.loops[following]], axis=1)
-    return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
 def _names(sheet: Sheet, blocks: Sequence[Block], solids: Solids, at_fault: np.ndarray, scene: Scene) -> None:

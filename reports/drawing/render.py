@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-import ctypes
 import sys
 from collections.abc import Sequence
+from ctypes.util import find_library
 from functools import cache
 from typing import Any
 
@@ -25,22 +25,13 @@ NO_CONTEXT = (
 
 
 def render(scene: Scene, pixels: tuple[int, int], samples: int = SAMPLES) -> np.ndarray:
-    """Draw a scene into an image (height, width, 3) uint8 on white; each pixel is the mean of samples x samples rendered ones.
-
-    Raises:
-        InputError: no off-screen OpenGL; names the packages that bring it.
-    """
+    """Draw a scene into an image (height, width, 3) uint8 on white; each pixel is the mean of samples x samples rendered ones."""
     with Canvas(scene.view, pixels, samples) as canvas:
         return canvas.draw(scene)
 
 
 class Canvas:
-    """A picture that is drawn anew as often as needed: opening OpenGL takes longer than to draw. Use it as a context manager.
-
-    Args:
-        view: of all pictures.
-        pixels: width and height.
-        samples: along a side of a pixel.
+    """A picture of a size that is drawn anew as often as needed: opening OpenGL takes longer than to draw. Use it as a context manager.
 
     Raises:
         InputError: no off-screen OpenGL; names the packages that bring it.
@@ -68,14 +59,11 @@ class Canvas:
     def draw(self, scene: Scene) -> np.ndarray:
         """Draw a scene, seen as the canvas was made for, but for words, into an image (height, width, 3) uint8 on white."""
         layers = [*cut_layers(scene), *joint_layers(scene), *tie_layers(ties_of(scene))]
-        return self._drawn(placed(layers, self._view, scene.window.height), scene.window)
-
-    def _drawn(self, layers: Sequence[Layer], window: Window) -> np.ndarray:
-        """The image of layers as they lie."""
+        layers = placed(layers, self._view, scene.window.height)
         self._plotter.clear_actors()
         for layer in layers:
             _add(self._plotter, layer, self._samples)
-        _aim(self._plotter.camera, layers, self._view, window)
+        _aim(self._plotter.camera, layers, self._view, scene.window)
         self._plotter.render()  # once, with all layers: a screenshot alone renders the first time only
         image = self._plotter.screenshot(None, return_img=True)
         if image is None or image.shape[:2] != (self._size[1], self._size[0]):
@@ -103,21 +91,8 @@ def require_context() -> None:
         raise InputError(NO_CONTEXT) from None
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # it warns of each kind of window that it tries in vain
     kind = vtkRenderWindow().GetClassName()
-    if kind == "vtkRenderWindow" or (
-        kind == "vtkOSOpenGLRenderWindow" and not _loadable("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
-    ):
+    if kind == "vtkRenderWindow" or (kind == "vtkOSOpenGLRenderWindow" and find_library("OSMesa") is None):
         raise InputError(NO_CONTEXT)
-
-
-def _loadable(*names: str) -> bool:
-    """True where one of these shared libraries is installed."""
-    for name in names:
-        try:
-            ctypes.CDLL(name)
-        except OSError:
-            continue
-        return True
-    return False
 
 
 def _light(plotter: Any, view: View) -> None:

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blocks in pictures: from where they are seen, what of them, in which colours, with their edges."""
+"""Blocks in pictures: from where they are seen, what of them, in which colours, with their edges; and a structure before any run."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.mechanics.model.blocks import Block
-from reports.drawing.palette import EDGE, SUPPORT
-from reports.drawing.parts import Layer, Lines, Surface, View, Window, rgb, view_named
+from reports.drawing.figure import in_metres
+from reports.drawing.palette import EDGE, GROUPS, PULLING, SUPPORT
+from reports.drawing.parts import RULER, Layer, Lines, Panel, Sign, Surface, Ties, View, Window, rgb, view_named
+from reports.drawing.scene import Scene
 
 AROUND = 0.35  # of the structure's largest extent: how far a level ground is drawn around it
 FAR = 1.25  # of the size of a structure: how far from it blocks still draw a wide ground out, a block across the end of a picture too
@@ -105,3 +108,53 @@ def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, face
         Surface(vertices, solids.loops, solids.loop_start, (255.0 * shade).astype(np.uint8), owner=solids.face_block, inside=inside),
         Lines(vertices, solids.edges(), EDGE, 1.2 if len(colours) < MANY else 0.7, lift=5e-4, outline=True),
     ]
+
+
+def structure_scene(blocks: Sequence[Block], title: str, view: str = "auto", ties: Sequence[np.ndarray] = ()) -> Scene:
+    """The blocks by group, and ties by their ends (2, 3) each [m]; in a view by name, or ``auto``, see :func:`auto_view`.
+
+    Raises:
+        InputError: an unknown view.
+    """
+    solids, families = Solids.from_blocks(blocks), families_of(blocks)
+    looking, colours = looking_at(solids, view), np.empty((len(blocks), 3))
+    for family in families:
+        colours[family.members] = rgb(family.colour)
+    extent = " × ".join(in_metres(v) for v in np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0))
+    rows = [Sign("box", family.text, (family.colour, EDGE)) for family in families]
+    rows += [Sign("line", f"ties ({len(ties)})", (PULLING,))] if ties else []
+    return Scene(
+        view=looking,
+        window=structure_window(solids, looking),
+        layers=block_layers(solids, within_sight(solids, solids.vertices), colours),
+        ties=Ties(np.array(ties, dtype=float).reshape(-1, 2, 3), ("",) * len(ties), np.ones(len(ties))),
+        title=title,
+        facts=f"{len(blocks)} blocks · {extent} (x, y, z) without supports · {looking.name} view",
+        key=[Panel(rows, wide=4), RULER],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Blocks that one colour stands for: a group, or numbered groups (pier1, pier2 ...) taken together."""
+
+    text: str
+    members: np.ndarray  # indices of blocks
+    colour: str
+
+
+def families_of(blocks: Sequence[Block]) -> list[Family]:
+    """The groups of blocks; where they outnumber the colours, numbered groups together. Groups of supports are grey."""
+    named = [b.group for b in blocks]
+    if len(set(named)) > len(GROUPS) + 1:
+        named = [re.sub(r"\d+", "#", name) for name in named]
+    names = np.array(named, dtype=object)
+    out: list[Family] = []
+    for name in dict.fromkeys(named):
+        members = np.flatnonzero(names == name)
+        groups = list(dict.fromkeys(blocks[int(i)].group for i in members))
+        text = groups[0] if len(groups) == 1 else f"{groups[0]} to {groups[-1]}"
+        support = all(blocks[int(i)].fixed for i in members)
+        free = sum(family.colour != SUPPORT for family in out)
+        out.append(Family(f"{text} ({len(members)})", members, SUPPORT if support else GROUPS[free % len(GROUPS)]))
+    return out

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture of a capacity curve: the factor over the displacement, and the structure at marked points with what moves there."""
+"""The load factor over something: over the displacement, with the structure at marked points, and over where a vehicle stands."""
 
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -15,9 +16,10 @@ from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.stage import Stage
-from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes, save, zero_line
+from reports.drawing.figure import COLOURS, INK, blank, plain_axes, save, zero_line
 from reports.drawing.palette import AT_WORK, PULLING
 from reports.drawing.parts import Ties, View, Window
+from reports.drawing.plots import DPI, heading
 from reports.drawing.render import render
 from reports.drawing.scene import Scene
 from reports.drawing.solids import structure_window
@@ -29,64 +31,41 @@ LONGEST = 500.0  # of a tie that is drawn [m]: the bars by which fill resists ar
 SLACK = 1e-9  # tension, over the mean weight of a block, below which a tie pulls nothing
 WIDE = 150  # letters of the line below the title
 PIXELS = 460  # width of the picture of a marked point
-DPI = 150
 UNITS = ((0.02, 1e3, "mm"), (0.2, 1e2, "cm"), (np.inf, 1.0, "m"))  # displacements below, factor, name
+LINE, WORST, SPAN = "#20506f", "#b3261e", "#e9e4d8"
+SHOWN = 4.0  # times the least factor: the plot ends there
 
 
 def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: str, facts: str, view: str = "auto") -> None:
-    """Draw a capacity curve into a PNG.
-
-    Args:
-        curve: what to draw.
-        judged: (n, 3) displacement, and the factors between which that of the dynamics lies.
-        path: of the PNG.
-        title: of the picture.
-        facts: the line below it.
-        view: auto, front, back, side, left, top or isometric.
+    """Draw a capacity curve into a PNG; ``judged`` (n, 3) are displacements, and the factors between which those of the dynamics lie.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
-    marks = curve.marks
     images = _images(curve, view)
-    tall = max(image.shape[0] / image.shape[1] for image in images)
-    width, each = 12.0, 11.6 / len(marks)
-    below = min(each * tall, 5.2) + 0.45
-    height = 1.0 + 4.6 + 0.5 + below
-    figure = blank((width, height), DPI)
-    figure.text(
-        0.02,
-        1.0 - 0.32 / height,
-        textwrap.shorten(title, 100, placeholder=" …"),
-        fontsize=15,
-        fontweight="bold",
-        color=INK,
-        va="center",
-        parse_math=False,
-    )
-    figure.text(0.02, 1.0 - 0.55 / height, textwrap.fill(facts, WIDE), fontsize=10.5, color=FAINT, va="top", parse_math=False)
-    axes = figure.add_axes((0.08, (below + 0.65) / height, 0.89, 4.35 / height))
-    _curve(axes, curve, judged)
-    for k, (mark, image) in enumerate(zip(marks, images, strict=True)):
-        one = figure.add_axes((0.017 + k * each / width, 0.03 / height, 0.96 * each / width, (below - 0.4) / height))
-        one.imshow(image, interpolation="antialiased")
-        one.set_axis_off()
-        words = f"{LETTERS[k]}   factor {curve.shown_factor(mark):.3g}"
-        figure.text(0.017 + (k + 0.03) * each / width, (below - 0.18) / height, words, fontsize=11, color=INK, va="center")
-    _key(figure, (below + 0.14) / height, curve)
+    below = min(11.6 / len(images) * max(image.shape[0] / image.shape[1] for image in images), 5.2)
+    figure = blank((12.0, 6.4 + below), DPI, layout="constrained")
+    heading(figure, textwrap.shorten(title, 100, placeholder=" …"), textwrap.fill(facts, WIDE))
+    grid = figure.add_gridspec(2, len(images), height_ratios=(4.6, below))
+    _curve(figure.add_subplot(grid[0, :]), curve, judged)
+    for k, (mark, image) in enumerate(zip(curve.marks, images, strict=True)):
+        axes = figure.add_subplot(grid[1, k])
+        axes.imshow(image, interpolation="antialiased")
+        axes.set_axis_off()
+        axes.set_title(f"{LETTERS[k]}   factor {curve.shown_factor(mark):.3g}", fontsize=11, color=INK, loc="left")
+    _key(figure, curve)
     save(figure, path)
 
 
-def _key(figure: Any, height: float, curve: CapacityCurve) -> None:
-    """What the signs of the marked points mean, in a line that ends at the right edge."""
+def _key(figure: Any, curve: CapacityCurve) -> None:
+    """What the signs of the marked points mean, in a line below them."""
+    from matplotlib.lines import Line2D
+
     worked = {state for mark in curve.marks for _, _, state in curve.stages[mark].at_work()}
-    signs = [(f"● {state}", AT_WORK[state]) for state in DOTTED if state in worked]
+    signs = [Line2D([], [], marker="o", ls="", color=AT_WORK[state], label=state) for state in DOTTED if state in worked]
     if len(curve.stages[0].loads.bars.strength):
-        signs.append(("— tie, grey where it is slack", PULLING))
-    right = 0.97
-    for words, colour in reversed(signs):
-        figure.text(right, height, words, fontsize=10, color=colour, va="center", ha="right")
-        right -= 0.0068 * len(words) + 0.02
+        signs.append(Line2D([], [], color=PULLING, label="tie, grey where it is slack"))
+    figure.legend(handles=signs, loc="outside lower right", ncols=len(signs) or 1, fontsize=10, frameon=False)
 
 
 def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
@@ -96,7 +75,12 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     plain_axes(axes, "load factor", f"displacement of the control block [{unit}]")
     zero_line(axes)
     x = scale * curve.displacement
-    _line(axes, x, curve)
+    for first, end in pairwise([0, *curve.jumps, len(x)]):
+        label = "limit analysis of the moved blocks" if first == 0 else None
+        axes.plot(x[first:end], curve.factor[first:end], color=COLOURS[0], linewidth=2.0, label=label)
+    for jump in curve.jumps:  # where blocks go on by themselves
+        label, there = "blocks go on by themselves" if jump == curve.jumps[0] else None, slice(jump - 1, jump + 1)
+        axes.plot(x[there], curve.factor[there], color=COLOURS[0], linewidth=1.1, linestyle=":", label=label)
     upper = np.array([stage.associated for stage in curve.stages])
     above = upper > curve.factor + 1e-4 * abs(curve.factor[0])
     if above.any():
@@ -118,17 +102,6 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     axes.legend(loc="best", fontsize=10, frameon=False)
 
 
-def _line(axes: Any, x: np.ndarray, curve: CapacityCurve) -> None:
-    """The factor over the displacement (K,) in the unit of the axes; dotted where blocks go on by themselves."""
-    borne = [0, *curve.jumps, len(x)]
-    for first, end in pairwise(borne):
-        label = "limit analysis of the moved blocks" if first == 0 else None
-        axes.plot(x[first:end], curve.factor[first:end], color=COLOURS[0], linewidth=2.0, label=label)
-    for jump in curve.jumps:
-        label = "blocks go on by themselves" if jump == curve.jumps[0] else None
-        axes.plot(x[jump - 1 : jump + 1], curve.factor[jump - 1 : jump + 1], color=COLOURS[0], linewidth=1.1, linestyle=":", label=label)
-
-
 def _images(curve: CapacityCurve, view: str) -> list[np.ndarray]:
     """The structure at the marked points, all in one framing: what stands, what moves, hinges and slips, outlines as built."""
     built = Solids.from_blocks(curve.stages[0].assembly.blocks)
@@ -148,13 +121,31 @@ def _scene(stage: Stage, solids: Solids, built: Solids, looking: View, window: W
     for name in DOTTED:
         which = [j for j in range(joints.count) if at_work.get((int(joints.block_a[j]), int(joints.block_b[j]))) == name]
         layers.append(dots(moves.hinge[which], AT_WORK[name], looking, radius, through(looking)))
-    return Scene(looking, window, layers, ties=_ties(stage))
-
-
-def _ties(stage: Stage) -> Ties:
-    """The ties where they are, without labels; those that are slack pull nothing."""
     tension = np.zeros(len(stage.pulling))
     tension[stage.pulling] = stage.best.bars
     ends = stage.loads.bars.points
-    rods = np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1)) < LONGEST
-    return Ties(ends[rods], ("",) * int(rods.sum()), np.where(tension > SLACK, tension, 0.0)[rods])
+    rods = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) < LONGEST
+    pulls = np.where(tension > SLACK, tension, 0.0)[rods]  # those that are slack pull nothing
+    return Scene(looking, window, layers, ties=Ties(ends[rods], ("",) * len(pulls), pulls))
+
+
+def crossing_picture(position: np.ndarray, factor: np.ndarray, spans: Sequence[tuple[float, float]], path: Path, title: str) -> None:
+    """Draw the factors (M,) of a vehicle over the places of its first axle along the road (M,) [m], and where arches begin and end.
+
+    A factor is inf where any multiple is borne.
+    """
+    figure = blank((8.0, 4.0), DPI, layout="constrained")
+    axes = figure.add_subplot()
+    for k, (low, high) in enumerate(spans):
+        axes.axvspan(low, high, color=SPAN, lw=0)
+        axes.annotate(f"span {k + 1}", (0.5 * (low + high), 0.02), xycoords=("data", "axes fraction"), ha="center", color="#6d675a")
+    worst = int(np.argmin(factor))
+    axes.plot(position, np.where(np.isfinite(factor), factor, np.nan), color=LINE, marker=".", ms=4)
+    if np.isfinite(factor[worst]):
+        axes.plot(position[worst], factor[worst], "o", color=WORST)
+        place = position[worst], factor[worst]
+        axes.annotate(f"{place[1]:.4g} at {place[0]:.4g} m", place, (6, -14), textcoords="offset points", color=WORST)
+        axes.set_ylim(0.0, SHOWN * factor[worst])
+    plain_axes(axes, "load factor", "first axle along the road [m]", grid="y")
+    axes.set_title(title, color=INK, fontsize=11, loc="left", parse_math=False)
+    save(figure, path, title)

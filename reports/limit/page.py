@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""limit.html: a limit analysis on one page that needs nothing else: factor, check by a code, pictures, mechanism, certificate, scene."""
+"""limit.html, a limit analysis on one page, and macro_elements.html with its table, the mechanisms of the parts of a structure."""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.analysis.limit.outcome import SURE
+from masonry_cd.analysis.limit.outcome import SURE, on_the_check
 from masonry_cd.analysis.verdict import Verdict
+from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import force
-from reports.page.document import Head, pictures, write_document
-from reports.page.title_block import rows_of
+from reports.page.document import Badge, Head, pictures, rows_of, write_document
 from reports.page.words import number
 
 CAPTIONS = {
@@ -50,18 +52,10 @@ class LimitPage:
 
 
 def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None:
-    """Write the page.
-
-    Args:
-        page: its contents.
-        drawn: PNGs; those that are not there are left out.
-        path: of the page.
-
-    Raises:
-        InputError: it cannot be written.
-    """
+    """Write the page, with those PNGs that are there."""
     summary = page.summary
     block, check = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene), summary["check"] or {}
+    made = summary["certificate"]
     write_document(
         path,
         "limit.html",
@@ -75,7 +69,7 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
         steps=[[step["symbol"], _value(step), step["clause"], step["meaning"]] for step in check.get("steps", ())],
         drawn=pictures({picture: CAPTIONS[picture.name] for picture in drawn if picture.exists()}),
         ties=_ties(summary),
-        certificate=_certificate(summary),
+        certificate=[[name, number(made[key]), words] for key, (name, words) in CERTIFICATE.items()] if made else [],
         command=" ".join(["masonry-cd limit scene.toml -o out", *page.options]),
         scene=page.scene,
     )
@@ -133,7 +127,117 @@ def _ties(summary: Mapping[str, Any]) -> list[list[str]]:
     ]  # fmt: skip
 
 
-def _certificate(summary: Mapping[str, Any]) -> list[list[str]]:
-    """How good the answer is."""
-    made = summary["certificate"]
-    return [] if made is None else [[name, number(made[key]), words] for key, (name, words) in CERTIFICATE.items()]
+CSV, PAGE, JSON, PICTURES = "macro_elements.csv", "macro_elements.html", "macro_elements.json", "macro_elements"
+COLUMNS = (
+    "element", "kind", "push", "mechanism", "found", "height", "moving_blocks", "alpha0", "fraction", "acceleration", "demand", "ratio",
+    "state", "doubt", "undecided", "check", "last", "displacement", "displacement_demand", "displacement_ratio", "no_displacement",
+)  # fmt: skip
+HEADS = COLUMNS[:5] + (
+    "height_m", "moving_blocks", "alpha0", "e_star", "a0_m_s2", "demand_m_s2", "ratio", "verdict", "e_star_is_one", "why", "check", "d0_m",
+    "displacement_m", "displacement_demand_m", "displacement_ratio", "no_check_by_displacements",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class MacroPage:
+    """What the page shows."""
+
+    summary: Mapping[str, Any]  # macro_elements.json
+    least: Sequence[Mapping[str, Any]]  # the first row of each part and push
+    held: Sequence[str]  # parts that are held
+    scene: str  # its text
+    command: str
+    report: Mapping[str, Any]  # the scene's table [report]
+    damage: Mapping[str, str] = field(default_factory=dict)  # of the groups of each part in a run, by its name
+
+
+def write_macro_csv(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """Write all mechanisms, the least ratio first."""
+    write_csv(path, HEADS, ([row[name] for name in COLUMNS] for row in rows), digits=6)
+
+
+def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> None:
+    """Write the page; ``drawn`` are PNGs with what each shows."""
+    summary, least = page.summary, page.least
+    block = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene)
+    rows = [_row(page, row) for row in least]
+    columns = [*rows[0]] if rows else []
+    write_document(
+        path,
+        "macro_elements.html",
+        title=summary["title"],
+        page=Head(summary["title"], summary["lines"][:1], doubts(summary), _tiles(summary, page), block, on_the_check(summary["verdict"])),
+        csv=CSV,
+        columns=columns,
+        rows=rows,
+        numbers=range(3, columns.index("verdict") if "verdict" in columns else len(columns) - bool(page.damage)),
+        any_doubt=any(row["doubt"] for row in least),
+        by_displacements=any(row["check"] == "non-linear" for row in least),
+        followed=_followed(page),
+        why_not=[*dict.fromkeys(row["no_displacement"] for row in least if row["no_displacement"])],
+        held=page.held,
+        undecided=[*dict.fromkeys(row["undecided"] for row in least if row["undecided"])],
+        left_open=summary["left_open"],
+        modelled=summary["modelled"],
+        drawn=pictures(drawn),
+        command=page.command,
+        scene=page.scene,
+    )
+
+
+def _checked(page: MacroPage) -> bool:
+    """Whether a check by a code was asked for."""
+    return bool(page.least) and page.least[0]["ratio"] is not None
+
+
+def _tiles(summary: Mapping[str, Any], page: MacroPage) -> list[tuple[str, object, str]]:
+    """The headline numbers."""
+    out: list[tuple[str, object, str]] = [("verdict", summary["verdict"]["state"], "")] if summary["verdict"] else []
+    out += [("macro-elements", summary["elements"], ""), ("mechanisms looked at", len(summary["mechanisms"]), "")]
+    if _checked(page):
+        out.append(("least ratio, borne over asked for", number(page.least[0]["ratio"], digits=3), ""))
+    return out
+
+
+def _followed(page: MacroPage) -> bool:
+    """Whether a mechanism of the table has its check by displacements."""
+    return any(row["displacement"] is not None for row in page.least)
+
+
+def _row(page: MacroPage, row: Mapping[str, Any]) -> dict[str, str | Badge]:
+    """The least mechanism of a part and push, by the columns of the table."""
+    cells: dict[str, str | Badge] = {
+        "part": row["element"],
+        "push": row["push"],
+        "mechanism": row["mechanism"],
+        "held at [m]": _aligned(row["height"]),
+        "α0": _aligned(row["alpha0"], 4),
+        "e*": _aligned(row["fraction"]) + ("¹" if row["doubt"] else ""),
+        "a0* [m/s²]": _aligned(row["acceleration"], 4),
+    }
+    if _checked(page):
+        cells["asked for [m/s²]"] = _aligned(row["demand"], 4)
+        if _followed(page):
+            for name, key in (("d0* [mm]", "last"), ("borne [mm]", "displacement"), ("asked for [mm]", "displacement_demand")):
+                cells[name] = "–" if row[key] is None else number(1e3 * row[key], digits=3)
+        cells["ratio"] = _aligned(row["ratio"]) + ("²" if row["check"] == "non-linear" else "")
+        cells["verdict"] = Badge(f"verdict {VERDICTS[row['state']]}", row["state"])
+    return cells | ({"damage in the run": page.damage.get(row["element"], "")} if page.damage else {})
+
+
+def _aligned(value: float, digits: int = 3) -> str:
+    """A number of a column, with the zeros at its end that keep digits below digits."""
+    return f"{value:#.{digits}g}".rstrip(".") if 1e-3 <= abs(value) < 1e3 else number(value, digits=digits)
+
+
+def damage_by_group(folder: Path) -> dict[str, str]:
+    """Grade and mechanism of each part of a run, from its damage.csv.
+
+    Raises:
+        InputError: the folder has no such file.
+    """
+    path = folder / "damage.csv"
+    if not path.exists():
+        raise InputError(f"--run: {folder} has no damage.csv; masonry-cd report {folder} writes it where [report] damage = true")
+    with path.open(newline="", encoding="utf-8") as file:
+        return {row["part"]: " ".join(filter(None, (row.get("grade", ""), row.get("mechanism", "")))) for row in csv.DictReader(file)}

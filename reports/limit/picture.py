@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import BARS
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import next_in_loop
-from reports.drawing.figure import LABELLED, Sheet
+from reports.drawing.figure import LABELLED
 from reports.drawing.palette import AT_WORK, CRUSHED, INK, MOVES, PULLING, REST, STANDS, THRUST
 from reports.drawing.parts import BEFORE, BEHIND, Layer, Lines, Panel, Sign, Surface, Ties, View, painted, ribbon, view_named
 from reports.drawing.scene import Scene
@@ -45,24 +44,6 @@ class Subject:
     ties: Sequence[LimitTie] = ()
 
 
-def mechanism_picture(subject: Subject, path: Path, title: str, facts: str, view: str = "auto") -> None:
-    """Draw the moved blocks, hinges, slips, openings and ties into a PNG.
-
-    Raises:
-        InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
-    """
-    Sheet.drawn(mechanism_scene(subject, title, facts, view)).save(path)
-
-
-def thrust_picture(subject: Subject, path: Path, title: str, facts: str, view: str = "auto") -> None:
-    """Draw the line of thrust at collapse, where the resultants cross the joints, and the ties into a PNG.
-
-    Raises:
-        InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
-    """
-    Sheet.drawn(thrust_scene(subject, title, facts, view)).save(path)
-
-
 def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto") -> Scene:
     """The mechanism, its largest displacement a share of the structure's size.
 
@@ -82,6 +63,8 @@ def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto"
     corners = _between(moved, joints, joints.polygon, corner_joint)
     rows = [Sign("box", f"moves: {counted(int(moves.moving.sum()), 'block')}", (MOVES,))]
     at_work = [name for name in STATES[1:] if moves.count(name)]
+    radius = DOT * window.height
+    hinges = {name: np.flatnonzero((moves.state == STATES.index(name)) & (moves.rotation > STILL)) for name in ("hinge", "hinge and slide")}
     rows += [Sign("line", f"{name}: {counted(moves.count(name), 'joint')}", (AT_WORK[name],)) for name in at_work]
     crushed = int(moves.crushing.sum())
     rows += [Sign("line", f"crushes: {counted(crushed, 'joint')}", (CRUSHED,))] * bool(crushed)
@@ -91,12 +74,18 @@ def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto"
         layers=[
             *moving_layers(solids, vertices, moves.moving, solids),
             *_outlines(moves, joints, corners, looking),
-            *_hinges(moves, lambda which: _between(moved, joints, moves.hinge[which], which), looking, DOT * window.height),
+            *(
+                dots(_between(moved, joints, moves.hinge[j], j), AT_WORK[name], looking, radius, through(looking))
+                for name, j in hinges.items()
+            ),
         ],
         ties=drawn_ties(subject.ties, moved),
         title=title,
         facts=facts,
-        key=[Panel(rows + _tie_signs(subject.ties)), _ruler(f"largest displacement drawn as {reach:.3g} m; thin lines: as built")],
+        key=[
+            Panel(rows + _tie_signs(subject.ties)),
+            Panel(ruler=True, note=f"largest displacement drawn as {reach:.3g} m; thin lines: as built"),
+        ],
     )
 
 
@@ -127,7 +116,7 @@ def thrust_scene(subject: Subject, title: str, facts: str, view: str = "auto") -
         ties=drawn_ties(subject.ties, lambda points, block: points),
         title=title,
         facts=facts,
-        key=[Panel(rows + _tie_signs(subject.ties)), _ruler(note)],
+        key=[Panel(rows + _tie_signs(subject.ties)), Panel(ruler=True, note=note)],
     )
 
 
@@ -148,10 +137,6 @@ def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray
 def _tie_signs(ties: Sequence[LimitTie]) -> list[Sign]:
     """What the key says of ties."""
     return [Sign("line", "tie, with what it pulls" if len(ties) <= LABELLED else "tie, some with what they pull", (PULLING,))] * bool(ties)
-
-
-def _ruler(note: str) -> Panel:
-    return Panel(ruler=True, note=note)
 
 
 def view_of_motion(solids: Solids, moves: Mechanism, view: str) -> View:
@@ -193,13 +178,6 @@ def _outlines(moves: Mechanism, joints: Joints, corners: np.ndarray, view: View)
     pairs = np.stack([np.arange(len(state)), next_in_loop(joints.polygon_start)], axis=1)
     crush = Lines(corners, pairs[crushed], CRUSHED, 2.0 * BAND, through(view), lift=0.5 * PIXEL)
     return [crush, *(Lines(corners, pairs[state == STATES.index(n)], c, BAND, through(view), lift=PIXEL) for n, c in AT_WORK.items())]
-
-
-def _hinges(moves: Mechanism, place: Callable[[np.ndarray], np.ndarray], view: View, radius: float) -> list[Layer]:
-    """Dots at the hinges, whose joints have a ``place``."""
-    turning = moves.rotation > STILL
-    names = {name: np.flatnonzero((moves.state == STATES.index(name)) & turning) for name in ("hinge", "hinge and slide")}
-    return [dots(place(which), AT_WORK[name], view, radius, through(view)) for name, which in names.items()]
 
 
 def through(view: View) -> int:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blocks.csv, joints.csv and ties.csv of a limit analysis."""
+"""The tables of a limit analysis: blocks.csv, joints.csv, ties.csv, and check.csv, the check of a mechanism by a code, step by step."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -64,3 +64,14 @@ def write_limit_ties(ties: Sequence[LimitTie], folder: Path) -> list[Path]:
     rows = ((tie.row() | {"yields": str(tie.yields)}).values() for tie in ties)
     write_csv(folder / TIES_CSV, TIES, rows, digits=6)
     return [folder / TIES_CSV]
+
+
+STEPS = ("symbol", "value", "unit", "clause", "meaning")
+
+
+def write_check(check: Mapping[str, Any], path: Path) -> None:
+    """Write the ``steps`` of a check, below them its ``verdicts``."""
+    rows = [[f"{step[key]:.6g}" if key == "value" else step[key] for key in STEPS] for step in check["steps"]]
+    for one in check["verdicts"]:
+        rows.append([f"{one['check']} check", one["state"], "", one["clause"], one["words"]])
+    write_csv(path, STEPS, rows)

@@ -15,33 +15,30 @@ The maps of one :class:`Framing` share view, amplification, window and colours: 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import displacement_max, in_words, joint_damage
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
-from masonry_cd.analysis.deformed import Pose, Solids, frame_index, solids_of
+from masonry_cd.analysis.deformed import Pose, Solids, solids_of
 from masonry_cd.foundation.quantities import force
 from masonry_cd.io.layout import CRUSHED
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing import palette
 from reports.drawing.bands import DrawnJoints
-from reports.drawing.figure import LABELLED, Sheet, in_metres, save
-from reports.drawing.parts import BEHIND, Layer, Panel, Sign, Surface, Ties, painted
+from reports.drawing.figure import LABELLED, in_metres
+from reports.drawing.parts import BEHIND, Panel, Sign, Surface, Ties, painted
 from reports.drawing.scene import Scene
 from reports.drawing.solids import block_layers, structure_window, two_colours, within_sight
-from reports.drawing.ties import ties_at
-from reports.maps.framing import Framing, MapStyle, framing, largest_displacement, view_and_cut
+from reports.maps.framing import Framing, MapStyle, largest_displacement, view_and_cut
 from reports.maps.thrust import ribbons
+from reports.ties import ties_at
 
 BAND = 6.0  # width of a closed joint's band [pixels]
 BAND_OF_BLOCK = 0.2  # ... but no more than this share of a block's smallest extent
 LEAST_BAND = 2.5  # ... and no less than this [pixels]
-VECTOR = ("crack_map.svg", "crack_map.pdf")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,18 +60,23 @@ class Subject:
     def of(cls, results: Results, frame: int, framed: Framing) -> Subject:
         """Collect it."""
         solids, thresholds = solids_of(results.blocks), framed.style.thresholds
-        snapshot, last = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1
+        snapshot, last, suffered = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1, ""
+        if last and framed.alone:
+            joints = f", {in_words(joint_damage(results, thresholds))}" if results.joints.count else ""
+            suffered = f"largest displacement {in_metres(displacement_max(results))}{joints}"
+        crushed = snapshot.live & ~snapshot.separated
+        crushed &= (results.joints_at(CRUSHED, frame) > 0.0) if results.has_joint_history(CRUSHED) else False
         return cls(
             framed=framed,
             joints=results.joints,
             solids=solids,
             snapshot=snapshot,
-            crushed=_crushed(results, frame, snapshot),
+            crushed=crushed,
             last=last,
             drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
             ties=ties_at(results, solids, snapshot.pose, framed.factor),
             provisional=end_state(results, thresholds).provisional if last else "",
-            suffered=_suffered(results, thresholds) if last and framed.alone else "",
+            suffered=suffered,
         )
 
     @property
@@ -99,7 +101,10 @@ class Subject:
 
     def scene(self, joints: DrawnJoints, colours: np.ndarray, faces: np.ndarray | None = None) -> Scene:
         """The blocks in colours (B, 3) over their shape at rest, some faces in others (F, 3), with joints and ties; without words."""
-        layers = [_shadow(self.solids), *block_layers(self.solids, self.drawn, colours, faces)]
+        solids = self.solids  # its free blocks at rest, pale, behind everything: seen only where they have moved away
+        pale = painted(palette.SHADOW, len(solids.face_block))
+        shadow = Surface(solids.vertices, solids.loops, solids.loop_start, pale, lit=False, place=BEHIND)
+        layers = [shadow.some(~solids.fixed[solids.face_block]), *block_layers(self.solids, self.drawn, colours, faces)]
         return Scene(self.framed.view, self.framed.window, layers, joints, self.ties, self.framed.cut)
 
     def drawn_joints(self) -> DrawnJoints:
@@ -122,39 +127,6 @@ class Subject:
             parted=snapshot.separated & ~snapshot.down[joints.blocks],
             plate=painted(palette.PARTED, 1)[0],
         )
-
-
-def crack_map(results: Results, path: Path, *, frame: int = -1, style: MapStyle | None = None) -> None:
-    """Draw the crack map of a frame into a PNG.
-
-    Args:
-        results: of a run.
-        path: of the PNG.
-        frame: which; negative ones count from the end.
-        style: view, amplification, thresholds and so on.
-
-    Raises:
-        InputError: no such frame, view or plane, no off-screen OpenGL, or a path that cannot be written.
-    """
-    frame = frame_index(results, frame)
-    sheet_of(results, frame, framing(results, [frame], style or MapStyle())).save(path)
-
-
-def vector_maps(results: Results, folder: Path, style: MapStyle, frame: int = -1) -> list[Path]:
-    """Draw the crack map of a frame into ``crack_map.svg`` and ``crack_map.pdf``; return the files.
-
-    Raises:
-        InputError: no such frame, view or plane, or a folder that cannot be written into.
-    """
-    frame = frame_index(results, frame)
-    scene = crack_scene(results, frame, framing(results, [frame], style))
-    figure = Sheet.as_polygons(scene).figure
-    return [save(figure, folder / name, scene.title) for name in VECTOR]
-
-
-def sheet_of(results: Results, frame: int, framed: Framing) -> Sheet:
-    """The sheet of a frame."""
-    return Sheet.drawn(crack_scene(results, frame, framed))
 
 
 def crack_scene(results: Results, frame: int, framed: Framing) -> Scene:
@@ -193,26 +165,6 @@ def band_width(solids: Solids, pixel: float) -> float:
     return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
 
 
-def _crushed(results: Results, frame: int, snapshot: DamageSnapshot) -> np.ndarray:
-    """The joints (J,) that are shorter for good at a frame, on blocks that stand."""
-    if not results.has_joint_history(CRUSHED):
-        return np.zeros(len(snapshot.separated), bool)
-    return snapshot.live & ~snapshot.separated & (results.joints_at(CRUSHED, frame) > 0.0)
-
-
-def _shadow(solids: Solids) -> Layer:
-    """The free blocks at rest, pale, behind everything: seen only where the structure has moved away."""
-    colours = painted(palette.SHADOW, len(solids.face_block))
-    faces = Surface(solids.vertices, solids.loops, solids.loop_start, colours, lit=False, place=BEHIND)
-    return faces.some(~solids.fixed[solids.face_block])
-
-
-def _suffered(results: Results, thresholds: Thresholds) -> str:
-    """The largest displacement and the damage of joints, if there are any, over all time steps, in words."""
-    joints = f", {in_words(joint_damage(results, thresholds))}" if results.joints.count else ""
-    return f"largest displacement {in_metres(displacement_max(results))}{joints}"
-
-
 def _scales(subject: Subject) -> list[Panel]:
     """The scales of opening and sliding; of a structure without joints, such as a packing of spheres, none."""
     if not subject.joints.count:
@@ -234,7 +186,11 @@ def _signs(subject: Subject) -> list[Sign]:
     ]
     if crushed := int(subject.crushed.sum()):
         joints.append(Sign("band", f"crushed ({crushed})", ("#ffffff", palette.CRUSHED)))
-    rows, down, outside = joints if subject.joints.count else [], int(snapshot.down.sum()), _outside(subject)
+    rows, down, window, solids = joints if subject.joints.count else [], int(snapshot.down.sum()), subject.framed.shown, subject.solids
+    x, y = subject.framed.view.plane(subject.drawn).T
+    inside = (x > window.left) & (x < window.right) & (y > window.bottom) & (y < window.top)
+    seen = np.bincount(solids.vertex_block, inside, minlength=len(solids.centre)) > 0
+    outside = int((~seen & ~solids.fixed).sum())
     if down or not alone:
         rows.append(Sign("box", f"fallen block ({down})" + (f", {outside} not in view" if outside else ""), (palette.FALLEN,)))
     return [*rows, *other_signs(subject, always=not alone)]
@@ -262,12 +218,3 @@ def _facts(subject: Subject) -> str:
         + (f"\nover all time steps: {subject.suffered}" if subject.suffered else "")
         + (f" · {subject.provisional}" if subject.provisional else "")
     )
-
-
-def _outside(subject: Subject) -> int:
-    """Number of free blocks of which nothing is in the picture."""
-    solids, window = subject.solids, subject.framed.shown
-    x, y = subject.framed.view.plane(subject.drawn).T
-    inside = (x > window.left) & (x < window.right) & (y > window.bottom) & (y < window.top)
-    seen = np.bincount(solids.vertex_block, inside, minlength=len(solids.centre)) > 0
-    return int((~seen & ~solids.fixed).sum())

@@ -15,7 +15,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
 from reports.drawing import palette
-from reports.drawing.cut import FACING, Cut, axis_of, cut_named
+from reports.drawing.cut import FACING, Cut, cut_named, plane_of
 from reports.drawing.figure import layout
 from reports.drawing.parts import Scale, View, Window
 from reports.drawing.solids import looking_at, structure_window
@@ -28,23 +28,14 @@ MOST = 1000.0  # largest amplification
 
 @dataclass(frozen=True)
 class MapStyle:
-    """How crack maps are drawn.
+    """How crack maps are drawn."""
 
-    Attributes:
-        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, left, top or isometric.
-        scale: amplification of the displacements; None picks 1, or what makes the largest one visible.
-        thresholds: where an opening and a sliding begin to be drawn.
-        largest: where the last class of the colour scales begins [m].
-        cut: a plane to cut by, ``y=1.5`` or ``y`` for the middle; empty for none. The view is then by default the one that faces it.
-        thrust: draw the line of thrust.
-    """
-
-    view: str = "auto"
-    scale: float | None = None
-    thresholds: Thresholds = field(default_factory=Thresholds)
-    largest: float = 0.05
-    cut: str = ""
-    thrust: bool = False
+    view: str = "auto"  # front where all blocks are prisms across y, else isometric; or front, back, side, left, top, isometric
+    scale: float | None = None  # amplification of the displacements; None picks 1, or what makes the largest one visible
+    thresholds: Thresholds = field(default_factory=Thresholds)  # where an opening and a sliding begin to be drawn
+    largest: float = 0.05  # where the last class of the colour scales begins [m]
+    cut: str = ""  # a plane, ``y=1.5`` or ``y`` for the middle; the view is then by default the one that faces it
+    thrust: bool = False  # draw the line of thrust
 
     def __post_init__(self) -> None:
         if self.scale is not None and not (np.isfinite(self.scale) and self.scale > 0):
@@ -87,7 +78,7 @@ def view_and_cut(solids: Solids, style: MapStyle) -> tuple[View, Cut | None]:
     Raises:
         InputError: no such view or plane, or one that shows nothing of the structure.
     """
-    view = looking_at(solids, FACING[axis_of(style.cut)] if style.cut and style.view == "auto" else style.view)
+    view = looking_at(solids, FACING[plane_of(style.cut)[0]] if style.cut and style.view == "auto" else style.view)
     return view, cut_named(style.cut, solids, view) if style.cut else None
 
 
@@ -131,11 +122,7 @@ def amplification(largest: float, fell: bool, size: float) -> float:
 def followed(rest: Window, moved: np.ndarray, owner: np.ndarray, share: float = REACH) -> Window:
     """The window at rest, extended to the blocks that have moved out of it, whole, but for those flung farther than a share of its size.
 
-    Args:
-        rest: the window.
-        moved: (N, 2) vertices in the plane of the picture [m].
-        owner: (N,) the block of each.
-        share: of the larger side of the window.
+    ``moved`` (N, 2) are their vertices in the plane of the picture [m], ``owner`` (N,) the block of each.
     """
     reach, pad = share * max(rest.width, rest.height), 0.03 * max(rest.width, rest.height)
     low, high = np.array([rest.left, rest.bottom]), np.array([rest.right, rest.top])

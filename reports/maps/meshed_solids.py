@@ -14,7 +14,6 @@ import numpy as np
 from masonry_cd.analysis.deformed import Pose, Solids, moved_nodes
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
-from masonry_cd.mechanics.model.block_mesh import SIMPLEX
 from masonry_cd.mechanics.model.geometry import Polyhedron
 
 WHOLE = -1  # element of a face of a block that has no mesh
@@ -35,15 +34,16 @@ class Facetted:
         shells, nodes, offsets, elements = [], [], [], []
         place = {int(b): m for m, b in enumerate(meshes.block)}
         for b in range(len(solids.centre)):
-            vertices = np.flatnonzero(solids.vertex_block == b)
+            own = np.flatnonzero(solids.vertex_block == b)
+            vertices, node, offset = solids.vertices[own], np.full(len(own), -1), np.zeros((len(own), 3))
             if b in place:
-                shell, node, element = _facets(meshes, place[b], solids.vertices[vertices])
-                offset = shell.vertices - meshes.nodes[node]
+                vertices, faces, node, element = _facets(meshes, place[b], vertices)
+                offset = vertices - meshes.nodes[node]
             else:
-                shell = Polyhedron(solids.vertices[vertices], _faces(solids, b, vertices))
-                node, element = np.full(len(vertices), -1), np.full(len(shell.faces), WHOLE)
-                offset = np.zeros((len(vertices), 3))
-            shells.append(shell)
+                loops = np.split(solids.loops, solids.loop_start[1:-1])
+                faces = [loops[face] - own[0] for face in np.flatnonzero(solids.face_block == b)]
+                element = np.full(len(faces), WHOLE)
+            shells.append(Polyhedron(vertices, tuple(tuple(face.tolist()) for face in faces)))
             nodes.append(node)
             offsets.append(offset)
             elements.append(element)
@@ -59,53 +59,28 @@ class Facetted:
         return out
 
 
-def _faces(solids: Solids, block: int, vertices: np.ndarray) -> tuple[tuple[int, ...], ...]:
-    """The faces of a block, by its own vertices."""
-    first = int(vertices[0])
-    faces = np.flatnonzero(solids.face_block == block)
-    return tuple(tuple((solids.loops[solids.loop_start[f] : solids.loop_start[f + 1]] - first).tolist()) for f in faces)
+def _facets(meshes: Meshes, m: int, vertices: np.ndarray) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, np.ndarray]:
+    """The surface of mesh m of a block with vertices (., 3), as VTK has it.
 
+    Returns:
+        vertices (V, 3) and faces, the node of each vertex, and the element behind each face.
+    """
+    import pyvista
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 
-def _facets(meshes: Meshes, m: int, vertices: np.ndarray) -> tuple[Polyhedron, np.ndarray, np.ndarray]:
-    """The surface of mesh m of a block with vertices (., 3); the node of each vertex, and the element behind each face."""
     first, last = meshes.element_start[m : m + 2]
-    elements = meshes.elements[first:last]
-    sides = [(int(e), tuple(elements[e, list(side)].tolist())) for e in range(last - first) for side in SIMPLEX[elements.shape[1] - 1]]
-    count: dict[tuple[int, ...], int] = {}
-    for _, side in sides:
-        key = tuple(sorted(side))
-        count[key] = count.get(key, 0) + 1
-    outer = [(first + e, side) for e, side in sides if count[tuple(sorted(side))] == 1]
-    if elements.shape[1] == 4:
-        node = np.unique([k for _, side in outer for k in side])
-        at = {int(k): i for i, k in enumerate(node)}
-        faces = tuple(tuple(at[k] for k in side) for _, side in outer)
-        return Polyhedron(meshes.nodes[node], faces), node, np.array([e for e, _ in outer])
-    return _prism(meshes, (first, elements), outer, vertices)
-
-
-def _prism(
-    meshes: Meshes, own: tuple[int, np.ndarray], outer: list[tuple[int, tuple[int, ...]]], vertices: np.ndarray
-) -> tuple[Polyhedron, np.ndarray, np.ndarray]:
-    """A block in a plane: its triangles, from number ``own[0]`` on, on both ends, and a side for each outer edge."""
-    first, triangles = own
-    node = np.unique(triangles)
-    flat = meshes.nodes[node]
-    axis = int(np.argmin(np.ptp(flat, axis=0)))
-    low, high = flat.copy(), flat.copy()
-    low[:, axis], high[:, axis] = vertices[:, axis].min(), vertices[:, axis].max()
-    at = {int(k): i for i, k in enumerate(node)}
-    count = len(node)
-    spans = meshes.nodes[triangles[:, 1:]] - meshes.nodes[triangles[:, :1]]
-    upwards = np.cross(spans[:, 0], spans[:, 1])[:, axis] > 0.0  # seen from the high end counter-clockwise
-    faces: list[tuple[int, ...]] = []
-    behind: list[int] = []
-    for k, corners in enumerate(triangles.tolist()):
-        a, b, c = (at[n] for n in (corners if upwards[k] else corners[::-1]))
-        faces += [(count + a, count + b, count + c), (c, b, a)]
-        behind += [first + k, first + k]
-    for e, (one, two) in outer:
-        a, b = (at[one], at[two]) if upwards[e - first] else (at[two], at[one])
-        faces.append((a, b, count + b, count + a))
-        behind.append(e)
-    return Polyhedron(np.concatenate([low, high]), tuple(faces)), np.concatenate([node, node]), np.array(behind)
+    node, index = np.unique(meshes.elements[first:last], return_inverse=True)
+    points, cells, kind = meshes.nodes[node], index.reshape(last - first, -1), pyvista.CellType.TETRA
+    if cells.shape[1] == 3:  # in a plane: wedges from one end of the block to the other
+        axis = int(np.argmin(np.ptp(points, axis=0)))
+        points, cells, kind = np.tile(points, (2, 1)), np.hstack([cells, cells + len(node)]), pyvista.CellType.WEDGE
+        points[:, axis] = np.repeat([vertices[:, axis].min(), vertices[:, axis].max()], len(node))
+        node = np.tile(node, 2)
+    surface = vtkDataSetSurfaceFilter()
+    surface.SetInputData(pyvista.UnstructuredGrid({kind: cells}, points))
+    surface.PassThroughPointIdsOn()
+    surface.PassThroughCellIdsOn()
+    surface.Update()
+    skin = pyvista.PolyData(surface.GetOutput()).compute_normals(split_vertices=False, auto_orient_normals=True)
+    of_point, of_cell = skin.point_data["vtkOriginalPointIds"], skin.cell_data["vtkOriginalCellIds"]
+    return points[of_point], list(skin.irregular_faces), node[of_point], first + of_cell

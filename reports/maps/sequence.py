@@ -19,7 +19,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing.figure import Sheet, layout_of
 from reports.drawing.render import Canvas
-from reports.maps.crack_map import crack_scene, sheet_of
+from reports.maps.crack_map import crack_scene
 from reports.maps.framing import Framing, MapStyle, framing
 
 MOST_FRAMES = 60  # of an animation
@@ -61,14 +61,14 @@ def crack_maps(results: Results, folder: Path, times: Sequence[float], style: Ma
     """Draw the crack maps next to some times [s] into ``crack_map_1.25s.png`` and so on; return the files.
 
     Raises:
-        InputError: a time outside the run, or what :func:`reports.maps.crack_map.crack_map` says.
+        InputError: a time outside the run, or what :func:`reports.maps.framing.framing` says.
     """
     frames = list(dict.fromkeys(frames_at(results, times)))
     framed = framing(results, frames, style or MapStyle())
     paths = []
     for frame in frames:
         paths.append(folder / f"crack_map_{results.time[frame]:.6g}s.png")
-        sheet_of(results, frame, framed).save(paths[-1])
+        Sheet.drawn(crack_scene(results, frame, framed)).save(paths[-1])
     return paths
 
 
@@ -78,7 +78,7 @@ def animation(
     """Draw a GIF of the run, in its own time where it has no more than ``most`` frames a viewer can follow; return their number.
 
     Raises:
-        InputError: a run of a single frame, a path that cannot be written, or what :func:`reports.maps.crack_map.crack_map` says.
+        InputError: a run of a single frame, a path that cannot be written, or what :func:`reports.maps.framing.framing` says.
     """
     from PIL import Image
 

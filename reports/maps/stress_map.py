@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
 from reports.drawing import palette
-from reports.drawing.figure import Sheet, in_metres, save
+from reports.drawing.figure import in_metres
 from reports.drawing.parts import RULER, ColourClasses, Panel, Sign, painted, rgb
 from reports.drawing.scene import Scene
 from reports.drawing.solids import within_sight
@@ -33,8 +32,6 @@ from reports.maps.framing import MapStyle, framing
 from reports.maps.meshed_solids import Facetted
 from reports.settings import report_of
 
-FILE = "stress_map.png"
-VECTOR = ("stress_map.svg", "stress_map.pdf")
 MOST = 9  # classes
 
 
@@ -63,11 +60,7 @@ class Pressed:
 
     @classmethod
     def of(cls, results: Results, frame: int | None) -> Pressed:
-        """That of a frame, or of the whole run for None.
-
-        Raises:
-            InputError: the run kept no stress.
-        """
+        """That of a frame, or of the whole run for None."""
         peaks, elements = stress_peaks(results, report_of(results.scene).opened), element_peaks(results)
         if frame is None:
             of_elements = None if elements is None else elements.compression
@@ -86,38 +79,13 @@ class Pressed:
 
     def largest(self, results: Results) -> tuple[float, str]:
         """The largest compression that is drawn [Pa], and in what, in words; NaN before the first step."""
-        drawn, names = self.compression.copy(), [block.name for block in results.blocks]
+        values, places = self.compression, [block.name for block in results.blocks]
         if self.of_elements is not None and self.element_peaks is not None:
-            drawn[self.element_peaks.block] = -np.inf
-            if not np.nan_to_num(drawn).max(initial=0.0) > np.nan_to_num(self.of_elements).max(initial=0.0):
-                if not np.isfinite(self.of_elements).any():
-                    return np.nan, ""
-                worst = int(np.nanargmax(self.of_elements))
-                return float(self.of_elements[worst]), f"an element of {names[self.element_peaks.block[worst]]}"
-        if not np.isfinite(drawn).any():
-            return np.nan, ""
-        block = int(np.nanargmax(drawn))
-        return float(drawn[block]), names[block]
-
-
-def stress_sheet(results: Results, frame: int | None, style: MapStyle) -> Sheet:
-    """The sheet of a frame, or of the whole run for None, drawn with shades.
-
-    Raises:
-        InputError: the run kept no stress; no such view or plane, or no off-screen OpenGL.
-    """
-    return Sheet.drawn(stress_scene(results, frame, style))
-
-
-def vector_stress_maps(results: Results, folder: Path, frame: int | None, style: MapStyle) -> list[Path]:
-    """Draw the same as polygons into stress_map.svg and stress_map.pdf; return the files.
-
-    Raises:
-        InputError: as :func:`stress_sheet`, or a folder that cannot be written into.
-    """
-    scene = stress_scene(results, frame, style)
-    figure = Sheet.as_polygons(scene).figure
-    return [save(figure, folder / name, scene.title) for name in VECTOR]
+            owner = self.element_peaks.block
+            values = np.concatenate([np.where(np.isin(np.arange(len(places)), owner), np.nan, values), self.of_elements])
+            places += [f"an element of {places[block]}" for block in owner]
+        worst = int(np.argmax(np.nan_to_num(values, nan=-np.inf)))
+        return float(values[worst]), places[worst] if np.isfinite(values[worst]) else ""
 
 
 def stress_scene(results: Results, frame: int | None, style: MapStyle) -> Scene:
@@ -134,7 +102,9 @@ def stress_scene(results: Results, frame: int | None, style: MapStyle) -> Scene:
     dark = painted(palette.STRONG, subject.joints.count)
     joints = replace(subject.drawn_joints(), shown=pressed.open_above, colours=(dark, dark))
     scene = subject.scene(joints, colours, faces)
-    return replace(scene, title=_title(results), facts=_facts(results, subject, pressed), key=_key(subject, pressed))
+    return replace(
+        scene, title=f"Stress: {results.title}".removesuffix(": "), facts=_facts(results, subject, pressed), key=_key(subject, pressed)
+    )
 
 
 def _colours(pressed: Pressed, compression: np.ndarray) -> np.ndarray:
@@ -151,10 +121,6 @@ def _with_elements(results: Results, subject: Subject, frame: int, pressed: Pres
     faces = np.where((facetted.element >= 0)[:, None], _colours(pressed, pressed.of_elements)[facetted.element], np.nan)
     moved = facetted.moved(results, subject.pose, frame, subject.framed.factor)
     return replace(subject, solids=facetted.solids, drawn=within_sight(facetted.solids, moved)), faces
-
-
-def _title(results: Results) -> str:
-    return f"Stress: {results.title}" if results.title else "Stress"
 
 
 def _key(subject: Subject, pressed: Pressed) -> list[Panel]:

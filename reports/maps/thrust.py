@@ -28,19 +28,9 @@ THINNEST = 0.08  # forces below this share of the largest are left out
 def ribbons(
     results: Results, solids: Solids, pose: Pose, snapshot: DamageSnapshot, frame: int, factor: float, view: View, pixel: float
 ) -> tuple[Surface, float]:
-    """The ribbons at a frame as a surface before everything, and the force of the widest one [N].
+    """The ribbons at a frame as a surface before everything, and the force of the widest one [N]; a pixel is so large [m].
 
     What runs in the plane of a cut itself, as in the middle of an arch, stays whole.
-
-    Args:
-        results: of a run, which must hold the forces of its joints and the points where they act.
-        solids: of its blocks.
-        pose: of the frame.
-        snapshot: of the frame, for what has come apart.
-        frame: which.
-        factor: amplification of the displacements.
-        view: from where.
-        pixel: size of a pixel [m].
 
     Raises:
         InputError: the file holds no forces, or not where they act.
@@ -59,13 +49,7 @@ def joint_ribbons(
 ) -> tuple[Surface, float]:
     """The ribbons of J joints as a surface that faces the viewer, and the force of the widest one [N].
 
-    Args:
-        blocks: a and b of each joint, (J,) each.
-        place: (J, 3) where their resultants act [m].
-        force: (J,) normal forces [N].
-        solids: of the blocks.
-        view: from where.
-        pixel: size of a pixel [m].
+    The joints have blocks a and b, (J,) each, places (J, 3) where their resultants act [m], and normal forces (J,) [N].
     """
     largest = float(force.max(initial=0.0))
     lines, strength, _, _ = thrust_lines(blocks, place, force, solids)
@@ -83,7 +67,9 @@ def thrust_lines(
     Returns:
         ends (L, 2, 3) [m], normal forces (L,) [N], and the joint and the block (L,) of each piece.
     """
-    largest, hub = float(force.max(initial=0.0)), _hubs(*blocks, place, force, len(solids.centre))
+    largest, both, weight = float(force.max(initial=0.0)), np.concatenate(blocks), np.tile(force, 2)
+    sums = [np.bincount(both, weight * values, minlength=len(solids.centre)) for values in (*np.tile(place.T, 2), 1.0)]
+    hub = np.stack(sums[:3], axis=1) / np.where(sums[3] > 0, sums[3], 1.0)[:, None]  # (B, 3) mean place of a block's joints by force
     ends, strength, joint, inside = [], [], [], []
     for block in blocks:
         drawn = ~solids.fixed[block] & (force >= THINNEST * max(largest, 1e-300))
@@ -103,14 +89,6 @@ def drawn_points(results: Results, solids: Solids, pose: Pose, frame: int, facto
         at_rest = np.einsum("jki,jk->ji", pose.rotation[block], seen - pose.position[block]) + solids.centre[block]
         out += 0.5 * pose.moved(solids, at_rest, block, factor)
     return out
-
-
-def _hubs(a: np.ndarray, b: np.ndarray, place: np.ndarray, force: np.ndarray, count: int) -> np.ndarray:
-    """(B, 3) mean place of the joints of each block, weighted by force."""
-    ends, weight = np.concatenate([a, b]), np.tile(force, 2)
-    total = np.bincount(ends, weight, minlength=count)
-    sums = [np.bincount(ends, weight * np.tile(v, 2), minlength=count) for v in place.T]
-    return np.stack(sums, axis=1) / np.where(total > 0, total, 1.0)[:, None]
 
 
 def _facing(lines: np.ndarray, width: np.ndarray, view: View) -> Surface:

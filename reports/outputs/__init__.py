@@ -8,16 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.damage.grades import read_grades
-from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
+from masonry_cd.analysis.damage.part_damage import PartDamage
+from masonry_cd.analysis.damage.part_damage import part_damage as part_damage
 from masonry_cd.analysis.deformed import Solids, frame_index
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
-from reports.damage.joint_files import damage_settings, thresholds_of
-from reports.drawing.figure import Sheet
+from reports.damage import damage_settings as damage_settings
+from reports.damage import thresholds_of
+from reports.drawing.scene import Scene
 from reports.files import Job
-from reports.maps.crack_map import sheet_of
+from reports.maps.crack_map import crack_scene
 from reports.maps.framing import MapStyle, framing, view_and_cut
 from reports.maps.sequence import frames_at, slack
 from reports.settings import Report
@@ -34,13 +36,7 @@ def style_of(settings: Report) -> MapStyle:
 
 
 def check(settings: Report, blocks: Sequence[Block], end: float, spacing: float) -> None:
-    """Check what only the reports know of, before a run takes its time.
-
-    Args:
-        settings: of the scene.
-        blocks: of its structure.
-        end: of the run [s].
-        spacing: of its frames [s].
+    """Check what only the reports know of, before a run takes its time, to an ``end`` [s] with frames apart by a ``spacing`` [s].
 
     Raises:
         InputError: names the key of ``[report]``.
@@ -70,11 +66,6 @@ def check_again(settings: Report, results: Results) -> None:
     framing(results, [0], style_of(settings))
 
 
-def damage_of(results: Results, settings: Report) -> PartDamage:
-    """The damage by part."""
-    return part_damage(results, damage_settings(settings))
-
-
 def parse_times(results: Results, text: str) -> list[float]:
     """Times given as ``1,2,3`` [s].
 
@@ -96,10 +87,14 @@ def frame_at(results: Results, time: float | None) -> int:
     return frame_index(results, -1) if time is None else frames_at(results, [time])[0]
 
 
-def sheet_at(results: Results, settings: Report, time: float | None) -> Sheet:
-    """The crack map next to a time [s], the last for None."""
+def crack_scene_at(results: Results, settings: Report, time: float | None) -> Scene:
+    """The crack map next to a time [s], the last for None.
+
+    Raises:
+        InputError: a time outside the run, or no such view or plane.
+    """
     frame = frame_at(results, time)
-    return sheet_of(results, frame, framing(results, [frame], style_of(settings)))
+    return crack_scene(results, frame, framing(results, [frame], style_of(settings)))
 
 
 def write_page(results: Results, path: Path, settings: Report, summary: Mapping[str, Any], damage: PartDamage) -> None:

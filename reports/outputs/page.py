@@ -1,13 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page, and its print."""
+"""The page, and its print: Chromium, or a browser of its family, prints it to PDF without a display."""
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+from masonry_cd.foundation.atomic import part_of
+from masonry_cd.foundation.errors import InputError
 from reports.files import Job, Output
 from reports.outputs import PAGE, PRINT, write_page
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge", "chrome", "msedge")
+FLAGS = (
+    "--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--no-pdf-header-footer", "--virtual-time-budget=30000",
+)  # fmt: skip
+PATIENCE = 300.0  # [s]
+
+
+def write_pdf(page: Path, path: Path) -> None:
+    """Print a page to a PDF.
+
+    Raises:
+        InputError: no browser of the family here, or one that prints nothing.
+    """
+    browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    if browser is None:
+        raise InputError("--pdf: no Chromium here to print with (Debian: apt-get install chromium); or print report.html from any browser")
+    part_of(path).unlink(missing_ok=True)
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        command = [browser, *FLAGS, f"--user-data-dir={profile}", f"--print-to-pdf={part_of(path).resolve()}", page.resolve().as_uri()]
+        try:
+            subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=PATIENCE, check=False)
+        except subprocess.TimeoutExpired:
+            raise InputError(f"--pdf: {browser} did not end within {PATIENCE:g} s") from None
+    if not part_of(path).exists():
+        raise InputError(f"--pdf: {browser} printed nothing")
+    part_of(path).replace(path)
 
 
 def _page(job: Job) -> Iterable[Path]:
@@ -16,8 +50,6 @@ def _page(job: Job) -> Iterable[Path]:
 
 
 def _print(job: Job) -> Iterable[Path]:
-    from reports.page.pdf import write_pdf
-
     write_pdf(job.folder / PAGE, job.folder / PRINT)
     return [job.folder / PRINT]
 

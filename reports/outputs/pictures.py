@@ -6,23 +6,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from reports.drawing.figure import Sheet, save_polygons
 from reports.extra import extra_report
 from reports.files import Job, Output
 from reports.maps.sequence import animation, crack_maps, times_within
-from reports.outputs import frame_at, sheet_at, style_of
+from reports.outputs import crack_scene_at, frame_at, style_of
 
 
 def _crack_map(job: Job) -> Iterable[Path]:
     """The map of a frame."""
-    sheet_at(job.results, job.settings, job.time).save(job.folder / "crack_map.png")
+    Sheet.drawn(crack_scene_at(job.results, job.settings, job.time)).save(job.folder / "crack_map.png")
     return [job.folder / "crack_map.png"]
 
 
 def _vector(job: Job) -> Iterable[Path]:
     """That map as polygons."""
-    from reports.maps.crack_map import vector_maps
-
-    return vector_maps(job.results, job.folder, style_of(job.settings), frame_at(job.results, job.time))
+    return save_polygons(crack_scene_at(job.results, job.settings, job.time), job.folder, "crack_map")
 
 
 def _times(job: Job) -> Iterable[Path]:
@@ -50,7 +49,7 @@ def _stress(job: Job) -> Iterable[Path]:
     """
     from masonry_cd.analysis.stress.peaks import stress_peaks
     from masonry_cd.analysis.stress.summary import stress_summary
-    from reports.stress.files import write_stress
+    from reports.stress import write_stress
 
     peaks = stress_peaks(job.results, job.settings.opened)
     job.more["stress"] = stress_summary(job.results, peaks)
@@ -59,13 +58,14 @@ def _stress(job: Job) -> Iterable[Path]:
 
 def _stress_map(job: Job) -> Iterable[Path]:
     """The map of a frame where a time is given, else of the whole run."""
-    from reports.maps.stress_map import FILE, stress_sheet, vector_stress_maps
+    from reports.maps.stress_map import stress_scene
 
     if not job.more["stress"]:
         return []
-    frame, style = None if job.time is None else frame_at(job.results, job.time), style_of(job.settings)
-    stress_sheet(job.results, frame, style).save(job.folder / FILE)
-    return [job.folder / FILE, *(vector_stress_maps(job.results, job.folder, frame, style) if job.settings.vector else [])]
+    frame, path = None if job.time is None else frame_at(job.results, job.time), job.folder / "stress_map.png"
+    scene = stress_scene(job.results, frame, style_of(job.settings))
+    Sheet.drawn(scene).save(path)
+    return [path, *(save_polygons(scene, job.folder, "stress_map") if job.settings.vector else [])]
 
 
 def _extra(job: Job) -> Iterable[Path]:

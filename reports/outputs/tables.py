@@ -21,7 +21,7 @@ DAMAGE = {
 def _damage(job: Job) -> Iterable[Path]:
     """The damage by part, in short in the summary as well."""
     from masonry_cd.analysis.outputs.summary import in_short
-    from reports.damage.part_files import write_part_damage
+    from reports.damage import write_part_damage
 
     job.more["parts"] = in_short(job.damage.parts)
     return write_part_damage(job.damage, job.folder)

@@ -5,9 +5,8 @@
     motion.py    how blocks and joints move over the frames, in whole numbers
     series.py    plots over time: base motion, energy, solver error, cost
     words.py     the case in words and numbers
-    section.py   a section of the page: what fills its template; findings, loads, stress, limits, trust, downloads list theirs
-    templates.py how a template of reports/templates is filled
-    document.py  what all pages of the program share
+    section.py   a section of the page: what fills its template; sections, stress and limits list theirs
+    document.py  how a template is filled, and what all pages of the program share
     build.py     all of it into run.html
 
 The browser's part is in the templates and in the scripts beside this file; it uses WebGL 2 and ``DecompressionStream`` (browsers since

@@ -7,6 +7,7 @@ The file stays below ``LIMIT``: where all frames would not fit, fewer of them ar
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,15 +18,15 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing import palette
 from reports.drawing.parts import Scale, hexed
+from reports.drawing.solids import within_sight
 from reports.maps.crack_map import at_rest
 from reports.maps.framing import MapStyle, amplification
-from reports.page import downloads, model, motion, series, stress, title_block, words
-from reports.page.document import script_of, write_document
+from reports.page import model, motion, sections, series, stress, words
+from reports.page.document import Head, running, script_of, title_block, write_document
 from reports.page.pack import packed, packed_length
 from reports.page.section import KNOWN
 from reports.ties import tie_lines, tie_tensions
@@ -49,15 +50,9 @@ def write_page(
 ) -> None:
     """Write a run as one HTML file that needs nothing else.
 
-    Args:
-        results: of a run, also of one that was stopped or killed.
-        path: of the file.
-        summary: as in summary.json; what it lacks is left out.
-        thresholds: of damage; the colour classes begin there.
-        scale: amplification of the displacements at first; None picks 1, or what makes the largest one visible.
-        largest: where the last class of the colour scales begins [m].
-        parts: the damage by part, for a table of its own.
-        limit: of the packed data [bytes]; frames are left out to keep it.
+    What ``summary`` lacks of summary.json is left out. Displacements are amplified by ``scale`` at first; None picks 1, or what makes the
+    largest one visible. The last class of the colours begins at ``largest`` [m]. The packed data keep a ``limit`` [bytes] by leaving out
+    frames.
 
     Raises:
         InputError: a scale that is not positive, or a path that cannot be written.
@@ -67,32 +62,40 @@ def write_page(
         raise InputError(f"scale: must be positive, got {scale!r}")
     tolerance = _tolerance(results, summary)
     missed, steps, missed_times = series.steps_missed(results, tolerance)
-    carried = downloads.tables(results, joint_damage(results, thresholds), parts)
+    carried = sections.carried_tables(results, joint_damage(results, thresholds), parts)
     context = words.PageContext(results, thresholds, end_state(results, thresholds), missed, steps, tolerance, summary, parts, carried)
     facts, text = _data(context, largest, {**carried, "missed": missed_times}, limit)
     asked = context.report.get("view", "auto")
     facts |= {"view": asked} if asked != "auto" else {}
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
-    facts["factor"] = scale if scale is not None else _amplification(context.measured)
-    write_document(path, "run.html", **_values(context, facts, text))
+    run = context.measured
+    free = run.solids.vertices[~run.solids.fixed[run.solids.vertex_block]]
+    size = float(np.ptp(free, axis=0).max()) if len(free) else 1.0
+    facts["factor"] = scale if scale is not None else amplification(run.displacement_max, bool(run.fallen), size)  # as in the crack map
+    title, lines = results.title or "Report of a run", [words.lead(context), *words.outcome(context)]
+    write_document(
+        path,
+        "run.html",
+        title=title,
+        running=running(context),
+        page=Head(title, lines, words.notices(context), words.tiles(context), title_block(context), context.verdict, "trust"),
+        above=_sections(context, above=True),
+        below=_sections(context, above=False),
+        settings=words.settings(context),
+        scene=results.scene or "The result keeps no scene.",
+        facts=json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),
+        data=text,
+        script=script_of("reports.page", *SCRIPTS),
+    )
 
 
 def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
     """The tolerance of the run: from its summary, else from its scene, else the default."""
     from masonry_cd.mechanics.dynamics.settings import Run
 
+    of_scene = tomllib.loads(results.scene).get("run", {}).get("tolerance", Run.model_fields["tolerance"].default)
     given = summary.get("solver", {}).get("tolerance")
-    if given is None and results.scene:
-        import tomllib
-
-        given = tomllib.loads(results.scene).get("run", {}).get("tolerance")
-    return float(given if given is not None else Run.model_fields["tolerance"].default)
-
-
-def _amplification(run: Measured) -> float:
-    """As the crack map picks it, for the run as a whole."""
-    free = run.solids.vertices[~run.solids.fixed[run.solids.vertex_block]]
-    return amplification(run.displacement_max, bool(run.fallen), float(np.ptp(free, axis=0).max()) if len(free) else 1.0)
+    return float(of_scene if given is None else given)
 
 
 def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndarray], limit: int) -> tuple[dict[str, Any], str]:
@@ -119,7 +122,8 @@ def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndar
         count = max(2, min(count - 1, int(0.97 * count * limit / length)))
         moved = moved.only(motion.frames_shown(len(moved.frames), count))
     seen = model.camera(solids, moved)
-    arrays["vertices"] = model.vertices_near(solids, np.array([seen["low"], seen["high"]]))
+    origin, box = model.origin_of(solids), np.array([seen["low"], seen["high"]])  # a wide ground is sent as near as it is seen
+    arrays["vertices"] = (within_sight(solids, solids.vertices, box + origin) - origin).astype(np.float32)
     down, apart = motion.read_losses(results, solids, moved, classes[0])
     flags = {"fallen": motion.bits(down), "separated": motion.bits(apart)}
     classes_of_stress, pressed = stress.colours(results, moved.frames)
@@ -148,27 +152,6 @@ def _histories(
         hues = [hexed(colour) for colour in scale.colours]
         scales[name] = {"lowest": lowest, "per_e": per_e, "bounds": scale.bounds, "codes": bounds, "colours": hues}
     return histories, units, scales
-
-
-def _values(context: words.PageContext, facts: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """What the template of the page is filled with."""
-    return {
-        "title": context.results.title or "Report of a run",
-        "block": title_block.title_block(context),
-        "running": title_block.running(context),
-        "verdict": context.verdict,
-        "lead": words.lead(context),
-        "outcome": words.outcome(context),
-        "context": context,
-        "tiles": words.tiles(context),
-        "head": _sections(context, above=True),
-        "foot": _sections(context, above=False),
-        "settings": words.settings(context),
-        "scene": context.results.scene or "The result keeps no scene.",
-        "facts": json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),
-        "data": text,
-        "script": script_of("reports.page", *SCRIPTS),
-    }
 
 
 def _sections(context: words.PageContext, above: bool) -> list[tuple[str, str, str]]:

@@ -16,21 +16,32 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import JointLaw, Material
 from reports.drawing.figure import in_metres
+from reports.page.document import Badge
 from reports.page.section import Section
-from reports.page.templates import Badge
-from reports.page.words import PageContext, capital, number
+from reports.page.words import PageContext, number
 
+PLANE = (
+    "The structure and its loads mirror each other about one plane and stay in it: motion across that plane, such as that of a wall out of "
+    "its plane, cannot occur in this run."
+)
 PAIRS = 6  # of groups whose values are listed
 
 
 def limits(context: PageContext) -> Mapping[str, Any]:
     """What is assumed and what is not modelled, a sentence or two each."""
+    results, kinds, moving = context.results, [str(load.get("kind")) for load in context.tables.get("loads", [])], context.moving_axes
+    stands = [context.tables.get("structure", {}), *context.tables.get("structures", [])]
     return {
         "assumed": assumptions(context),
-        "left_out": not_modelled(context),
-        "stress": context.results.has_stress,
-        "pressure": None if context.results.has_stress else _pressure(context.results),
-        "points": counted(count, "point load") if (count := _kinds(context).count("point")) else "",
+        "settles": bool({"settlement", "spreading"} & set(kinds)),
+        "lines": left_out_lines(context.summary),
+        "moving": moving,
+        "vertical": "z" in moving,
+        "tied": "tie" in kinds or bool(results.ties),  # these are of [[loads]] and of the structure
+        "floors": any(table.get("floors") for table in stands),
+        "stress": results.has_stress,
+        "pressure": None if results.has_stress else _pressure(results),
+        "points": counted(count, "point load") if (count := kinds.count("point")) else "",
     }
 
 
@@ -44,44 +55,8 @@ def assumptions(context: PageContext) -> list[str]:
         "Blocks hit one another without rebound: an impact takes out what energy it can, and leaves no damage on the blocks.",
         _base(context),
         *_gravity(context),
-        *([_PLANE] if context.summary.get("planar") else []),
+        *([PLANE] if context.summary.get("planar") else []),
     ]
-
-
-_PLANE = (
-    "The structure and its loads mirror each other about one plane and stay in it: motion across that plane, such as that of a wall out of "
-    "its plane, cannot occur in this run."
-)
-
-
-def not_modelled(context: PageContext) -> list[str]:
-    """What the run says nothing of, beside what its blocks are and what is not among them."""
-    kinds = _kinds(context)
-    lines = [
-        "Wear of the joints: friction is the same at every speed and after any sliding, and edges do not spall.",
-        "The ground: supports move as prescribed, without soil beneath them that yields, sinks or radiates energy."
-        + ("" if {"settlement", "spreading"} & set(kinds) else " They do not settle."),
-    ]
-    lines += [f"{capital(said)}." for said in left_out_lines(context.summary)]
-    moving = context.moving_axes
-    if moving and "z" not in moving:
-        lines.append("The vertical component of the motion: the base moves along " + " and ".join(moving) + " only.")
-    elif "z" in moving and len(moving) == 1:
-        lines.append("The horizontal components of the motion: the base moves along z only.")
-    if "tie" not in kinds and not context.results.ties:  # these are of [[loads]] and of the structure
-        lines.append("Ties and anchors: none is in the model.")
-    stands = [context.tables.get("structure", {}), *context.tables.get("structures", [])]
-    if any(table.get("floors") for table in stands):
-        lines.append(
-            "Bending, shear and stretching of the floors in the model: each is one rigid slab, a diaphragm that holds its walls together "
-            "more than joists and boards would."
-        )
-    return lines
-
-
-def _kinds(context: PageContext) -> list[str]:
-    """Of the loads."""
-    return [str(load.get("kind")) for load in context.tables.get("loads", [])]
 
 
 def _pressure(results: Results) -> dict[str, str] | None:
@@ -166,21 +141,15 @@ def _otherwise(material: Material) -> str:
 
 def _law(law: JointLaw, otherwise: str) -> str:
     """A joint's law in words."""
-    normal, shear = law.stiffness
-    words = [f"elastic, {_giga(normal)} across and {_giga(shear)} along" if normal else otherwise]
+    normal, shear = (number(value / 1e9, "GN/m³", 3) for value in law.stiffness)
+    words = [f"elastic, {normal} across and {shear} along" if law.stiffness[0] else otherwise]
     if not (law.cohesion or law.tension):
         return f"{words[0]}, dry: without tension and cohesion"
-    tension = f"a tensile strength of {_kilo(law.tension)}" if law.tension is not None else "a tensile strength of cohesion over friction"
-    words.append(f"mortar with a cohesion of {_kilo(law.cohesion)} and {tension}; where it breaks, friction alone is left, at once")
+    cohesion, tension = number(law.cohesion / 1e3, "kPa", 3), "a tensile strength of cohesion over friction"
+    if law.tension is not None:
+        tension = f"a tensile strength of {number(law.tension / 1e3, 'kPa', 3)}"
+    words.append(f"mortar with a cohesion of {cohesion} and {tension}; where it breaks, friction alone is left, at once")
     return ", ".join(words)
-
-
-def _giga(value: float) -> str:
-    return f"{value / 1e9:.3g} GN/m³"
-
-
-def _kilo(value: float) -> str:
-    return f"{value / 1e3:.3g} kPa"
 
 
 def _base(context: PageContext) -> str:
@@ -211,7 +180,7 @@ def grades(context: PageContext) -> Mapping[str, Any]:
     measures = ((settings.width, in_metres), (settings.drift, percent), (settings.lost, percent))
     rows = [
         [
-            Badge(f"grade {name}", name),
+            Badge.grade(name),
             label,
             DESCRIPTIONS[k] if label == LABELS[k] else "",
             *(_bound(values, text, k) for values, text in measures),

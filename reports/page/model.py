@@ -18,8 +18,7 @@ from masonry_cd.io.results import Results
 from reports.drawing import palette
 from reports.drawing.parts import Lines, Surface
 from reports.drawing.scene import Scene
-from reports.drawing.solids import auto_view, within_sight
-from reports.drawing.structure_picture import families_of
+from reports.drawing.solids import auto_view, families_of
 from reports.maps.framing import COLLAPSE
 from reports.page.motion import Motion
 
@@ -112,12 +111,6 @@ def origin_of(solids: Solids) -> np.ndarray:
     """The middle of the free blocks (3,) [m]: numbers near zero lose nothing in float32."""
     drawn = solids.vertices[_free(solids)[solids.vertex_block]]
     return np.asarray((drawn.min(axis=0) + drawn.max(axis=0)) / 2.0)
-
-
-def vertices_near(solids: Solids, box: np.ndarray) -> np.ndarray:
-    """The vertices of all blocks from the origin, those of a wide ground as near as it is seen with a box (2, 3) around all places [m]."""
-    origin = origin_of(solids)
-    return np.asarray(within_sight(solids, solids.vertices, box + origin) - origin, dtype=np.float32)
 
 
 def _free(solids: Solids) -> np.ndarray:

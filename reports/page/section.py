@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from masonry_cd.foundation.extensions import Entries
-from reports.page.templates import filled
+from reports.page.document import filled
 from reports.page.words import PageContext
 
 LAST = 1000

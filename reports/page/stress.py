@@ -20,7 +20,6 @@ from reports.page.section import Section
 from reports.page.words import PageContext, number
 from reports.settings import report_of
 
-Rows = tuple[list[str], list[list[str]]]  # columns, and rows of cells
 ROWS = 8  # of a table at most
 
 
@@ -66,39 +65,43 @@ def stress(context: PageContext) -> Mapping[str, Any]:
     }
 
 
-def _blocks(results: Results, peaks: StressPeaks) -> Rows:
-    """The blocks with the largest compression, those nearest to their strength first where it is given."""
+def _blocks(results: Results, peaks: StressPeaks) -> list[dict[str, str]]:
+    """The blocks with the largest compression, those nearest to their strength first where it is given: rows by their columns."""
     measure, elements = np.nan_to_num(peaks.block_ratio if peaks.compared else peaks.compression), element_peaks(results)
     within = None if elements is None else elements.of_blocks(len(results.blocks))
-    chosen = [b for b in np.argsort(-measure, kind="stable")[:ROWS].tolist() if measure[b] > 0.0]
     rows = []
-    for b in chosen:
-        pulled = pressure(float(peaks.tension[b])) if peaks.pulled[b] else "–"
-        cells = [pressure(float(peaks.compression[b])), number(peaks.compression_time[b], digits=3), pulled]
-        cells += [number(peaks.block_ratio[b], digits=3)] if peaks.compared else []
-        cells += [] if within is None else ["–" if np.isnan(within[b]) else pressure(float(within[b]))]
-        rows.append([results.blocks[b].name, *cells])
-    columns = ["block", "largest mean compression", "at [s]", "largest mean tension", *(["share of strength"] if peaks.compared else [])]
-    columns += [] if within is None else ["largest compression of an element"]
-    return columns, rows
+    for b in [b for b in np.argsort(-measure, kind="stable")[:ROWS].tolist() if measure[b] > 0.0]:
+        row = {
+            "block": results.blocks[b].name,
+            "largest mean compression": pressure(float(peaks.compression[b])),
+            "at [s]": number(peaks.compression_time[b], digits=3),
+            "largest mean tension": pressure(float(peaks.tension[b])) if peaks.pulled[b] else "–",
+        }
+        if peaks.compared:
+            row["share of strength"] = number(peaks.block_ratio[b], digits=3)
+        if within is not None:
+            row["largest compression of an element"] = "–" if np.isnan(within[b]) else pressure(float(within[b]))
+        rows.append(row)
+    return rows
 
 
-def _joints(results: Results, peaks: StressPeaks) -> Rows:
+def _joints(results: Results, peaks: StressPeaks) -> list[dict[str, str]]:
     """The joints with the largest compression at their edge; where a strength is given, those of which a force takes most first."""
     order = np.nan_to_num(peaks.crushed_share if peaks.compared else peaks.force / peaks.area)
     measure = np.where(peaks.open_above, 1e9 + order, np.nan_to_num(np.where(np.isinf(peaks.edge), 0.0, peaks.edge)) / 1e12)
-    chosen = [j for j in np.argsort(-measure, kind="stable")[:ROWS].tolist() if peaks.edge[j] > 0.0]
     rows, joints = [], results.joints
-    for j in chosen:
-        names = " – ".join(results.blocks[int(block[j])].name for block in (joints.block_a, joints.block_b))
-        edge = "force at the edge" if np.isinf(peaks.edge[j]) else pressure(float(peaks.edge[j]))
-        state = "open" if peaks.open_above[j] else "closed" if peaks.closed_above[j] else "–"
-        cells = [edge, state, number(peaks.edge_time[j], digits=3), pressure(float(peaks.force[j] / peaks.area[j]))]
-        cells += [share_in_words(float(peaks.crushed_share[j]))] if peaks.compared else []
-        rows.append([names, *cells])
-    columns = ["joint", "largest edge compression", "above while", "at [s]", "largest mean pressure"]
-    columns += ["taken at strength"] if peaks.compared else []
-    return columns, rows
+    for j in [j for j in np.argsort(-measure, kind="stable")[:ROWS].tolist() if peaks.edge[j] > 0.0]:
+        row = {
+            "joint": " – ".join(results.blocks[int(block[j])].name for block in (joints.block_a, joints.block_b)),
+            "largest edge compression": "force at the edge" if np.isinf(peaks.edge[j]) else pressure(float(peaks.edge[j])),
+            "above while": "open" if peaks.open_above[j] else "closed" if peaks.closed_above[j] else "–",
+            "at [s]": number(peaks.edge_time[j], digits=3),
+            "largest mean pressure": pressure(float(peaks.force[j] / peaks.area[j])),
+        }
+        if peaks.compared:
+            row["taken at strength"] = share_in_words(float(peaks.crushed_share[j]))
+        rows.append(row)
+    return rows
 
 
 SECTIONS = {"stress": Section("Stress", stress, -10)}

@@ -13,7 +13,7 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import EndState
-from masonry_cd.analysis.damage.joint_damage import JointDamage
+from masonry_cd.analysis.damage.joint_damage import JointDamage, in_words, summary
 from masonry_cd.analysis.damage.part_damage import PartDamage, Settings
 from masonry_cd.analysis.damage.verdict import Checks, checks_of
 from masonry_cd.analysis.deformed import Solids
@@ -24,6 +24,13 @@ from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.io.results import Results
 from reports.drawing.figure import in_metres
 
+JOINTS = {
+    "joints_only_opened": "joints opened",
+    "joints_only_slid": "joints slid",
+    "joints_opened_and_slid": "joints opened and slid",
+    "joints_separated": "joints separated",
+}
+PEAKS = (("pga", "PGA", "m/s²"), ("pgv", "PGV", "m/s"), ("pgd", "PGD", "m"))  # of a base motion: key, name and unit
 TABLES = {"structure": "Structure", "material": "Material", "run": "Computation", "report": "Report"}
 
 
@@ -101,14 +108,6 @@ class PageContext:
         kinds = {"blocks": [b for b in free if not b.radius], "spheres": [b for b in free if b.radius]}
         return [(kind, sum(b.name in down for b in those), len(those)) for kind, those in kinds.items() if those]
 
-    def count(self, state: str) -> int:
-        """Joints of a state."""
-        return int((self.table.state == state).sum())
-
-    def only(self, state: str) -> int:
-        """Joints of a state, without those that opened and slid."""
-        return int(((self.table.state == state) & ~self.table.both).sum())
-
 
 def capital(text: str) -> str:
     """A text that begins with a capital."""
@@ -143,53 +142,60 @@ def lead(context: PageContext) -> str:
     extent = " × ".join(in_metres(v) for v in np.ptp(free, axis=0)) if len(free) else "nothing free"
     time = context.results.time
     span = f"{number(float(time[0]), 's')} to {number(float(time[-1]), 's')}"
-    steps = f", {context.steps} steps{_lengths(context)}" if context.steps else ""
+    held = int(solids.fixed.sum())
+    supports = "1 block is a support" if held == 1 else f"{held or 'no'} blocks are supports"
+    dt, adapted = context.summary.get("dt"), context.summary.get("time_step")
+    of = f" of {number(1e3 * dt)} ms" if dt else ""
+    if isinstance(adapted, dict) and all(isinstance(adapted.get(key), float) for key in ("shortest", "longest")):
+        of = f" of {number(1e3 * adapted['shortest'])} to {number(1e3 * adapted['longest'])} ms"
+    steps = f", {context.steps} steps{of}" if context.steps else ""
     return (
         f"{len(blocks)} blocks{named} and {context.results.joints.count} joints, {extent} (x, y, z) without supports; "
-        f"{_supports(int(solids.fixed.sum()))}. Computed from {span}{steps}."
+        f"{supports}. Computed from {span}{steps}."
     )
 
 
-def _lengths(context: PageContext) -> str:
-    """How long the time steps were."""
-    dt, adapted = context.summary.get("dt"), context.summary.get("time_step")
-    if isinstance(adapted, dict) and all(isinstance(adapted.get(key), float) for key in ("shortest", "longest")):
-        return f" of {number(1e3 * adapted['shortest'])} to {number(1e3 * adapted['longest'])} ms"
-    return f" of {number(1e3 * dt)} ms" if dt else ""
-
-
-def _supports(count: int) -> str:
-    return "1 block is a support" if count == 1 else f"{count or 'no'} blocks are supports"
-
-
-def outcome(context: PageContext) -> str:
-    """The damage, in a sentence."""
-    table, joints = context.table, context.results.joints.count
-    counts = [
-        f"{_of(context.only('opened'), joints)} joints opened",
-        f"{context.only('slid') or 'none'} slid",
-        f"{int(table.both.sum()) or 'none'} opened and slid",
-        f"{context.count('separated') or 'none'} separated",
-    ]
-    widest = f"the widest opening was {in_metres(_most(table.max_opening))}, the farthest sliding {in_metres(_most(table.max_sliding))}"
+def outcome(context: PageContext) -> list[str]:
+    """The damage, in two sentences."""
+    table = context.table
+    opening, sliding = (in_metres(float(np.nanmax(values, initial=0.0))) for values in (table.max_opening, table.max_sliding))
+    widest = f"the widest opening was {opening}, the farthest sliding {sliding}"
     kinds = context.fallen_of_kinds()
     if context.measured.fallen:
         down = " and ".join(f"{fell or 'none'} of {free} {kind}" for kind, fell, free in kinds)
     else:
         down = " and ".join(f"no {kind.removesuffix('s')}" for kind, *_ in kinds) or "no block"
     farthest = f"The largest displacement relative to the base is {in_metres(context.measured.displacement_max)}."
-    return f"{', '.join(counts)}; {widest}; {down} fell. {farthest}"
+    return [f"{in_words(table)}, of {context.results.joints.count} in all; {widest}; {down} fell.", farthest]
+
+
+def notices(context: PageContext) -> list[str]:
+    """What must not be overlooked; nothing when all is well."""
+    summary, out = context.summary, []
+    if summary.get("stopped"):
+        out.append(f"The run ended early: {summary['stopped']}. The page shows it up to there.")
+    elif not summary.get("steps"):
+        out.append("The run has no summary: it was stopped or is still running. The page shows what it had written.")
+    if context.provisional:
+        why = context.provisional.partition(": ")[2]
+        out.append(
+            f"What is left is provisional: {why}. Openings, slidings, drifts, mechanisms and grades would change if the run continued."
+        )
+    if context.missed:
+        most = summary.get("solver", {}).get("error_max")
+        largest = "" if most is None else f"; the largest error is {number(most)}"
+        of = f"{context.missed} of {context.steps} steps missed the tolerance {number(context.tolerance)} of the solver"
+        out.append(f"{of}{largest}. They are marked in the plot of the solver's error.")
+    return out
 
 
 def tiles(context: PageContext) -> list[tuple[str, str, str]]:
     """The headline numbers: what each is, the number, and small print behind it."""
-    of_joints, seconds = f" of {context.results.joints.count}", context.summary.get("stepping_seconds")
+    counts, of_joints = summary(context.table), f" of {context.results.joints.count}"
+    seconds = context.summary.get("stepping_seconds")
     rows = [("grade of the structure", context.verdict.grade, "")] if context.parts is not None else []
     rows += [
-        ("joints opened", str(context.only("opened")), of_joints),
-        ("joints slid", str(context.only("slid")), of_joints),
-        ("joints opened and slid", str(int(context.table.both.sum())), of_joints),
-        ("joints separated", str(context.count("separated")), of_joints),
+        *((name, str(counts[key]), of_joints) for key, name in JOINTS.items()),
         *((f"{kind} fallen", str(fell), f" of {free}") for kind, fell, free in context.fallen_of_kinds()),
         *((one.name, _shown(one, context), "") for one in numbers_in(PAGE).values()),
         (
@@ -219,15 +225,10 @@ def settings(context: PageContext) -> list[tuple[str, list[tuple[str, str]]]]:
     amounts = context.summary.get("loads", {}).get("tables", [])
     for k, load in enumerate(tables.get("loads", [])):
         after = amounts[k].get("after", {}) if k < len(amounts) else {}
-        boxes.insert(1 + (len(stands) or 1) + k, (f"Load {k + 1}", terms(load) + _peaks(after)))
+        peaks = [(name, number(after[key], unit)) for key, name, unit in PEAKS if isinstance(after.get(key), (int, float))]
+        boxes.insert(1 + (len(stands) or 1) + k, (f"Load {k + 1}", terms(load) + peaks))
     boxes.append(("Versions", terms(context.results.versions)))
     return [(title, rows) for title, rows in boxes if rows]
-
-
-def _peaks(after: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The peaks of a base motion (acceleration, velocity, displacement), as terms."""
-    known = {"pga": ("PGA", "m/s²"), "pgv": ("PGV", "m/s"), "pgd": ("PGD", "m")}
-    return [(name, number(after[key], unit)) for key, (name, unit) in known.items() if isinstance(after.get(key), (int, float))]
 
 
 def terms(table: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -245,11 +246,3 @@ def _plain(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _most(values: np.ndarray) -> float:
-    return float(np.nanmax(values, initial=0.0))
-
-
-def _of(some: int, count: int) -> str:
-    return f"{some or 'None'} of {count}"

@@ -1,12 +1,11 @@
-/* The table of runs: a heading sorts by its column, empty cells last. */
+/* A table that is sorted by the columns whose headings are clicked, empty cells last. */
 
-const table = document.getElementById("runs"), words = new Intl.Collator("en", { numeric: true });
+const words = new Intl.Collator("en", { numeric: true });
 
-function sort(head, column) {
+function sort(table, head, column) {
   const down = head.getAttribute("aria-sort") === "ascending", sign = down ? -1 : 1, body = table.tBodies[0];
-  const value = (row) => row.cells[column].dataset.value ?? row.cells[column].textContent;
   const rows = [...body.rows].sort((a, b) => {
-    const p = value(a), q = value(b);
+    const p = a.cells[column].textContent, q = b.cells[column].textContent;
     if (p === "" || q === "") return (p === "") - (q === "");
     const x = Number(p), y = Number(q);
     return sign * (Number.isNaN(x) || Number.isNaN(y) ? words.compare(p, q) : x - y);
@@ -16,5 +15,14 @@ function sort(head, column) {
   body.replaceChildren(...rows);
 }
 
-if (table) [...table.tHead.rows[0].cells].forEach((head, k) => head.querySelector("button").addEventListener("click", () => sort(head, k)));
+for (const table of document.querySelectorAll(".sortable table")) {
+  [...table.tHead.rows[0].cells].forEach((head, k) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.append(...head.childNodes);
+    button.addEventListener("click", () => sort(table, head, k));
+    head.append(button);
+    head.setAttribute("aria-sort", "none");
+  });
+}
 window.ready = Promise.resolve(true);

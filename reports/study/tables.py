@@ -1,25 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of a study: fragility.csv, fragility.json, sensitivity.csv, and the fragility model that OpenQuake reads.
+r"""The tables of a study: fragility.csv, fragility.json, sensitivity.csv, and the fragility model that OpenQuake reads.
 
-Numbers have six digits, so that a processor that rounds otherwise writes the same file.
+Numbers have six digits, so that a processor that rounds otherwise writes the same file. OpenQuake reads NRML 0.5, a continuous lognormal
+``fragilityModel`` (reference manual of the OpenQuake Engine, fragility models). Its parameters are mean and standard deviation of the
+intensity at which a limit state is exceeded, not of its logarithm:
+
+    mean = theta exp(beta^2 / 2),      stddev = mean sqrt(exp(beta^2) - 1)
 """
 
 from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree as Xml
 
-from masonry_cd.analysis.fragility.fits import Fit, Fits
+import numpy as np
+
+from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.measures import openquake, unit
-from masonry_cd.analysis.fragility.sensitivity import COLUMNS, Correlation
 from masonry_cd.analysis.fragility.words import first_fits
 from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.csv_files import write_csv
-from reports.study.nrml import Curve, mean_and_stddev, write_nrml
+from masonry_cd.foundation.errors import one_line
 
+SPACE = "http://openquake.org/xmlns/nrml/0.5"
 COLUMNS_OF_FITS = (
     "limit_state", "measure", "method", "theta", "beta", "theta_low", "theta_high", "beta_low", "beta_high", "runs", "exceeded",
 )  # fmt: skip
@@ -29,22 +36,6 @@ def row_of(fit: Fit) -> dict[str, Any]:
     """A fit as a row of fragility.csv."""
     numbers = (fit.theta, fit.beta, *fit.theta_band, *fit.beta_band)
     return dict(zip(COLUMNS_OF_FITS, (fit.limit.name, fit.measure, fit.method, *numbers, fit.runs, fit.exceeded), strict=True))
-
-
-def write_fragility_csv(path: Path, fits: Sequence[Fit]) -> None:
-    """Write fragility.csv; what could not be fitted has empty cells."""
-    write_csv(path, COLUMNS_OF_FITS, (row_of(fit).values() for fit in fits), digits=6)
-
-
-def write_sensitivity(path: Path, rows: Sequence[Correlation]) -> None:
-    """Write sensitivity.csv."""
-    write_csv(path, COLUMNS, rows, digits=6)
-
-
-def write_fragility_json(path: Path, fits: Fits) -> None:
-    """Write fragility.json: the fits, their bands, the parts of beta, quantiles of IDA, and the warnings."""
-    found = {"format": 1, "fits": [_entry(fit) for fit in fits.fits], "warnings": list(fits.warnings)}
-    write_json(path, found)
 
 
 def write_json(path: Path, found: Mapping[str, Any]) -> None:
@@ -64,8 +55,8 @@ def plain(value: Any) -> Any:
     return value
 
 
-def _entry(fit: Fit) -> dict[str, Any]:
-    """A fit in JSON."""
+def entry_of(fit: Fit) -> dict[str, Any]:
+    """A fit in fragility.json: its band, the parts of beta, quantiles of IDA."""
     more: dict[str, Any] = {"state": str(fit.curve.state[0]), "unit": unit(fit.measure), "meaning": fit.limit.in_words()}
     more |= fit.betas.as_dict()
     if fit.found is not None:
@@ -79,15 +70,34 @@ def _entry(fit: Fit) -> dict[str, Any]:
     return row_of(fit) | more
 
 
+def mean_and_stddev(theta: float, beta: float) -> tuple[float, float]:
+    """Mean and standard deviation of a lognormal variable of a median and a standard deviation of its logarithm."""
+    mean = theta * math.exp(0.5 * beta**2)
+    return mean, mean * math.sqrt(math.expm1(beta**2))
+
+
 def write_openquake(path: Path, title: str, fits: Sequence[Fit]) -> list[str]:
-    """Write fragility.xml where there are fits and OpenQuake has their measure; return warnings."""
-    chosen = [fit for fit in first_fits(fits) if fit.beta > 0]
+    """Write fragility.xml where there are fits and OpenQuake has their measure, in the order in which they are reached; return warnings."""
+    chosen = sorted((fit for fit in first_fits(fits) if fit.beta > 0), key=lambda fit: fit.theta)
     if not chosen:
         return []
     imt = openquake(chosen[0].measure)
     if imt is None:
         return [f"fragility.xml: what OpenQuake calls {chosen[0].measure} is not known: not written"]
-    curves = [Curve(fit.limit.name, fit.theta * imt.factor, fit.beta) for fit in chosen]
-    every = [value * imt.factor for fit in chosen for value in (float(fit.intensity.min()), float(fit.intensity.max()))]
-    write_nrml(path, title, curves, imt, (min(every), max(every)))
+    Xml.register_namespace("", SPACE)
+    root = Xml.Element(f"{{{SPACE}}}nrml")
+    name = re.sub(r"\W+", "_", title).strip("_") or "study"
+    model = Xml.SubElement(root, f"{{{SPACE}}}fragilityModel", id=name, assetCategory="buildings", lossCategory="structural")
+    Xml.SubElement(model, f"{{{SPACE}}}description").text = f"{one_line(title)}; {imt.name} in {imt.unit}"
+    names = [re.sub(r"\W+", "_", fit.limit.name) for fit in chosen]
+    Xml.SubElement(model, f"{{{SPACE}}}limitStates").text = " ".join(names)
+    function = Xml.SubElement(model, f"{{{SPACE}}}fragilityFunction", id=name, format="continuous", shape="logncdf")
+    low, high = (imt.factor * float(end([end(fit.intensity) for fit in chosen])) for end in (np.min, np.max))
+    Xml.SubElement(function, f"{{{SPACE}}}imls", imt=imt.name, noDamageLimit="0", minIML=f"{low:.6g}", maxIML=f"{high:.6g}")
+    for word, fit in zip(names, chosen, strict=True):
+        mean, stddev = mean_and_stddev(fit.theta * imt.factor, fit.beta)
+        Xml.SubElement(function, f"{{{SPACE}}}params", ls=word, mean=f"{mean:.6g}", stddev=f"{stddev:.6g}")
+    Xml.indent(root)
+    with replacing(path) as part:
+        Xml.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
     return []

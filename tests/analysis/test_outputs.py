@@ -21,7 +21,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.studies.study import numbers
 from reports.compare.comparison import compare
-from reports.damage.joint_files import write_joint_damage
+from reports.damage import write_joint_damage
 from reports.files import known_files
 from reports.page import section, write_page
 from reports.settings import Report

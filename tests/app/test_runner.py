@@ -26,7 +26,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics.moreau_jean import ENERGIES, StepReport
 from masonry_cd.mechanics.model.materials import JointLaw
-from reports.damage.joint_files import write_joints_csv
+from reports.damage import write_joints_csv
 
 STEPS = 60
 

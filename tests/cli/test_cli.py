@@ -38,7 +38,7 @@ from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.dynamics.islands import Islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.friction.problem import LocalProblem
-from reports.damage import joint_files, part_files
+from reports import damage as damage_files
 
 SUMMARY_KEYS = {
     "blocks", "joints", "steps", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max",
@@ -333,7 +333,7 @@ def test_ctrl_c_leaves_the_reports_that_were_asked_for(block_on_plate, tmp_path,
         with monkeypatch.context() as pressed:
             signals_in(pressed, Stepper, "step", 60, number)
             drawn = []
-            pressed.setattr(part_files, "write_part_damage", lambda *_, d=drawn: (d.append(1), signal.raise_signal(signal.SIGINT)))
+            pressed.setattr(damage_files, "write_part_damage", lambda *_, d=drawn: (d.append(1), signal.raise_signal(signal.SIGINT)))
             result = masonry_cd("run", scene, "-o", tmp_path / str(number))
         assert result.exit_code == 128 + number
         assert not (tmp_path / str(number) / "damage.csv").exists()
@@ -375,7 +375,7 @@ def test_what_follows_the_steps_can_be_finished(block_on_plate, tmp_path, monkey
     """A run that ended between its last step and its last file: the results are whole, the rest is written by --resume."""
     scene, out = block_on_plate(**SHAKEN), tmp_path / "out"
     with monkeypatch.context() as pressed:
-        pressed.setattr(joint_files, "write_joint_damage", lambda *_: signal.raise_signal(signal.SIGINT))
+        pressed.setattr(damage_files, "write_joint_damage", lambda *_: signal.raise_signal(signal.SIGINT))
         result = masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01")
     assert result.exit_code == 130
     assert "go on with: masonry-cd run" in result.stderr

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
-from reports.study.page import PAGE
+from reports.study.outputs import PAGE
 
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 

@@ -16,7 +16,7 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.joint_damage import joint_damage
 from masonry_cd.foundation.csv_files import unguarded, write_csv
 from masonry_cd.io.results import Results
-from reports.damage.joint_files import write_joints_csv
+from reports.damage import write_joints_csv
 from reports.paraview import export
 
 EVIL = "=cmd|'/c calc'!A1"

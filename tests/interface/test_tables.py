@@ -12,7 +12,7 @@ from two_blocks import shaking, two_blocks
 
 import masonry_cd as mc
 from masonry_cd.interface.tables import UNIT_OF, frame_of
-from reports.damage.part_files import write_part_damage
+from reports.damage import write_part_damage
 from reports.page.motion import rotation_vectors
 
 WITHOUT_UNIT = {"error", "contact_area_loss", "lost_share", "residual_drift", "max_drift", "drift", "largest_drift"}  # shares

@@ -23,9 +23,9 @@ from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
 from masonry_cd.analysis.stress.joint_pressure import largest_pressure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.damage.part_files import write_part_damage
+from reports.damage import write_part_damage
+from reports.outputs.page import write_pdf
 from reports.page import write_page
-from reports.page.pdf import write_pdf
 from reports.settings import report_of
 
 DRY = '[structure]\nkind = "file"\n[material]\ndensity = 2000.0\nfriction = 0.6\n[run]\ndt = 1e-3\nduration = 0.2\n'

@@ -12,9 +12,9 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.foundation.errors import InputError
-from reports.compare import comparison, comparison_files, comparison_picture
+from reports.compare import comparison, comparison_files
 from reports.drawing.palette import GRADES
-from reports.page.templates import filled
+from reports.page.document import filled
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, *(box(f"p{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1), "pier") for k in range(2))]
@@ -132,6 +132,6 @@ def test_counts_have_whole_ticks_and_grades_the_colours_of_the_page(tmp_path):
         folder.mkdir()
         write_run(folder / "result.h5", blocks, [at_rest(blocks), shifted(at_rest(blocks), 1, (0.01, 0, 0))])
     axes = Figure().subplots()
-    comparison_picture.draw_states(axes, comparison.compare(folders).runs)
+    comparison_files.draw_states(axes, comparison.compare(folders).runs)
     assert all(tick == round(tick) for tick in axes.get_yticks())
     assert f".grade.D3 {{ background: {GRADES['D3']}; }}" in filled("style.css")

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
-from pictures import BASE, COLUMN, main_colours, model_area, opening_scale, pixels, shares
+from pictures import BASE, COLUMN, crack_map, main_colours, model_area, opening_scale, pixels, shares
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.deformed import Pose, Solids
@@ -21,17 +21,16 @@ from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from reports.drawing import palette
-from reports.drawing.figure import in_metres
+from reports.drawing.figure import Sheet, in_metres
 from reports.drawing.parts import Scale, Window, rgb, view_named
-from reports.drawing.solids import auto_view, within_sight
-from reports.drawing.structure_picture import families_of, structure_picture
-from reports.maps import crack_map, framing
+from reports.drawing.solids import auto_view, families_of, structure_scene, within_sight
+from reports.maps import framing
 
 
 def drawn(path: Path, blocks: list[Block], states: list, **options: object) -> np.ndarray:
     """The crack map of a made run."""
     with Results.open(write_run(path.with_suffix(".h5"), blocks, states)) as results:
-        crack_map.crack_map(results, path, style=framing.MapStyle(**options))  # type: ignore[arg-type]
+        crack_map(results, path, style=framing.MapStyle(**options))  # type: ignore[arg-type]
     return pixels(path)
 
 
@@ -161,7 +160,7 @@ def test_planar_structures_are_seen_from_the_front() -> None:
 def test_scale_bar_is_true(tmp_path: Path) -> None:
     """A block of 2 m is as many pixels wide as its scale bar, which says 2 m or what else it says, promises."""
     blocks = [box("base", (-1, -1, -0.2), (1, 1, 0), "base", fixed=True), box("cube", (-1, -1, 0), (1, 1, 1), "stone")]
-    structure_picture(blocks, tmp_path / "cube.png", "a cube")
+    Sheet.drawn(structure_scene(blocks, "a cube")).save(tmp_path / "cube.png")
     image = pixels(tmp_path / "cube.png").astype(int)
     stone = np.abs(image - 255 * rgb("#e6d9bd")).max(axis=2) < 14
     ink = (image == 255 * rgb("#23272b")).all(axis=2)
@@ -182,15 +181,15 @@ def test_bad_input_is_one_line(tmp_path: Path) -> None:
     rest = at_rest(COLUMN)
     with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest])) as results:
         with pytest.raises(InputError, match=r'^view: "fornt" is none; views: auto, front'):
-            crack_map.crack_map(results, tmp_path / "x.png", style=framing.MapStyle(view="fornt"))
+            crack_map(results, tmp_path / "x.png", style=framing.MapStyle(view="fornt"))
         with pytest.raises(InputError, match=r"^scale: must be positive"):
             framing.MapStyle(scale=0.0)
         with pytest.raises(InputError, match=r"^frame 1: the result has frames 0 to 0"):
-            crack_map.crack_map(results, tmp_path / "x.png", frame=1)
+            crack_map(results, tmp_path / "x.png", frame=1)
         with pytest.raises(InputError, match=r"^largest: must lie above"):
             framing.MapStyle(thresholds=Thresholds(opened=0.1))
         with pytest.raises(InputError, match=r"cannot be written"):
-            crack_map.crack_map(results, tmp_path / "none" / "x.png")
+            crack_map(results, tmp_path / "none" / "x.png")
 
 
 def _loads(library: str) -> bool:
@@ -215,7 +214,7 @@ def test_without_opengl_the_packages_are_named() -> None:
 
 
 def test_reports_load_neither_vtk_nor_matplotlib() -> None:
-    code = "import sys; import masonry_cd.analysis.damage.joint_damage, reports.maps.crack_map, reports.drawing.structure_picture\n"
+    code = "import sys; import masonry_cd.analysis.damage.joint_damage, reports.maps.crack_map, reports.drawing.solids\n"
     code += "print([m for m in sys.modules if m in HEAVY])"
     code = code.replace("HEAVY", repr({"vtk", "vtkmodules", "pyvista", "matplotlib", "pandas"}))
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
@@ -234,7 +233,7 @@ def meshes_of_a_wall(folder: Path, courses: int, monkeypatch: pytest.MonkeyPatch
     drawn, add = [], pyvista.Plotter.add_mesh
     with monkeypatch.context() as watched, Results.open(write_run(folder / "run.h5", blocks, [rest, moved])) as results:
         watched.setattr(pyvista.Plotter, "add_mesh", lambda *given, **named: drawn.append(1) or add(*given, **named))
-        crack_map.crack_map(results, folder / "wall.png")
+        crack_map(results, folder / "wall.png")
     return len(drawn)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_run import at_rest, box, turned, write_run
-from pictures import model_area, opening_scale, pixels, shares
+from pictures import crack_map, model_area, opening_scale, pixels, shares
 
 from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.foundation.errors import InputError
@@ -21,7 +21,6 @@ from reports.drawing.bands import DrawnJoints
 from reports.drawing.cut import Cut, caps_of, clipped, clipped_lines, clipped_ties, cut_named, traces
 from reports.drawing.parts import Lines, Surface, Ties, view_named
 from reports.drawing.solids import block_layers
-from reports.maps.crack_map import crack_map
 from reports.maps.framing import MapStyle
 
 BASE = box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True)

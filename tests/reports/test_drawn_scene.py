@@ -17,8 +17,7 @@ from masonry_cd.io.results import Results
 from reports.drawing.figure import Sheet, save
 from reports.drawing.parts import hexed, view_named
 from reports.drawing.scene import Scene
-from reports.drawing.solids import structure_window
-from reports.drawing.structure_picture import structure_picture
+from reports.drawing.solids import structure_scene, structure_window
 from reports.maps.crack_map import at_rest as scene_at_rest
 from reports.maps.crack_map import crack_scene
 from reports.maps.framing import MapStyle, framing
@@ -79,7 +78,7 @@ def test_a_wide_plate_does_not_shrink_the_structure() -> None:
 
 def test_a_structure_gives_the_same_bytes_each_time(tmp_path: Path) -> None:
     for name in ("a.png", "b.png"):
-        structure_picture(COLUMN, tmp_path / name, "a column", ties=[np.array([[-0.5, -0.6, 1.5], [0.5, -0.6, 1.5]])])
+        Sheet.drawn(structure_scene(COLUMN, "a column", ties=[np.array([[-0.5, -0.6, 1.5], [0.5, -0.6, 1.5]])])).save(tmp_path / name)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 

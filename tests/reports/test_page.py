@@ -191,7 +191,7 @@ def test_fallen_spheres_are_called_spheres(stones, down, sentence, tiles, tmp_pa
     with Results.open(write_run(tmp_path / "result.h5", blocks, states)) as results:
         write_page(results, tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert f"; {sentence}. " in text
+    assert f"; {sentence}.<" in text
     assert re.findall(r"<dt>(\w+ fallen)</dt>", text) == tiles
 
 

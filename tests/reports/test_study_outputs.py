@@ -285,8 +285,8 @@ def test_the_page_sorts_its_runs_and_fits_a_phone(stripes: Path, tmp_path: Path)
         assert window.run("return document.body.clientWidth") == 390
         assert window.run("return document.body.scrollWidth") == 390
         for down in (False, True):
-            window.run("document.querySelector('#runs thead th:nth-child(6) button').click()")
-            cells = window.run("return [...document.querySelectorAll('#runs tbody tr')].map((row) => Number(row.cells[5].textContent))")
+            window.run("document.querySelector('.sortable thead th:nth-child(6) button').click()")
+            cells = window.run("return [...document.querySelectorAll('.sortable tbody tr')].map((row) => Number(row.cells[5].textContent))")
             assert cells == sorted(cells, reverse=down)
         assert window.complaints() == []
 

@@ -20,7 +20,7 @@ from masonry_cd.io.results import Results
 from reports.assess.outputs import write_assessment
 from reports.limit.page import STATES, LimitPage, write_limit_page
 from reports.page import write_page
-from reports.page.templates import filled
+from reports.page.document import filled
 from reports.study.outputs import write_study
 
 HOSTILE = "<script>alert(1)</script> & //example.org \" '"

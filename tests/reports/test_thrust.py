@@ -21,9 +21,10 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.state import State
+from reports.drawing.figure import Sheet
 from reports.drawing.palette import THRUST
 from reports.drawing.parts import Surface, view_named
-from reports.maps.crack_map import sheet_of
+from reports.maps.crack_map import crack_scene
 from reports.maps.framing import MapStyle, framing
 from reports.maps.thrust import WIDEST, drawn_points, ribbons
 
@@ -160,7 +161,7 @@ def test_the_line_in_the_plane_of_a_cut_is_seen_from_wherever(tmp_path: Path, vi
         style = MapStyle(view=view, cut=cut, thrust=True)
         with Results.open(tmp_path / "result.h5") as results:
             frame = results.frames - 1
-            pixels = sheet_of(results, frame, framing(results, [frame], style)).pixels()
+            pixels = Sheet.drawn(crack_scene(results, frame, framing(results, [frame], style))).pixels()
         left, bottom, width, height = framing_box(pixels)
         return int((pixels[bottom:height, left:width] == [int(THRUST[i : i + 2], 16) for i in (1, 3, 5)]).all(axis=2).sum())
 

@@ -11,6 +11,7 @@ import browser as browsers
 import h5py
 import numpy as np
 import pytest
+from pictures import crack_map
 from PIL import Image
 from places import EXAMPLES
 
@@ -22,9 +23,9 @@ from masonry_cd.app.summary import closing_lines
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
+from reports.drawing.figure import Sheet
 from reports.drawing.palette import PULLING
-from reports.drawing.structure_picture import structure_picture
-from reports.maps.crack_map import crack_map
+from reports.drawing.solids import structure_scene
 from reports.page import write_page
 from reports.ties import tie_lines, tie_tensions
 from structures.ties import lines_of
@@ -86,8 +87,8 @@ def test_the_crack_map_shows_the_tie_where_it_is(run, tmp_path):
 
 def test_the_picture_of_a_structure_shows_its_ties(tmp_path):
     made = make_structures(read_scene(EXAMPLES / "arch_tied.toml"))
-    structure_picture(made.blocks, tmp_path / "with.png", "tied", ties=lines_of(made.ties))
-    structure_picture(made.blocks, tmp_path / "without.png", "loose")
+    Sheet.drawn(structure_scene(made.blocks, "tied", ties=lines_of(made.ties))).save(tmp_path / "with.png")
+    Sheet.drawn(structure_scene(made.blocks, "loose")).save(tmp_path / "without.png")
     assert len(purple(tmp_path / "with.png")) > 2000
     assert not len(purple(tmp_path / "without.png"))
 

@@ -8,19 +8,22 @@ import re
 import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
+from pictures import scene_of
 from typer.testing import CliRunner
 
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
-from reports.drawing.painter import Planes, in_order, painting_order
+from reports.drawing.figure import save_polygons
 from reports.drawing.palette import OPENING, SLIDING
 from reports.drawing.parts import Scale, view_named
 from reports.drawing.solids import block_layers, mottled
-from reports.drawing.vector import hidden_sides
-from reports.maps.crack_map import VECTOR, Subject, crack_scene, vector_maps
+from reports.drawing.vector import Planes, hidden_sides, in_order, painting_order
+from reports.maps.crack_map import Subject, crack_scene
 from reports.maps.framing import MapStyle, framing
 from reports.settings import report_of
+
+VECTOR = ("crack_map.svg", "crack_map.pdf")
 
 
 def bonded() -> list:
@@ -97,7 +100,7 @@ def test_joints_have_the_colours_of_their_classes_and_files_are_equal_each_time(
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
         with Results.open(path) as results:
-            assert [file.name for file in vector_maps(results, tmp_path / name, MapStyle())] == list(VECTOR)
+            assert [file.name for file in save_polygons(scene_of(results), tmp_path / name, "crack_map")] == list(VECTOR)
             snapshot = Subject.of(results, 1, framing(results, [1], MapStyle())).snapshot
         texts.append([(tmp_path / name / file).read_bytes() for file in VECTOR])
     assert texts[0] == texts[1]
@@ -118,7 +121,7 @@ def test_a_cut_shows_caps_and_no_block_before_the_plane(tmp_path):
     fills = {}
     for cut in ("", "x=0.75"):
         with Results.open(path) as results:
-            vector_maps(results, tmp_path, MapStyle(view="isometric", cut=cut))
+            save_polygons(scene_of(results, style=MapStyle(view="isometric", cut=cut)), tmp_path, "crack_map")
         fills[cut] = set(re.findall(r"fill: (#\w{6})", (tmp_path / "crack_map.svg").read_text()))
     with Results.open(path) as results:
         whole = Subject.of(results, 1, framing(results, [1], MapStyle(view="isometric"))).colours

@@ -19,7 +19,7 @@ from masonry_cd.studies.laboratory import field_tests, granite_walls
 from masonry_cd.studies.laboratory.case import run_in
 from masonry_cd.studies.laboratory.cases import CASES, overturning, restitution
 from masonry_cd.studies.laboratory.cases.bed import exact
-from reports.laboratory.plots import curves_figure
+from reports.laboratory import curves_figure
 
 
 def test_the_closed_form_of_the_bed() -> None:

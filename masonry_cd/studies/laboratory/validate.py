@@ -14,7 +14,7 @@ from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.studies.laboratory.case import Case, Found, Row
 from masonry_cd.studies.laboratory.cases import CASES
 from reports.drawing.figure import save
-from reports.laboratory.plots import curves_figure
+from reports.laboratory import curves_figure
 
 TABLE, FIGURE = "table.json", "curves.svg"
 DRAWN = 300  # points of a curve: figures of the page stay small

@@ -16,7 +16,7 @@ from masonry_cd.analysis.outputs.values import finite, grade_number
 from masonry_cd.app.scene import Scene
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import Joints
-from reports.damage.joint_files import damage_settings
+from reports.damage import damage_settings
 
 QUANTITIES = tuple(numbers_in(STUDY))
 

@@ -16,7 +16,7 @@ from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
-from reports.damage.joint_files import write_joints_csv
+from reports.damage import write_joints_csv
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, box("lower", (-0.5, -0.5, 0), (0.5, 0.5, 1)), box("upper", (-0.5, -0.5, 1), (0.5, 0.5, 2))]

@@ -14,8 +14,8 @@ from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.app.part_lines import part_lines
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import State
-from reports.damage import joint_files, part_files
-from reports.outputs import damage_of
+from reports import damage as damage_files
+from reports.damage import damage_of
 from reports.page.build import write_page
 from reports.settings import Report
 
@@ -79,20 +79,20 @@ def test_a_run_that_was_killed_is_provisional(tmp_path: Path) -> None:
 def test_tables_summary_text_and_page_say_so(tmp_path: Path) -> None:
     said = 'provisional: still moving at 19 mm/s ("upper") at 0.1 s'
     with results_of(tmp_path, moving((0, 0.019, 0))) as results:
-        summary = joint_files.write_joint_damage(results, tmp_path, Report())
+        summary = damage_files.write_joint_damage(results, tmp_path, Report())
         damage = damage_of(results, Report())
-        part_files.write_part_damage(damage, tmp_path)
+        damage_files.write_part_damage(damage, tmp_path)
         write_page(results, tmp_path / "report.html", parts=damage)
     assert summary["provisional"] == said
     assert summary["end"]["speed"] == pytest.approx(0.019)
     for name in ("joints.csv", "damage.csv"):
         with (tmp_path / name).open(newline="") as file:
             assert {row["provisional"] for row in csv.DictReader(file)} == {said}, name
-    assert part_files.as_json(damage)["provisional"] == said
+    assert damage_files.as_json(damage)["provisional"] == said
     assert part_lines(damage.parts)[-1] == f"grades, mechanisms and what is left are {said}"
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "What is left is provisional" in page
-    table = page[page.index('<table class="parts">') :]
+    table = page[page.index('<div class="scroll parts"') :]
     heads, cells = (
         table[: table.index("</thead>")].count("<th "),
         table[table.index("<tbody>") : table.index("</tr>", table.index("<tbody>"))],
@@ -103,7 +103,7 @@ def test_tables_summary_text_and_page_say_so(tmp_path: Path) -> None:
 
 def test_nothing_is_said_where_all_is_still(tmp_path: Path) -> None:
     with results_of(tmp_path, moving()) as results:
-        summary = joint_files.write_joint_damage(results, tmp_path, Report())
+        summary = damage_files.write_joint_damage(results, tmp_path, Report())
         damage = damage_of(results, Report())
         write_page(results, tmp_path / "report.html", parts=damage)
     assert summary["provisional"] == ""

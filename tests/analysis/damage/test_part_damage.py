@@ -20,7 +20,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.state import State
-from reports.damage import part_files
+from reports import damage as damage_files
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [
@@ -220,8 +220,8 @@ def test_the_files_hold_the_same_numbers(tmp_path: Path) -> None:
     rest = at_rest(PIER)
     hinge = turned_together(rest, (2, 3, 4), (0.5, 0, 1.0), 0.6, (0, 1, 0))
     damage = damage_of(tmp_path, PIER, [rest, hinge, shifted(hinge, 4, (1.5, 0, -3.0))])
-    paths = part_files.write_part_damage(damage, tmp_path)
-    assert [path.name for path in paths] == list(part_files.NAMES_OF_FILES)
+    paths = damage_files.write_part_damage(damage, tmp_path)
+    assert [path.name for path in paths] == list(damage_files.NAMES_OF_FILES)
     document = json.loads((tmp_path / "damage.json").read_text())
     for name, rows in (("damage.csv", document["parts"]), ("hinges.csv", document["hinges"]), ("drift.csv", document["levels"])):
         with (tmp_path / name).open() as file:
@@ -256,11 +256,11 @@ def same(cell: str, value: object) -> bool:
 
 def test_without_damage_the_tables_keep_their_headings(tmp_path: Path) -> None:
     rest = at_rest(PIER)
-    part_files.write_part_damage(damage_of(tmp_path, PIER, [rest]), tmp_path)
-    assert (tmp_path / "hinges.csv").read_text() == ",".join(part_files.HINGE_COLUMNS) + "\n"
+    damage_files.write_part_damage(damage_of(tmp_path, PIER, [rest]), tmp_path)
+    assert (tmp_path / "hinges.csv").read_text() == ",".join(damage_files.HINGE_COLUMNS) + "\n"
     hinge = turned_together(rest, (2, 3, 4), (0.5, 0, 1.0), 0.6, (0, 1, 0))
-    part_files.write_part_damage(damage_of(tmp_path, PIER, [rest, hinge]), tmp_path)
-    assert (tmp_path / "hinges.csv").read_text().splitlines()[0] == ",".join(part_files.HINGE_COLUMNS)
+    damage_files.write_part_damage(damage_of(tmp_path, PIER, [rest, hinge]), tmp_path)
+    assert (tmp_path / "hinges.csv").read_text().splitlines()[0] == ",".join(damage_files.HINGE_COLUMNS)
 
 
 def test_thresholds_of_opening_set_the_time_of_the_first(tmp_path: Path) -> None:

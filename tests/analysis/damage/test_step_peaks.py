@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
+from pictures import scene_of
 from places import ROOT
 
 from masonry_cd.analysis.damage import part_damage
@@ -19,10 +20,8 @@ from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
-from reports.damage import part_files
-from reports.drawing.figure import in_metres
-from reports.maps.crack_map import vector_maps
-from reports.maps.framing import MapStyle
+from reports import damage as damage_files
+from reports.drawing.figure import in_metres, save_polygons
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, *(box(f"p{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1), "pier") for k in range(3))]
@@ -65,7 +64,7 @@ def test_the_heading_of_a_crack_map_tells_what_is_left_from_the_largest_of_all_s
     states = [at_rest(PIER), leaning(0.6), leaning(0.1)]
     with Results.open(write_run(tmp_path / "result.h5", PIER, states, every=2)) as results:
         largest, left = displacement_max(results), displacements(results)[-1]
-        (drawn, _) = vector_maps(results, tmp_path, MapStyle())
+        (drawn, _) = save_polygons(scene_of(results), tmp_path, "crack_map")
     assert (in_metres(largest), in_metres(left)) == ("16.6 mm", "2.76 mm")  # sqrt(1.5^2 + 0.5^2) m times the angle
     text = drawn.read_text()
     assert "relative to the base, at this time at most 2.76 mm" in text
@@ -83,9 +82,9 @@ def test_hinges_count_from_the_opening_that_the_report_asks_for(tmp_path: Path) 
 
 
 def test_files_say_which_peaks_they_have(tmp_path: Path) -> None:
-    for every, said in ((1, part_files.OF_STEPS), (0, part_files.OF_FRAMES)):
+    for every, said in ((1, damage_files.OF_STEPS), (0, damage_files.OF_FRAMES)):
         with Results.open(write_run(tmp_path / "result.h5", PIER, [at_rest(PIER)] * 2, every=every)) as results:
-            part_files.write_part_damage(part_damage.part_damage(results), tmp_path)
+            damage_files.write_part_damage(part_damage.part_damage(results), tmp_path)
         assert json.loads((tmp_path / "damage.json").read_text())["note"].endswith(said)
 
 

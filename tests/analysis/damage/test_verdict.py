@@ -20,9 +20,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.studies.study import numbers
 from masonry_cd.studies.study.study_file import LimitState
 from reports.compare.comparison import compare
-from reports.damage.joint_files import write_joint_damage
-from reports.damage.part_files import write_part_damage
-from reports.outputs import damage_of
+from reports.damage import damage_of, write_joint_damage, write_part_damage
 from reports.page import write_page
 from reports.settings import Report
 

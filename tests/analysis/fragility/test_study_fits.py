@@ -16,7 +16,7 @@ from masonry_cd.analysis.fragility.fragility import ALL, FALLING, FITTED, NONE, 
 from masonry_cd.analysis.fragility.ida import Capacities, capacities, capacity_quantiles, curves_of, demand_quantiles, fit_capacities
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.fragility.sensitivity import p_value
-from reports.study.nrml import mean_and_stddev
+from reports.study.tables import mean_and_stddev
 
 LEVELS = np.array([0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0])
 COLLAPSES = np.array([[0, 0, 0, 4, 6, 13, 12, 16]])

@@ -24,10 +24,10 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.block_mesh import block_mesh
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from reports.drawing.figure import Sheet
+from reports.drawing.figure import Sheet, save_polygons
 from reports.maps.framing import MapStyle
 from reports.maps.meshed_solids import Facetted
-from reports.maps.stress_map import Pressed, stress_scene, vector_stress_maps
+from reports.maps.stress_map import Pressed, stress_scene
 from reports.paraview import export
 
 DENSITY, WIDTH, HEIGHT, YOUNG = 2000.0, 0.5, 0.25, 1e9
@@ -155,7 +155,7 @@ def test_the_map_colours_the_triangles_by_their_own_stress(run: mc.Run, tmp_path
         pressed = Pressed.of(results, None)
         assert pressed.of_elements is not None
         tints = {tuple(colour) for colour in pressed.scale(pressed.of_elements).tolist()}
-        svg = vector_stress_maps(results, tmp_path, None, MapStyle())[0].read_text()
+        svg = save_polygons(stress_scene(results, None, MapStyle()), tmp_path, "stress_map")[0].read_text()
         last = Sheet.drawn(stress_scene(results, results.frames - 1, MapStyle()), samples=1)
     drawn = np.array([[int(fill[k : k + 2], 16) for k in (0, 2, 4)] for fill in re.findall(r"fill: #(\w{6}); stroke: #4a4640", svg)])
     assert len(tints) > 3  # two blocks have no more than two in the mean

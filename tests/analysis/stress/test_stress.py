@@ -251,13 +251,15 @@ def test_the_map_colours_blocks_by_class(by_hand):
 
 
 def test_vector_maps_colour_the_same_blocks_and_write_alike(by_hand, tmp_path):
-    from reports.maps.stress_map import VECTOR, vector_stress_maps
+    from reports.drawing.figure import save_polygons
+    from reports.maps.stress_map import stress_scene
 
     with Results.open(by_hand) as results:
-        paths = vector_stress_maps(results, tmp_path, None, MapStyle())
+        paths = save_polygons(stress_scene(results, None, MapStyle()), tmp_path, "stress_map")
         once = [path.read_bytes() for path in paths]
-        again = [path.read_bytes() for path in vector_stress_maps(results, tmp_path, None, replace(MapStyle(), thrust=True))]
-    assert tuple(path.name for path in paths) == VECTOR and once == again
+        scene = stress_scene(results, None, replace(MapStyle(), thrust=True))
+        again = [path.read_bytes() for path in save_polygons(scene, tmp_path, "stress_map")]
+    assert [path.name for path in paths] == ["stress_map.svg", "stress_map.pdf"] and once == again
     assert b"<path" in once[0] and once[1].startswith(b"%PDF")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the runs did: IDA curves with quantiles, clouds with their regression, stripes by level, distributions where no intensity varies."""
+"""The pictures of a study: fragilities, IDA curves, clouds, stripes, distributions where no intensity varies, and rank correlations."""
 
 from __future__ import annotations
 
@@ -10,14 +10,96 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.fragility.bootstrap import bands
-from masonry_cd.analysis.fragility.fits import CloudFit
+from masonry_cd.analysis.fragility.fits import CloudFit, Fit
 from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.fragility import by_level
 from masonry_cd.analysis.fragility.ida import QUANTILES, Curve, demand_quantiles, quantiles
 from masonry_cd.analysis.fragility.limits import LimitState
-from masonry_cd.analysis.fragility.measures import label
-from masonry_cd.analysis.fragility.words import PANELS, quantities_of, quantity
+from masonry_cd.analysis.fragility.measures import label, with_unit
+from masonry_cd.analysis.fragility.sensitivity import Correlation
+from masonry_cd.analysis.fragility.words import ORDER, PANELS, quantities_of, quantity
 from reports.drawing.figure import FAINT, INK, plain_axes, save
-from reports.study.plots import MARKERS, PALE, colour, legend, limit_line, logarithmic, sheet
+from reports.drawing.plots import MARKERS, PALE, colour, halo, legend, limit_line, logarithmic, sheet
+
+METHODS = {
+    "mle": "maximum likelihood on counts per level",
+    "probit": "probit on each run's own intensity",
+    "cloud": "regression of the cloud",
+    "ida": "capacities of the records",
+}
+BEYOND = {"mle": (0, (6, 2)), "ida": (0, (6, 2)), "cloud": (0, (6, 2)), "probit": (0, (2, 2))}  # strokes of further methods
+POINTS = {"mle": "points: share of the runs of a level", "ida": "steps: capacities of the records"}
+EIGHTHS = "points: share of the runs in eighths of them, by intensity"
+GRID = 240
+BINS = 8  # of runs whose intensities are their own
+BARS = 14  # per panel at most
+HUES = {"varied": "#d55e00", "intensity": "#7fb2d6"}
+HATCHES = {"varied": "", "intensity": "////"}
+KINDS = {"varied": "what varied", "intensity": "intensity measure"}
+LABELLED = 2  # limit states whose points have their counts written to them
+
+
+def fragility_picture(fits: Sequence[Fit], title: str, path: Path) -> None:
+    """Draw the fragilities of all limit states over one measure."""
+    limits = list(dict.fromkeys(fit.limit for fit in fits))
+    points = next((words for method, words in POINTS.items() if method in {fit.method for fit in fits}), EIGHTHS)
+    tall = 5.4 + 0.23 * sum(fit.fitted for fit in fits)
+    figure, (axes,) = sheet(title, f"{points}; bands: 95 %, bootstrap over records", size=(8.4, tall))
+    top = 1.06 * max(float(fit.intensity.max(initial=0.0)) for fit in fits)
+    grid = np.linspace(0.0, top, GRID + 1)[1:]
+    for k, limit in enumerate(limits):
+        own = sorted((fit for fit in fits if fit.limit == limit), key=lambda fit: ORDER.index(fit.method))
+        _points(axes, own[0], k, counts=len(limits) <= LABELLED)
+        drawn = [fit for fit in own if fit.fitted]
+        for place, fit in enumerate(drawn):
+            _curve(axes, fit, k, grid, main=place == 0)
+        if not drawn:
+            axes.plot([], [], MARKERS[k % len(MARKERS)], color=colour(k), markerfacecolor="white", label=f"{limit.name}: no fit")
+    axes.set_xlim(0.0, top)
+    axes.set_ylim(-0.02, 1.04)
+    axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
+    plain_axes(axes, "probability that a limit state is exceeded", label(fits[0].measure))
+    legend(axes)
+    save(figure, path)
+
+
+def _curve(axes: Any, fit: Fit, k: int, grid: np.ndarray, main: bool) -> None:
+    """A fitted curve; the first method of a limit state with its band."""
+    words = f"{fit.limit.name}: median {with_unit(fit.theta, fit.measure)}, beta {fit.beta:.2f}, {METHODS[fit.method]}"
+    if main:
+        low, high = bands(fit.replicated.probability(grid))
+        axes.fill_between(grid, low, high, color=colour(k), alpha=0.16, linewidth=0, zorder=1)
+    stroke: Any = "-" if main else BEYOND[fit.method]
+    axes.plot(
+        grid, fit.curve.probability(grid)[0], color=colour(k), linewidth=2.2 if main else 1.3, linestyle=stroke, label=words, zorder=3
+    )
+
+
+def _points(axes: Any, fit: Fit, k: int, counts: bool) -> None:
+    """What the curve was fitted to."""
+    if not fit.runs:
+        return
+    look: dict[str, Any] = {"color": colour(k), "markerfacecolor": "white", "markeredgewidth": 1.6, "markersize": 6.5, "zorder": 4}
+    if fit.found is not None:
+        reached = np.sort(fit.found.intensity[~fit.found.above])
+        share = np.arange(1, len(reached) + 1) / fit.runs
+        axes.step(np.concatenate([[0.0], reached]), np.concatenate([[0.0], share]), where="post", color=colour(k), linewidth=1.0, zorder=2)
+        return
+    if fit.method == "mle":
+        levels, exceeded, runs = by_level(fit.intensity, fit.over, np.ones((1, len(fit.over))))
+        level, share, over, of = levels, exceeded[0] / runs[0], exceeded[0], runs[0]
+    else:
+        parts = np.array_split(np.argsort(fit.intensity, kind="stable"), min(BINS, fit.runs))
+        level = np.array([np.exp(np.log(fit.intensity[rows]).mean()) for rows in parts])
+        over, of = np.array([fit.over[rows].sum() for rows in parts]), np.array([len(rows) for rows in parts])
+        share = over / of
+    axes.plot(level, share, MARKERS[k % len(MARKERS)], **look)
+    if counts and len(level) <= 14:
+        for x, y, some, total in zip(level, share, over, of, strict=True):
+            axes.annotate(
+                f"{some:.0f}/{total:.0f}", (x, y), (0, -14 if y > 0.5 else 9), textcoords="offset points", fontsize=8, color=FAINT,
+                ha="center", path_effects=halo(), zorder=5,
+            )  # fmt: skip
 
 
 def _limits(study: Study, column: str) -> list[tuple[int, LimitState]]:
@@ -184,3 +266,40 @@ def spread_picture(study: Study, path: Path) -> None:
         plain_axes(axes, "runs" if axes is panels[0] else "", words)
         axes.text(0.99, 0.03, f"{len(own)} runs", transform=axes.transAxes, fontsize=9.5, color=FAINT, ha="right")
     save(figure, path)
+
+
+def tornado_picture(rows: Sequence[Correlation], title: str, path: Path) -> None:
+    """Draw the rank correlations, a panel per quantity, the strongest on top."""
+    columns = list(dict.fromkeys(row.quantity for row in rows))[:PANELS]
+    groups = [[row for row in rows if row.quantity == column][:BARS] for column in columns]
+    tall = 2.3 + 0.34 * max(len(group) for group in groups)
+    facts = "Spearman's rank correlation; whiskers: 95 %, bootstrap over records; diamond: the study's measure taken out"
+    figure, panels = sheet(f"{title}: what matters", facts, len(columns), (max(8.4, 1.4 + 4.9 * len(columns)), tall))
+    for axes, column, group in zip(panels, columns, groups, strict=True):
+        plain_axes(axes, "", f"rank correlation with {quantity(column)[0].split(' [')[0]}")
+        _correlations(axes, group)
+    legend(panels[0], 3, bbox_to_anchor=(0.0, -0.55 / (tall - 1.7)))
+    save(figure, path)
+
+
+def _correlations(axes: Any, group: Sequence[Correlation]) -> None:
+    """A panel."""
+    named = set()
+    for k, row in enumerate(group):
+        label = None if row.kind in named else KINDS[row.kind]
+        named.add(row.kind)
+        axes.barh(k, row.rho, 0.66, color=HUES[row.kind], hatch=HATCHES[row.kind], edgecolor="white", linewidth=0.0, label=label, zorder=2)
+        if np.isfinite([row.low, row.high]).all():
+            axes.plot([row.low, row.high], [k, k], color=INK, linewidth=1.1, zorder=3)
+            axes.plot([row.low, row.high], [k, k], "|", color=INK, markersize=6, zorder=3)
+        if np.isfinite(row.given_measure):
+            axes.plot(row.given_measure, k, "D", color=INK, markersize=5, markerfacecolor="white", zorder=4)
+    axes.axvline(0.0, color=FAINT, linewidth=1.0, zorder=2.5)
+    axes.set_yticks(np.arange(len(group)), [row.variable for row in group])
+    for text in axes.get_yticklabels():
+        text.set_parse_math(False)
+        text.set_color(INK)
+    axes.set_ylim(len(group) - 0.4, -0.6)
+    axes.set_xlim(-1.04, 1.04)
+    axes.set_xticks([-1.0, -0.5, 0.0, 0.5, 1.0])
+    axes.grid(axis="y", visible=False)

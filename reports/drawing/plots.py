@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The common look of a study's pictures: sheets for print, names and colours as in the other pictures of the program."""
+"""The common look of diagrams: a heading, panels, axes, keys and colours as in the other pictures of the program."""
 
 from __future__ import annotations
 
@@ -20,13 +20,21 @@ def colour(k: int) -> str:
     return COLOURS[k % len(COLOURS)]
 
 
+def heading(figure: Any, title: str, facts: str = "") -> None:
+    """A title and lines of facts at the top of a figure, whose layout is constrained to what is left."""
+    width, height = figure.get_size_inches()
+    taken = 0.45 + 0.27 * bool(facts) + 0.18 * facts.count("\n")
+    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.06, rect=(0.0, 0.0, 1.0, 1.0 - taken / height))
+    look = {"x": 0.16 / width, "parse_math": False}
+    figure.text(y=1.0 - 0.26 / height, s=title, fontsize=14, fontweight="bold", color=INK, va="center", **look)
+    figure.text(y=1.0 - 0.46 / height, s=facts, fontsize=10, color=FAINT, va="top", **look)
+
+
 def sheet(title: str, facts: str, panels: int = 1, size: tuple[float, float] | None = None, rows: int = 1) -> tuple[Any, list[Any]]:
     """A figure with a title, a line of facts, and panels side by side, or in several rows."""
     width, height = size or ((8.2, 5.6) if panels == 1 else (1.4 + 4.9 * panels, 5.4))
     figure = blank((width, height), DPI, layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.06, rect=(0.0, 0.0, 1.0, 1.0 - 0.72 / height))
-    figure.text(0.16 / width, 1.0 - 0.26 / height, title, fontsize=14, fontweight="bold", color=INK, va="center", parse_math=False)
-    figure.text(0.16 / width, 1.0 - 0.54 / height, facts, fontsize=10, color=FAINT, va="center", parse_math=False)
+    heading(figure, title, facts)
     axes = list(figure.subplots(rows, -(-panels // rows), squeeze=False).flat)
     for spare in axes[panels:]:
         spare.remove()

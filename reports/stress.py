@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.stress.elements import ElementPeaks, element_columns, element_peaks
+from masonry_cd.analysis.stress.elements import element_columns, element_peaks
 from masonry_cd.analysis.stress.peaks import StressPeaks
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.layout import EDGE_STRESS
@@ -54,11 +54,8 @@ def write_stress(results: Results, peaks: StressPeaks, folder: Path) -> list[Pat
         rows = zip(*columns.values(), strict=True)
         write_csv(path, columns, (row for k, row in enumerate(rows) if kept is None or kept[k]), digits=10)
     of_elements = element_peaks(results)
-    return paths if of_elements is None else [*paths, _write_elements(results, of_elements, folder)]
-
-
-def _write_elements(results: Results, peaks: ElementPeaks, folder: Path) -> Path:
-    """Write element_stress.csv, with seven digits, as they are kept; return it."""
-    columns = element_columns(results, peaks)
-    write_csv(folder / ELEMENTS, columns, zip(*columns.values(), strict=True), digits=7)
-    return folder / ELEMENTS
+    if of_elements is None:
+        return paths
+    columns = element_columns(results, of_elements)
+    write_csv(folder / ELEMENTS, columns, zip(*columns.values(), strict=True), digits=7)  # as they are kept
+    return [*paths, folder / ELEMENTS]

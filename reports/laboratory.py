@@ -1,31 +1,96 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plots of pushes and gauges: curves laid over each other with a measured one beside, and histories."""
+"""What a laboratory hands over of a test: curves of force against displacement, and the histories of its gauges, as tables and plots."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.gauge_histories import History, unit_of_column
-from masonry_cd.analysis.pushover import PushCurve
+from masonry_cd.analysis.gauge_histories import (
+    History,
+    crack_histories,
+    joint_gauge_histories,
+    point_histories,
+    support_histories,
+    unit_of_column,
+)
+from masonry_cd.analysis.pushover import PushCurve, push_curves
+from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import finite_number
-from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes
+from masonry_cd.io.results import Results
+from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes, save
 
+CURVES, CYCLES = "force_displacement.csv", "push_cycles.csv"
+CURVE_PLOT, GAUGE_PLOT = "force_displacement.png", "gauges.png"
+TABLES = {
+    "points.csv": ("point", point_histories),
+    "joint_gauges.csv": ("joint", joint_gauge_histories),
+    "cracks.csv": ("crack", crack_histories),
+    "supports.csv": ("support", support_histories),
+}
+FILES = (CURVES, CYCLES, *TABLES, CURVE_PLOT, GAUGE_PLOT)
+CURVE_COLUMNS = ("push", "time", "displacement", "force", "moment", "inertia")
+CYCLE_COLUMNS = (
+    "push", "cycle", "begin", "end", "displacement_max", "displacement_min", "force_max", "force_min", "dissipated", "damping",
+)  # fmt: skip
 FORCES = (("displacement [mm]", 1e3), ("force [kN]", 1e-3))
 POINTS = 4000  # of a curve that are drawn
 SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "normal_force", "depth"), "cracks": ("opening", "slip")}
 WORDS = {"points": "displacement", "joint_gauges": "joint", "cracks": "crack gauge", "supports": "reaction"}
 MEASURED = (("displacement", "displacement [m]", "u", "d"), ("force", "force [N]", "f", "v"))  # heads of columns, without regard to case
-
 FEW = 8  # points up to which a computed curve is shown by them
 INSIDE = 5  # curves at most whose legend goes into the plot
 
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
+
+
+def write_laboratory(results: Results, folder: Path, drawn: bool = True) -> dict[str, Any]:
+    """Write the tables and, where they are to be ``drawn``, the plots; return the summary's share, empty of a run without any of them."""
+    if not results.gauges.any:
+        return {}
+    curves = push_curves(results)
+    if curves:
+        of_curves = [(curve.name, {name: getattr(curve, name) for name in CURVE_COLUMNS[1:]}) for curve in curves]
+        write_csv(folder / CURVES, CURVE_COLUMNS, _rows(of_curves), digits=10)
+    pushes = [curve.numbers() for curve in curves if curve.kind == "push"]
+    cycles = [[row["name"], k + 1, *(c[name] for name in CYCLE_COLUMNS[2:])] for row in pushes for k, c in enumerate(row["cycles"])]
+    if cycles:
+        write_csv(folder / CYCLES, CYCLE_COLUMNS, cycles, digits=10)
+    gauges = histories_of(results, asked=False)
+    for kind, found in gauges.items():
+        head, columns = TABLES[f"{kind}.csv"][0], list(next(iter(found.values())))
+        write_csv(folder / f"{kind}.csv", [head, *columns], _rows(found.items()), digits=10)
+    if drawn and curves:
+        save(push_figure([curve for curve in curves if curve.kind == "push"] or curves, title=results.title), folder / CURVE_PLOT)
+    if drawn and gauges:
+        save(gauges_figure(gauges, results.title), folder / GAUGE_PLOT)
+    return {"pushes": pushes} if pushes else {}
+
+
+def histories_of(results: Results, asked: bool = True) -> dict[str, dict[str, History]]:
+    """Histories by kind, ``points`` and so on, and name; those that there are.
+
+    Raises:
+        InputError: they are ``asked`` for, and the run kept none.
+    """
+    kinds = {name.removesuffix(".csv"): read(results) for name, (_, read) in TABLES.items()}
+    found = {kind: histories for kind, histories in kinds.items() if histories}
+    if asked and not found:
+        words = "[[output.point]], [[output.joint]], [[output.crack]] and [[output.support]] ask for them"
+        raise InputError(f"gauges: the run kept none; {words}")
+    return found
+
+
+def _rows(found: Iterable[tuple[str, History]]) -> Iterable[list[object]]:
+    """The rows of a table, of columns of some names."""
+    for name, columns in found:
+        for row in zip(*(values.tolist() for values in columns.values()), strict=True):
+            yield [name, *row]
 
 
 def curves_figure(
@@ -37,12 +102,8 @@ def curves_figure(
 ) -> Any:
     """Curves over each other, those that were measured or come from others in grey, and points of these with no line between.
 
-    Args:
-        curves: what was computed.
-        measured: by whom else.
-        title: of the figure.
-        axes_of: what the axes are called, and the factors into their units.
-        points: of others; as many sets as curves are taken for theirs, in their order, and have their colours.
+    ``axes_of`` are what the axes are called, and the factors into their units. As many sets of points as curves are taken for
+    theirs, in their order, and have their colours.
     """
     figure = blank((7.0, 4.4), layout="constrained")
     axes = figure.add_subplot()

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the damage of parts: four or five CSV tables for spreadsheets, and one JSON file with the same numbers.
+"""The damage of a run in files: CSV tables for spreadsheets, and one JSON file with the same numbers.
 
+joints.csv           one row per joint
 damage.csv           one row per part and, last, the structure: the end of the run
 damage_history.csv   one row per frame and part
 hinges.csv           one row per joint that was a hinge at any time
 drift.csv            one row per part and level
 damage_shocks.csv    the rows of damage.csv after each shock of a sequence and its rest; for such runs only
-damage.json          all of these, with the thresholds, rules and grades that made them
+damage.json          all but the joints, with the thresholds, rules and grades that made them
 """
 
 from __future__ import annotations
@@ -14,16 +15,63 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.damage.grades import NAMES
-from masonry_cd.analysis.damage.part_damage import PartDamage, Row
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.end_state import end_state
+from masonry_cd.analysis.damage.grades import NAMES, read_grades
+from masonry_cd.analysis.damage.joint_damage import JointDamage
+from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
+from masonry_cd.analysis.outputs.measured import Measured
+from masonry_cd.analysis.outputs.summary import damage_numbers
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.io.layout import BONDED, CRUSHED
+from masonry_cd.io.results import Results
+from reports.settings import Report
+from reports.ties import write_ties
+
+
+def thresholds_of(settings: Report) -> Thresholds:
+    """What counts as damage."""
+    return Thresholds(opened=settings.opened, slid=settings.slid)
+
+
+def damage_settings(settings: Report) -> Settings:
+    """What counts as damage, and from where on it is which grade."""
+    return Settings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades))
+
+
+def damage_of(results: Results, settings: Report) -> PartDamage:
+    """The damage by part."""
+    return part_damage(results, damage_settings(settings))
+
+
+def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
+    """Write joints.csv, and ties.csv where there are ties; return the numbers of damage for the summary, see :func:`damage_numbers`."""
+    run, end = Measured(results, damage_settings(settings)), end_state(results, thresholds_of(settings))
+    write_joints_csv(run.table, folder / "joints.csv", end.provisional)
+    write_ties(results, folder)
+    return damage_numbers(run, end)
+
+
+def write_joints_csv(table: JointDamage, path: Path, provisional: str = "") -> None:
+    """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty.
+
+    The share that is bonded is a column of runs with bonds only, by how much joints were crushed of those whose joints can be, and
+    ``provisional``, why residual values are not the last, of runs that did not end at rest.
+    """
+    left_out = {"both", *(name for name in (BONDED, CRUSHED) if np.isnan(getattr(table, name)).all())}
+    columns = [item.name for item in fields(table) if item.name not in left_out]
+    cells = [getattr(table, name).tolist() for name in columns]
+    if provisional:
+        columns, cells = [*columns, "provisional"], [*cells, [provisional] * len(table.joint)]
+    write_csv(path, columns, zip(*cells, strict=True), digits=9)
+
 
 NAMES_OF_FILES = ("damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json")
 BY_SHOCK = "damage_shocks.csv"
@@ -45,12 +93,12 @@ def write_part_damage(damage: PartDamage, folder: Path) -> tuple[Path, ...]:
     paths = tuple(folder / name for name in NAMES_OF_FILES)
     empty: dict[str, Sequence[str]] = {"hinges.csv": HINGE_COLUMNS}
     for path, rows in zip(paths, (damage.parts, damage.history, damage.hinges, damage.levels), strict=False):
-        _write_csv(rows, path, empty.get(path.name, ()))
+        write_csv(path, rows[0] if rows else empty.get(path.name, ()), (row.values() for row in rows), DIGITS)
     with replacing(paths[-1]) as part:
         part.write_text(json.dumps(as_json(damage), indent=1) + "\n", encoding="utf-8")
     if not damage.shocks:
         return paths
-    _write_csv(damage.shocks, folder / BY_SHOCK)
+    write_csv(folder / BY_SHOCK, damage.shocks[0], (row.values() for row in damage.shocks), DIGITS)
     return *paths, folder / BY_SHOCK
 
 
@@ -90,11 +138,6 @@ def _by_part(history: Sequence[Row]) -> dict[str, Any]:
         for key, column in columns.items():
             column.append(row[key])
     return out
-
-
-def _write_csv(rows: Sequence[Row], path: Path, columns: Sequence[str] = ()) -> None:
-    """One line per row; lists are joined by blanks, unknown numbers left empty."""
-    write_csv(path, rows[0] if rows else columns, (row.values() for row in rows), DIGITS)
 
 
 def _plain(value: Any) -> Any:

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
-"""The stress of blocks and joints: largest values, compared with a strength; tables and the summary's share."""
