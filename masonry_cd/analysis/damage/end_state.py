@@ -2,10 +2,13 @@
 r"""Whether a frame is an end state: the blocks and the base are still, and the run was not cut off.
 
 Residual values, mechanisms and grades say what remains, so they hold only where nothing moves any more. The speed of a block is that of
-its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that moves least; or its way since
-the frame before over the time, where that is less: a loose stone that rattles between its neighbours goes nowhere. A block that has fallen
-may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves; or faster than the tolerance of the run resolves, where that is
-more.
+its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that moves least. A block that has
+fallen may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves; or faster than the tolerance of the run resolves, where
+that is more.
+
+A run that ended before its longest time did so because its steps were still, where a loose stone that rattles between its neighbours, to
+and fro in one step each, counts as still (``mechanics/dynamics/pauses.py``). In its last frame the speed of a block is therefore that of its
+way since the frame before, where that is less. In other frames it is not: of a structure that sways, two frames may look alike.
 """
 
 from __future__ import annotations
@@ -60,7 +63,7 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
     velocity = np.asarray(results.velocity[index], dtype=float)
     standing = ~solids.fixed & ~fallen(results, thresholds, index)
     speed = speeds(velocity, solids, results.support)
-    if index > 0 and results.time[index] > results.time[index - 1]:
+    if index > 0 and index == results.frames - 1 and _ended_still(results):
         speed = np.minimum(speed, speeds(_since(results, index), solids, results.support))
     speed = np.where(standing, speed, -1.0)
     fastest = int(np.argmax(speed)) if standing.any() else -1
@@ -73,6 +76,13 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
         still=float(results.closing.get("still", STILL)),
         stopped=_stopped(results) if index == results.frames - 1 else "",
     )
+
+
+def _ended_still(results: Results) -> bool:
+    """Whether a run ended before its longest time, because its steps were still."""
+    closing, time = results.closing, results.time
+    early = time[-1] < closing.get("longest", 0.0) - 0.5 * closing.get("dt", 0.0)
+    return bool(early and time[-2] < time[-1]) and not closing.get("stopped", CUT_OFF)
 
 
 def _since(results: Results, index: int) -> np.ndarray:
