@@ -4,20 +4,18 @@ r"""Stiff and extreme cases: does anything drift, sink in, gain energy or break 
     python -m benchmarks.stability [-o docs/stability.md] [--picture docs/stability.png] [--only dt]
 
 Time steps from 1e-4 to 5e-2 s, mass ratios, light blocks under large forces, friction from none to 10, blocks from millimetres to hundreds
-of metres, shaking to 5 g and to 50 Hz, joints from 1e8 to 1e13 N/m3; joints built with gaps of micrometres; and buildings in space, shaken
-hard, to a tolerance of 1e-3.
-A case passes if, in every one of its steps,
+of metres, shaking to 5 g and to 50 Hz, joints from 1e8 to 1e13 N/m3, joints built with gaps of micrometres; and buildings in space, shaken
+hard, to a tolerance of 1e-3. A case passes if, in every one of its steps,
 
     finite        all positions, velocities and impulses are numbers, and the run comes to its end
-    drift         a structure that must stand moves by less than DRIFT times the width of its smallest block (at rest only, from where its
-                  elastic joints have taken up the weight)
-    penetration   no block sinks into another by more than REST_OVERLAP (at rest) or OVERLAP (shaken) times that width; the shortening of an
-                  elastic joint is none, nor is the overlap that a joint was built with
-    balance       energy put in, less what is left and lost, closes to BALANCE times the largest work done (or weight over a width)
-    dissipation   friction and impacts together have given back no energy, but for GAINED times the same
+    drift         a structure at rest moves by less than DRIFT times the width of its smallest block, once its joints carry the weight
+    penetration   no block sinks into another by more than REST_OVERLAP (at rest) or OVERLAP (shaken) times that width, beyond what
+                  elastic joints are shortened and what joints were built with
+    balance       the energy balance closes to BALANCE times the largest work done (or weight over a width)
+    dissipation   friction and impacts together give back no energy beyond GAINED times the same
 
-Steps that miss the tolerance are counted and shown, with their largest error. They do not fail a case by themselves: what they would spoil
-are the four measures. Nor does a step that costs many times the median, in iterations counted by their weights (the first step left out).
+Missed steps are counted, with their largest error. They fail no case by themselves, nor does a step that costs many times the median (in
+iterations counted by their weights, the first step left out).
 """
 
 from __future__ import annotations

@@ -67,7 +67,7 @@ class Report(Table):
     """Draw crack_map.png."""
     vector: Flag = False
     """Draw crack_map.svg and crack_map.pdf, in which blocks and joints are polygons that print sharp at any size."""
-    view: Literal["auto", "front", "back", "side", "top", "isometric"] = "auto"
+    view: Literal["auto", "front", "back", "side", "left", "top", "isometric"] = "auto"
     """From where."""
     scale: Annotated[Number, Field(gt=0)] | None = None
     """Amplification of the displacements in it; picked so that they are visible when not given."""

@@ -49,12 +49,13 @@ class Advance:
             RunStopped: it cannot end.
         """
         stepper, before, shock = self.stepper, self.stepper.load_step, None
+        earlier = stepper.state.velocity
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite stops the run by name
             adapted = None if self.pace is None else self.pace.step(self._room())
             report = stepper.step() if adapted is None else adapted.report
         applied = stepper.load_step
         if self.pauses is not None:
-            stepper.load_step = self.pauses.next_step(applied, stepper.state, applied - before)
+            stepper.load_step = self.pauses.next_step(applied, stepper.state, applied - before, earlier)
             shock = self.pauses.over(before, stepper.load_step)
         return Advanced(report, adapted, applied, shock)
 

@@ -65,7 +65,7 @@ class ModalOptions(BaseModel):
     """Fit the modulus to the first measured frequency."""
     pictures: Annotated[int, Field(ge=0)] = 6
     """Modes to draw; 0 for none."""
-    view: Literal["front", "back", "side", "top", "isometric"] = "isometric"
+    view: Literal["front", "back", "side", "left", "top", "isometric"] = "isometric"
     """From where."""
 
     @model_validator(mode="after")

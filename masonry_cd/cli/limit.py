@@ -18,7 +18,7 @@ def limit(
     set_: Changes = None,
     picture: Annotated[bool, typer.Option(help="Draw mechanism.png and thrust.png.")] = True,
     curve: Annotated[bool, typer.Option("--curve", help="Follow the mechanism: capacity.csv, .json and .png.")] = False,
-    view: Annotated[str, typer.Option(metavar="NAME", help="auto, front, back, side, top or isometric.")] = "auto",
+    view: Annotated[str, typer.Option(metavar="NAME", help="auto, front, back, side, left, top or isometric.")] = "auto",
     macro_elements: Annotated[
         bool, typer.Option("--macro-elements", help="Look at each part of the structure with all else held.")
     ] = False,

@@ -19,7 +19,7 @@ def report(
     crack_map: Annotated[bool, typer.Option(help="Draw crack_map.png.")] = True,
     time: Annotated[float | None, typer.Option(metavar="SECONDS", help="Draw the frame next to this time; the last by default.")] = None,
     times: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="Draw a map at each of these times, alike in scale.")] = None,
-    view: Annotated[str | None, typer.Option(help="front, back, side, top or isometric; the scene's by default.")] = None,
+    view: Annotated[str | None, typer.Option(help="front, back, side, left, top or isometric; the scene's by default.")] = None,
     scale: Annotated[float | None, typer.Option(help="Amplification of displacements; the scene's by default.")] = None,
     cut: Annotated[str | None, typer.Option(metavar="PLANE", help="Cut by a plane, y=1.5 [m], or y for the middle.")] = None,
     thrust: Annotated[bool | None, typer.Option("--thrust/--no-thrust", help="Draw the line of thrust.", show_default=False)] = None,

@@ -137,7 +137,7 @@ class Scene:
         """The structure by groups of blocks, as an image that a notebook shows.
 
         Args:
-            view: auto (front for structures that are prisms across y, else isometric), front, back, side, top or isometric.
+            view: auto (front for structures that are prisms across y, else isometric), front, back, side, left, top or isometric.
         """
         return self.structure.picture(self.title, view)
 

@@ -35,7 +35,7 @@ class View:
 
 
 def view_named(name: str) -> View:
-    """A view by name: front (along y), back, side (from +x), top, isometric.
+    """A view by name: front (along y), back, side (from +x), left (from -x), top, isometric.
 
     Raises:
         InputError: an unknown name.
@@ -45,6 +45,7 @@ def view_named(name: str) -> View:
         "front": (0.0, -1.0, 0.0),
         "back": (0.0, 1.0, 0.0),
         "side": (1.0, 0.0, 0.0),
+        "left": (-1.0, 0.0, 0.0),
         "top": (0.0, 0.0, 1.0),
         "isometric": (np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)),
     }

@@ -30,7 +30,7 @@ MOST = 1000.0  # largest amplification
 class MapStyle:
     """How crack maps are drawn."""
 
-    view: str = "auto"  # front where all blocks are prisms across y, else isometric; or front, back, side, top, isometric
+    view: str = "auto"  # front where all blocks are prisms across y, else isometric; or front, back, side, left, top, isometric
     scale: float | None = None  # amplification of the displacements; None picks 1, or what makes the largest one visible
     thresholds: Thresholds = field(default_factory=Thresholds)  # where an opening and a sliding begin to be drawn
     largest: float = 0.05  # where the last class of the colour scales begins [m]

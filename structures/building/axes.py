@@ -25,9 +25,13 @@ SHARPEST = math.radians(60.0)  # bend between two chords of an arc
 STEP = math.radians(15.0)  # of an arc to a facet, at most
 SAME = 1e-9  # lengths closer than this are one [m]
 DIGITS = 9  # of the height of a top [m]: beds have as many, and a top that rounding parts from its bed would leave a hair over it
+AT_END = 1e-3  # a place of a top this close to an end of its wall is at the end [m]
 LEAST_CHORD = 1.2  # of a facet of an arc, in thicknesses
 JAMB = 0.12  # of a facet beside the head of its opening, at least [m]
 INNER = 0.12  # by how much of the thickness its inner face is shorter at each end
+
+
+Span = tuple[float, float]  # a stretch of an axis, from its start [m]
 
 
 class Bend(NamedTuple):
@@ -116,7 +120,7 @@ class Leg:
         level = z[step[-1 if after else 0]] if step else float(np.interp(there, at, z))
         for end, inner, beyond in ((0, 1, there - at[0]), (-1, -2, at[-1] - there)):
             run = abs(at[inner] - at[end])
-            ends = abs(at[end] - (0.0, self.length)[end]) < 1e-6
+            ends = abs(at[end] - (0.0, self.length)[end]) < AT_END
             if beyond < 0.0 and ends and run > 1e-6 and z[inner] > z[end]:
                 level = max(self.base, z[end] + beyond * (z[inner] - z[end]) / run)
         return level
@@ -130,13 +134,13 @@ class Leg:
         return [(low, self.top(facet, low)), *inner, (high, self.top(facet, high, after=False))]
 
 
-def legs_of(number: int, keys: BuildingWallTable) -> list[Leg]:
-    """The legs of a wall.
+def legs_of(number: int, keys: BuildingWallTable, whole: Sequence[Span] = ()) -> list[Leg]:
+    """The legs of a wall; stretches of its axis that are to be whole lie in one facet of an arc each [m].
 
     Raises:
         ValueError: an axis that turns back on itself, stays on the spot or has an arc that is none; says where.
     """
-    bends = list(_bends(keys))
+    bends = list(_bends(keys, whole))
     for a, b in pairwise(bends):
         if b.length - a.length < 1e-3:
             raise ValueError(f"its axis stays on the spot at {place(a.point)}")
@@ -208,7 +212,7 @@ def _profile(keys: BuildingWallTable, length: float) -> tuple[tuple[float, float
     return tuple((s, round(keys.base + z, DIGITS)) for s, z in keys.top)
 
 
-def _bends(keys: BuildingWallTable) -> Iterator[Bend]:
+def _bends(keys: BuildingWallTable, whole: Sequence[Span]) -> Iterator[Bend]:
     """The corners of an axis with its arcs as chords."""
     first = keys.axis[0]
     if isinstance(first, ArcTable):
@@ -217,7 +221,7 @@ def _bends(keys: BuildingWallTable) -> Iterator[Bend]:
     yield Bend(point, length)
     for piece in keys.axis[1:]:
         if isinstance(piece, ArcTable):
-            chords = _arc(point, piece, length, keys)
+            chords = _arc(point, piece, _stretches(keys, whole, length), keys)
             for k, (there, along) in enumerate(chords):
                 yield Bend(there, length + along, k < len(chords) - 1)
             length, point = length + along, there
@@ -227,8 +231,8 @@ def _bends(keys: BuildingWallTable) -> Iterator[Bend]:
             yield Bend(point, length)
 
 
-def _arc(start: np.ndarray, arc: ArcTable, length: float, keys: BuildingWallTable) -> list[tuple[np.ndarray, float]]:
-    """The ends of the chords of an arc that begins at a length of the axis, and the length of the arc up to each [m]."""
+def _arc(start: np.ndarray, arc: ArcTable, fixed: Sequence[Span], keys: BuildingWallTable) -> list[tuple[np.ndarray, float]]:
+    """The ends of the chords of an arc and its length up to each [m]; of fixed stretches each is in one of them."""
     through, end = np.array(arc.through, dtype=float), np.array(arc.to, dtype=float)
     full = float(np.hypot(*(end - start))) < 1e-9  # a whole circle: the point is opposite
     if full:
@@ -252,29 +256,37 @@ def _arc(start: np.ndarray, arc: ArcTable, length: float, keys: BuildingWallTabl
         raise ValueError(f"its arc from {place(start)} has a radius of {radius:.4g} m, less than half its thickness")
     angle = math.atan2(*(start - centre)[::-1])
     found = []
-    for along in _breaks(abs(sweep) * radius, radius, length, keys):
+    for along in _breaks(abs(sweep) * radius, radius, fixed, keys.thickness):
         turn = math.copysign(along / radius, sweep)
         found.append((centre + radius * np.array([math.cos(angle + turn), math.sin(angle + turn)]), along))
     return [*found, (end, abs(sweep) * radius)]
 
 
-def _breaks(total: float, radius: float, before: float, keys: BuildingWallTable) -> list[float]:
-    """Where along an arc its facets end, without the last one [m]: a facet to each opening, the rest evenly."""
-    fixed = [(0.0, 0.0)]
-    for opening in sorted(keys.openings, key=lambda o: o.at):
-        at, half = opening.at - before, 0.5 * opening.width + (opening.ring or opening.bearing or 0.35 * opening.width)
-        half += JAMB + INNER * keys.thickness
-        if 0.0 < at < total:
-            fixed.append((max(at - half, 0.0), min(at + half, total)))
-    fixed.append((total, total))
+def _stretches(keys: BuildingWallTable, whole: Sequence[Span], before: float) -> list[Span]:
+    """What is to lie in one facet, from the start of an arc that begins at a length of the axis: openings, and what is to be whole [m]."""
+    found = []
+    for opening in keys.openings:
+        half = 0.5 * opening.width + (opening.ring or opening.bearing or 0.35 * opening.width) + JAMB + INNER * keys.thickness
+        found.append((opening.at - half, opening.at + half))
+    joined: list[Span] = []
+    for low, high in sorted([*found, *whole]):
+        if joined and whole and low < joined[-1][1]:
+            joined[-1] = joined[-1][0], max(high, joined[-1][1])
+        else:
+            joined.append((low, high))
+    return [(low - before, high - before) for low, high in joined]
+
+
+def _breaks(total: float, radius: float, stretches: Sequence[Span], thickness: float) -> list[float]:
+    """Where along an arc its facets end, without the last one [m]: a facet to each stretch, the rest evenly."""
+    within = [(low, high) for low, high in stretches if 0.0 < 0.5 * (low + high) < total or low < 0.0 < high or low < total < high]
+    fixed = [(0.0, 0.0), *((max(low, 0.0), min(high, total)) for low, high in within), (total, total)]
     breaks: list[float] = []
     for (_, low), (high, end) in pairwise(fixed):
         gap = high - low
-        if gap < 0.6 * keys.thickness:  # too short for a facet: what is beside it takes it up
+        if gap < 0.6 * thickness:  # too short for a facet: what is beside it takes it up
             breaks += [0.5 * (low + high)] if low > 0.0 and end < total else []
             continue
-        count = max(
-            math.ceil(gap / radius / GENTLE * 1.001), min(math.ceil(gap / radius / STEP), int(gap / (LEAST_CHORD * keys.thickness))), 1
-        )
+        count = max(math.ceil(gap / radius / GENTLE * 1.001), min(math.ceil(gap / radius / STEP), int(gap / (LEAST_CHORD * thickness))), 1)
         breaks += [low + gap * k / count for k in range(count + 1)]
     return sorted({round(b, 9) for b in breaks if SAME < b < total - SAME})

@@ -2,7 +2,8 @@
 """Beds: the heights that walls of one height of course share.
 
 Feet, tops and the corners of gables come first, then sills, springings and lintels, then crowns of arches, those that more openings have
-before the others. One that is closer to another than LEAST of a course has no bed of its own: its courses are cut there.
+before the others. One that is closer to another than LEAST_COURSE has no bed of its own: its courses are cut there. Walls of different
+courses that meet share beds where one of them begins, or ends, at their junction.
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ SAME = 1e-9  # [m]
 DIGITS = 9  # to which heights [m] are one
 
 
-def beds(walls: Iterable[float], frames: Iterable[Frame], course: float, seed: int | None = None) -> np.ndarray:
+def beds(
+    walls: Iterable[float], frames: Iterable[Frame], course: float, seed: int | None = None, shared: Iterable[float] = ()
+) -> np.ndarray:
     """Heights of the beds (N + 1,), ascending [m].
 
     Args:
@@ -30,6 +33,7 @@ def beds(walls: Iterable[float], frames: Iterable[Frame], course: float, seed: i
         frames: of all openings.
         course: height aimed at [m].
         seed: of courses that vary; None for even ones.
+        shared: heights at which walls of other courses need a bed as well, however near to another [m].
     """
     frames = list(frames)
     levels = [*walls], [z for frame in frames for z in frame.levels], [z for frame in frames for z in frame.hull.bounds[1::2]]
@@ -37,7 +41,8 @@ def beds(walls: Iterable[float], frames: Iterable[Frame], course: float, seed: i
     counts = [Counter(round(z, DIGITS) for z in own) for own in levels]
     low, high = min(counts[0]), max(counts[0])
     size.within((high - low) / course, "course_height")
-    kept = [low, high]
+    exact |= {round(z, DIGITS): z for z in shared}
+    kept = [low, high, *sorted({z for z in exact if low < z < high} & {round(z, DIGITS) for z in shared})]
     for z in (z for count in counts for z in sorted(count, key=lambda z: (-count[z], z))):
         if low < z < high and min(abs(z - other) for other in kept) > LEAST_COURSE * course - SAME:
             kept.append(z)

@@ -26,7 +26,7 @@ from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay
 from structures.building.slivers import Stone, joined
 from structures.building.stones import Part, across, parts_of, stone, welded
-from structures.building.table import BuildingTable, BuildingWallTable
+from structures.building.table import ArcTable, BuildingTable, BuildingWallTable
 from structures.building.widths import NARROW
 from structures.geometry import polygons
 from structures.layout.pockets import with_pockets
@@ -87,28 +87,46 @@ def refuse(faults: Sequence[str]) -> None:
 def prepared(table: BuildingTable, faults: list[str]) -> Walls | None:
     """The walls of a table with their junctions, beds and openings; what is wrong is added to the faults, None where too much is."""
     legs: list[Leg] = []
+    own: list[str] = []
     if not table.walls:
-        faults.append("structure.walls: missing; every wall is a table of its own, headed [[structure.walls]], or comes from a plan")
+        own.append("structure.walls: missing; every wall is a table of its own, headed [[structure.walls]], or comes from a plan")
     names: dict[str, int] = {}
     for k, keys in enumerate(table.walls):
         if keys.name in names:
-            faults.append(f'structure.walls[{k}].name: wall {names[keys.name]} has the name "{keys.name}", too')
+            own.append(f'structure.walls[{k}].name: wall {names[keys.name]} has the name "{keys.name}", too')
         names.setdefault(keys.name, k)
         if keys.masonry is not None and keys.masonry not in KINDS:
-            faults.append(f'wall {keys.name}: masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
+            own.append(f'wall {keys.name}: masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
         try:
             legs += legs_of(k, keys)
         except ValueError as fault:
-            faults.append(f"wall {keys.name}: {fault}")
-    if faults:
+            own.append(f"wall {keys.name}: {fault}")
+    if own:
+        faults += own
         return None
     size.within(_estimate(legs, table), "block_length")
-    plan = Plan(legs, junctions.find(legs, table, faults))
+    plan = _joined(legs, table, faults)
     frames = openings.frames(plan, table, faults)
-    layings = _layings(legs, table, frames)
+    layings = _layings(plan, table, frames)
     _check_courses(plan, layings, faults)
     openings.check(plan, layings, frames, faults)
     return Walls(table, plan, frames, layings)
+
+
+def _joined(legs: list[Leg], table: BuildingTable, faults: list[str]) -> Plan:
+    """The legs with their junctions; where facets of an arc are too short for one, or meet in it, each of its junctions gets a facet."""
+    wrong: list[str] = []
+    found = junctions.find(legs, table, wrong)
+    for k, keys in [*enumerate(table.walls)] * 2:  # the first facets move the places of the second
+        if wrong and any(isinstance(piece, ArcTable) for piece in keys.axis):
+            left: list[str] = []
+            own = legs_of(k, keys, junctions.along(legs, k))
+            bent = [*(leg for leg in legs if leg.wall < k), *own, *(leg for leg in legs if leg.wall > k)]
+            again = junctions.find(bent, table, left)
+            if len(left) < len(wrong):
+                legs, found, wrong = bent, again, left
+    faults += wrong
+    return Plan(legs, found)
 
 
 def _estimate(legs: Sequence[Leg], table: BuildingTable) -> float:
@@ -120,19 +138,35 @@ def _estimate(legs: Sequence[Leg], table: BuildingTable) -> float:
     return total
 
 
-def _layings(legs: Sequence[Leg], table: BuildingTable, frames: dict[tuple[int, int], list[Frame]]) -> list[Laying]:
+def _layings(plan: Plan, table: BuildingTable, frames: dict[tuple[int, int], list[Frame]]) -> list[Laying]:
     """How each leg is laid; those of one height of course share their beds."""
+    legs = plan.legs
     height = [leg.keys.course_height or table.course_height for leg in legs]
+    shared = _shared(plan, height)
     found: dict[float, np.ndarray] = {}
     for course in dict.fromkeys(height):
         own = [k for k, h in enumerate(height) if h == course]
         levels = [z for k in own for z in (legs[k].base, *(z for _, z in legs[k].tops))]
         around = [frame for (k, _), some in frames.items() if k in own for frame in some]
-        found[course] = beds(levels, around, course, table.seed if table.bond == "rubble" else None)
+        found[course] = beds(levels, around, course, table.seed if table.bond == "rubble" else None, shared.get(course, ()))
     return [
         Laying(found[h], h, leg.keys.block_length or table.block_length, leg.keys.bond or table.bond, table.seed)
         for leg, h in zip(legs, height, strict=True)
     ]
+
+
+def _shared(plan: Plan, height: Sequence[float]) -> dict[float, set[float]]:
+    """By height of course, the levels at which walls of other courses begin or end at junctions: who fills these changes there [m]."""
+    found: dict[float, set[float]] = {}
+    for junction in plan.junctions:
+        courses = {height[leg] for leg in junction.legs}
+        if len(courses) > 1:
+            for arm in (arm for pair in junction.pairs for arm in pair.arms):
+                leg = plan.legs[arm.leg]
+                tops = [z for _, z in leg.tops_between(leg.facets[arm.facet], arm.low, arm.high)]
+                for course in courses:
+                    found.setdefault(course, set()).update((leg.base, min(tops), max(tops)))
+    return found
 
 
 def _check_courses(plan: Plan, layings: Sequence[Laying], faults: list[str]) -> None:

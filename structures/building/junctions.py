@@ -16,11 +16,12 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from masonry_cd.mechanics.model.components import connected_components
-from structures.building.axes import SAME, Facet, Leg, place
+from structures.building.axes import SAME, Facet, Leg, Span, place
 from structures.building.table import BuildingTable, JunctionBond
 
 LEAST_ANGLE = math.radians(25.0)  # of two walls that meet: stones of a sharper one would be slivers
 STUB = 0.1  # by which a wall that crosses another has to stick out beyond it [m]
+MORE = 0.2  # of a facet of an arc beside a junction [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +76,25 @@ def find(legs: Sequence[Leg], table: BuildingTable, faults: list[str]) -> list[J
     bonds = _bonds(legs, pairs, table, faults)
     pairs = [Pair(p.arms, p.point, p.region, *bond) for p, bond in zip(pairs, bonds, strict=True)]
     return _clusters(pairs)
+
+
+def along(legs: Sequence[Leg], wall: int) -> list[Span]:
+    """The stretches of the axis of a wall that its junctions take up, and a little more [m]."""
+    found = []
+    for leg in (leg for leg in legs if leg.wall == wall):
+        for facet in leg.facets:
+            for other in (other for other in legs if other.wall != wall):
+                for across in other.facets:
+                    sine, cosine = float(facet.along @ -across.left), abs(float(facet.along @ across.along))
+                    if abs(sine) < math.sin(LEAST_ANGLE):
+                        continue
+                    s = float((across.start - facet.start) @ -across.left) / sine
+                    t = float((facet.start + s * facet.along - across.start) @ across.along)
+                    reach = (0.5 * leg.thickness + 0.5 * other.thickness * cosine) / abs(sine)
+                    if -SAME <= s <= facet.length + SAME and -reach <= t <= across.length + reach:
+                        half = (0.5 * other.thickness + 0.5 * leg.thickness * cosine) / abs(sine) + MORE
+                        found.append((facet.at_of(s) - half, facet.at_of(s) + half))
+    return found
 
 
 def strip(leg: Leg, facet: Facet) -> np.ndarray:

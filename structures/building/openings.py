@@ -115,7 +115,7 @@ def _beyond(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> It
     for course in course_range(laying.beds, low, high):
         z0, z1 = float(laying.beds[course]), float(laying.beds[course + 1])
         fits = [polygons.clean_stretch(area, 0.5 * leg.thickness) for area in plan.owned(number, f, course, z0, z1)]
-        if any(a + margin <= left and right <= b - margin for a, b in fits):
+        if any(a + margin <= left + SAME and right <= b - margin + SAME for a, b in fits):
             continue
         near = [
             (junction, other) for junction, _, own, other in plan.arms(number, f) if own.low - margin < right and left < own.high + margin

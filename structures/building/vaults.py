@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 import shapely
@@ -34,6 +35,7 @@ from structures.layout.arch_profiles import RingTable, joints_of
 from structures.layout.vault_courses import barrel, crossing
 
 PARALLEL = 1e-3  # of walls that carry a barrel, the sine of the angle between them
+CROSSING = 0.5  # sine of the angle between walls that make a corner of a bay, at least
 SQUARE = 1e-4  # what a bay may lack of a rectangle
 OBLONG = 2.0  # longest bay of a vault of four sides, in widths
 CHASE = 1.05  # depth to which the webs of a cross vault reach into walls, in thicknesses
@@ -162,13 +164,23 @@ def _between(ones: Sequence[tuple[Leg, Facet]], others: Sequence[tuple[Leg, Face
 def _within(walls: Sequence[Sequence[tuple[Leg, Facet]]]) -> BaseGeometry:
     """What lies on the inner sides of four walls; of a bent one its longest piece counts."""
     longest = [max(facets, key=lambda item: item[1].length) for facets in walls]
-    middle = np.mean([facet.place(np.array([0.5 * facet.length, 0.0])) for _, facet in longest], axis=0)
+    middle = _middle([facet for _, facet in longest])
     room: BaseGeometry = Polygon(middle + 1e3 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]))
     for leg, facet in longest:
         inner = math.copysign(0.5 * leg.thickness, float(facet.local(middle)[1]))
         far = math.copysign(1e4, inner)
         room = room.intersection(Polygon(facet.place(np.array([(-1e4, inner), (1e4, inner), (1e4, far), (-1e4, far)]))))
     return room
+
+
+def _middle(facets: Sequence[Facet]) -> np.ndarray:
+    """The middle of the corners (2,) that walls make, however far they go on beyond them [m]."""
+    corners = []
+    for one, other in combinations(facets, 2):
+        sine = float(one.along @ -other.left)
+        if abs(sine) > CROSSING:
+            corners.append(one.start + float((other.start - one.start) @ -other.left) / sine * one.along)
+    return np.asarray(np.mean(corners or [facet.start for facet in facets], axis=0))
 
 
 def _rectangle(shape: Polygon, along: np.ndarray) -> Bay:

@@ -19,6 +19,7 @@ from masonry_cd.mechanics.model.blocks import Block
 
 ENDINGS = (".step", ".brep", ".msh")
 KEPT = 1e-7  # of its volume, by which a solid may differ from its block
+HXT = 10  # gmsh's number of the method whose time grows with the number of solids, not with its square
 COARSE = 0.7  # size of the elements of a mesh, in cube roots of the volume of a block
 
 
@@ -73,4 +74,5 @@ def _mesh(gmsh: Any, blocks: Sequence[Block], tags: Sequence[int]) -> None:
     sizes = np.array([block.mass_properties.volume - block.carried_volume for block in blocks if not block.fixed] or [1.0])
     gmsh.option.setNumber("Mesh.MeshSizeMax", COARSE * float(np.median(sizes)) ** (1.0 / 3.0))
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+    gmsh.option.setNumber("Mesh.Algorithm3D", HXT)
     gmsh.model.mesh.generate(3)

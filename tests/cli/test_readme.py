@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""README and the page on the scene file speak of the program as it is: the scene runs, the block file reads."""
+"""README and the page on own blocks speak of the program as it is: the scene runs, the block file reads."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from masonry_cd.app.scene import read_scene
 from structures.files.blockfile import read
 
 README = ROOT / "README.md"
-SCENE_FILE = ROOT / "docs" / "scene_file.md"
+BLOCKS = ROOT / "docs" / "howto" / "blocks.md"
 
 
 def fenced(page: Path, language: str) -> str:
@@ -29,9 +29,10 @@ def test_the_scene_of_the_readme_is_sound(tmp_path):
 
 
 def test_the_block_file_of_the_page_is_sound(tmp_path):
-    (tmp_path / "blocks.json").write_text(fenced(SCENE_FILE, "json"))
-    (block,) = read(tmp_path / "blocks.json", 2000.0)
-    assert (block.name, block.density, block.group) == ("v1", 2200, "arch")
+    (tmp_path / "blocks.json").write_text(fenced(BLOCKS, "json"))
+    plinth, stone = read(tmp_path / "blocks.json", 2000.0)
+    assert (plinth.name, plinth.density, plinth.fixed) == ("plinth", 2000.0, True)
+    assert (stone.name, stone.density, stone.group) == ("stone", 2400, "stones")
 
 
 def test_the_readme_stays_an_introduction():

@@ -146,7 +146,7 @@ def test_round_numbers() -> None:
 
 
 def test_views_are_right_handed_and_keep_up() -> None:
-    for name in ("front", "back", "side", "top", "isometric"):
+    for name in ("front", "back", "side", "left", "top", "isometric"):
         view = view_named(name)
         np.testing.assert_allclose(np.cross(view.right, view.up), view.towards, atol=1e-12)
     np.testing.assert_allclose(view_named("front").right, [1, 0, 0])

@@ -52,7 +52,7 @@ def planes(solids: Solids) -> Planes:
     return Planes(block_layers(solids, solids.vertices, np.ones((len(solids.centre), 3)))[0])
 
 
-@pytest.mark.parametrize("view", ["isometric", "front", "side", "top"])
+@pytest.mark.parametrize("view", ["isometric", "front", "side", "left", "top"])
 def test_the_nearer_of_two_blocks_is_painted_later(view):
     towards = view_named(view).towards
     blocks = [box(f"{i}{j}{k}", (i, j, k), (i + 1, j + 1, k + 1)) for i in range(3) for j in range(3) for k in range(3)]

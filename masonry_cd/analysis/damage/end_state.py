@@ -5,6 +5,10 @@ Residual values, mechanisms and grades say what remains, so they hold only where
 its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that moves least. A block that has
 fallen may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves; or faster than the tolerance of the run resolves, where
 that is more.
+
+A run that ended before its longest time did so because its steps were still, where a loose stone that rattles between its neighbours, to
+and fro in one step each, counts as still (``mechanics/dynamics/pauses.py``). In its last frame the speed of a block is therefore that of its
+way since the frame before, where that is less. In other frames it is not: of a structure that sways, two frames may look alike.
 """
 
 from __future__ import annotations
@@ -58,7 +62,10 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
     solids, index = solids_of(results.blocks), frame_index(results, frame)
     velocity = np.asarray(results.velocity[index], dtype=float)
     standing = ~solids.fixed & ~fallen(results, thresholds, index)
-    speed = np.where(standing, speeds(velocity, solids, results.support), -1.0)
+    speed = speeds(velocity, solids, results.support)
+    if index > 0 and index == results.frames - 1 and _ended_still(results):
+        speed = np.minimum(speed, speeds(_since(results, index), solids, results.support))
+    speed = np.where(standing, speed, -1.0)
     fastest = int(np.argmax(speed)) if standing.any() else -1
     base = np.linalg.norm(velocity[solids.fixed, :3], axis=1)
     return EndState(
@@ -69,6 +76,21 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
         still=float(results.closing.get("still", STILL)),
         stopped=_stopped(results) if index == results.frames - 1 else "",
     )
+
+
+def _ended_still(results: Results) -> bool:
+    """Whether a run ended before its longest time, because its steps were still."""
+    closing, time = results.closing, results.time
+    early = time[-1] < closing.get("longest", 0.0) - 0.5 * closing.get("dt", 0.0)
+    return bool(early and time[-2] < time[-1]) and not closing.get("stopped", CUT_OFF)
+
+
+def _since(results: Results, index: int) -> np.ndarray:
+    """Mean velocities (B, 6) of the blocks between the frame before and one [m/s, rad/s]; angular ones by their size, as small turns."""
+    shift, span = results.position[index] - results.position[index - 1], float(results.time[index] - results.time[index - 1])
+    cosine = np.abs((results.orientation[index] * results.orientation[index - 1]).sum(axis=1))
+    turn = 2.0 * np.sqrt(np.maximum(0.0, 2.0 - 2.0 * np.minimum(cosine, 1.0)))
+    return np.column_stack([shift, turn, np.zeros((len(turn), 2))]) / span
 
 
 def speeds(velocity: np.ndarray, solids: Solids, support: int) -> np.ndarray:

@@ -109,6 +109,8 @@ def impulses(rows: Rows, v: np.ndarray) -> np.ndarray:
 
 def work_of_guides(driven: tuple[Rows, ...], before: np.ndarray, after: np.ndarray) -> float:
     """What guides put in over a step with velocities (F, n) at its beginning and its end [J]."""
+    if not driven:
+        return 0.0
     mean = 0.5 * (before + after)
     return float(sum(float(np.sum(impulses(rows, after) * np.sum(rows.row * mean[rows.body], axis=1))) for rows in driven))
 

@@ -6,9 +6,11 @@ of the run; in a pause of the loads, during which nothing changes, it jumps to t
 
     max (|v| + |w| r)  over the blocks that stand   <   the pause's speed       for its ``hold`` steps in a row,
 
-r being the farthest corner of a block from its centre. A block that has fallen (it has dropped by more than DROP of its height,
-or is turned by more than TILT) may roll on the ground for as long as it likes. Spheres are fill, which settles and rolls without harm: one
-has fallen when it has dropped and lies outside the plan of the structure as built, as what runs out of a wall does.
+r being the farthest corner of a block from its centre. Velocities are those of the step or, where that is slower, the mean of it and the
+step before: a loose stone that rattles to and fro between its neighbours, in one step each way, goes nowhere. A block that has fallen (it
+has dropped by more than DROP of its height, or is turned by more than TILT) may roll on the ground for as long as it likes. Spheres are
+fill, which settles and rolls without harm: one has fallen when it has dropped and lies outside the plan of the structure as built, as what
+runs out of a wall does.
 """
 
 from __future__ import annotations
@@ -104,24 +106,33 @@ class Pauses:
         """Whether there are shocks to report on; a run that only goes on until its blocks are still has none."""
         return bool(self._shocks)
 
-    def next_step(self, load_step: int, state: State, made: int = 1) -> int:
-        """The step of the loads at which to go on after ``load_step``, with the state that it led to by ``made`` of them at once."""
+    def next_step(self, load_step: int, state: State, made: int = 1, earlier: np.ndarray | None = None) -> int:
+        """The step of the loads at which to go on after ``load_step``, with the state that it led to by ``made`` of them at once.
+
+        ``earlier``: velocities (B, 6) before the step; None: not known.
+        """
         pause = next((p for p in self._pauses if p.first < load_step < p.last), None)
         if pause is None:
             self.quiet = 0
             return load_step
-        self.quiet = self.quiet + made if self._fastest(state) < pause.speed else 0
+        self.quiet = self.quiet + made if self._fastest(state, earlier) < pause.speed else 0
         return pause.last if self.quiet >= pause.hold else load_step
 
     def over(self, before: int, after: int) -> Shock | None:
         """The shock whose rest ends when the loads go on from one step to another."""
         return next((shock for shock, end in zip(self._shocks, self._over, strict=True) if before < end <= after), None)
 
-    def _fastest(self, state: State) -> float:
+    def _fastest(self, state: State, earlier: np.ndarray | None) -> float:
         """The largest speed of a point of a block that stands [m/s]."""
         standing = ~self._assembly.fixed & ~fallen(self._assembly, self._built, state)
-        speed = np.linalg.norm(state.velocity[:, :3], axis=1) + np.linalg.norm(state.velocity[:, 3:], axis=1) * self._reach
+        speed = self._speeds(state.velocity)
+        if earlier is not None:
+            speed = np.minimum(speed, self._speeds(0.5 * (state.velocity + earlier)))
         return float(speed[standing].max(initial=0.0))
+
+    def _speeds(self, velocity: np.ndarray) -> np.ndarray:
+        """Of the fastest point of each block with velocities (B, 6), (B,) [m/s]."""
+        return np.asarray(np.linalg.norm(velocity[:, :3], axis=1) + np.linalg.norm(velocity[:, 3:], axis=1) * self._reach)
 
 
 @dataclass(frozen=True)

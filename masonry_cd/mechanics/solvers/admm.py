@@ -86,19 +86,19 @@ def next_k(learnt: Learnt) -> float:
     return learnt.k
 
 
-def learn(learnt: Learnt, k: float, k_end: float, iterations: int, factorisations: int) -> Learnt:
-    """What is learnt from a step that began with k and ended with k_end."""
+def learn(learnt: Learnt, k: float, k_end: float, iterations: int, factorisations: int, rate: float) -> Learnt:
+    """What is learnt from a step that began with k and ended with k_end, and with an error of ``rate`` over the change of p."""
     steps, best, mean, fresh = learnt.steps + 1, learnt.k, learnt.mean_iterations, learnt.fresh_iterations
     if k_end != k:  # it had to change on the way
-        return replace(learnt, steps=steps, k=k_end, stale=True, mean_iterations=0.0)
+        return replace(learnt, steps=steps, k=k_end, stale=True, mean_iterations=0.0, rate=rate)
     if k != best:  # a trial
         if iterations >= BETTER * mean:
-            return replace(learnt, steps=steps, stale=True)
+            return replace(learnt, steps=steps, stale=True, rate=rate)
         best, mean = k, float(iterations)
     fresh = float(iterations) if factorisations else fresh
     mean = 0.8 * mean + 0.2 * iterations if mean else float(iterations)
     stale = iterations > SLOWER * fresh + MORE
-    return Learnt(best, stale, fresh, steps, mean, learnt.rate, learnt.budget)
+    return Learnt(best, stale, fresh, steps, mean, rate, learnt.budget)
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -122,7 +122,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     iterations, error, k_end, factorisations, rate = run_by_team(
         admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity
     )
-    state = replace(state, learnt=learn(replace(learnt, rate=rate), k, k_end, iterations, factorisations))
+    state = replace(state, learnt=learn(learnt, k, k_end, iterations, factorisations, rate))
     end = "given up" if iterations < limit else "iteration limit reached"  # without hope, or without a definite matrix
     return Solution(impulse, velocity, iterations, options.reason("admm", error, end), state, error)
 

@@ -32,6 +32,7 @@ def moving(linear: tuple[float, float, float] = (0, 0, 0), turning: float = 0.0,
     state.velocity[:, 0] = base
     state.velocity[2, :3] += linear
     state.velocity[2, 4] = turning
+    state.orientation[2, [0, 2]] = np.cos(0.1 * turning), np.sin(0.1 * turning)  # by what it turns in 0.2 s
     return state
 
 
@@ -53,6 +54,18 @@ def results_of(folder: Path, last: State, scene: str = "") -> Results:
 def test_what_moves_at_the_end_is_named(tmp_path: Path, last: State, said: str) -> None:
     with results_of(tmp_path, last) as results:
         assert end_state(results).provisional == said
+
+
+@pytest.mark.parametrize(("longest", "still"), [(9.0, True), (0.1, False)], ids=["ended still", "ended by its time"])
+def test_a_block_that_rattles_and_goes_nowhere_is_still(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, longest: float, still: bool
+) -> None:
+    """If the run ended because it was; else two frames alike may be those of a structure that sways."""
+    last = at_rest(PAIR)
+    last.velocity[2] = 0.007, -0.005, 0.0, 0.0, 0.02, 0.0
+    monkeypatch.setattr(Results, "closing", {"stopped": "", "longest": longest, "dt": 1e-3})
+    with results_of(tmp_path, last) as results:
+        assert (end_state(results).provisional == "") is still
 
 
 def test_a_block_that_has_fallen_may_roll(tmp_path: Path) -> None:

@@ -160,6 +160,8 @@ def test_what_has_fallen_may_roll_while_the_rest_is_still() -> None:
     assert rests.next_step(6, state) == 100  # it lies more than half its height lower
     state.velocity[1, 0] = 2e-3
     assert rests.next_step(7, state) == 7
+    assert rests.next_step(7, state, 1, -state.velocity) == 100  # it rattles to and fro
+    assert rests.next_step(7, state, 1, state.velocity) == 7
     assert rests.next_step(100, state) == 100  # no pause
     assert rests.over(6, 100) is not None
     assert rests.over(5, 6) is None

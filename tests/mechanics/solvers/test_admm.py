@@ -107,10 +107,10 @@ def test_a_neighbouring_k_is_kept_where_it_takes_fewer_iterations(iterations: in
     """It is tried once in PROBE steps, below the best so far and then above it; where it does not win the next step factorises anew."""
     learnt = Learnt(k=10.0, stale=False, steps=PROBE - 2, mean_iterations=100.0)
     assert next_k(learnt) == 10.0
-    learnt = learn(learnt, 10.0, 10.0, 100, 0)
+    learnt = learn(learnt, 10.0, 10.0, 100, 0, 1.0)
     k = next_k(learnt)
     assert k < 10.0
-    learnt = learn(learnt, k, k, iterations, 1)
+    learnt = learn(learnt, k, k, iterations, 1, 1.0)
     assert learnt.k == (k if wins else 10.0)
     assert learnt.stale is not wins
     assert next_k(replace(learnt, steps=2 * PROBE - 1)) > learnt.k

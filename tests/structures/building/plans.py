@@ -17,6 +17,8 @@ from structures.building.axes import Leg
 from structures.building.engine import Walls, prepared
 from structures.building.table import BuildingTable
 
+GRID = 1e-12  # to which corners are rounded in unions, which otherwise may lose one of two polygons whose sides differ by rounding [m]
+
 
 def wall(name: str, axis: Sequence[object], thickness: float = 0.6, height: float = 2.4, **keys: object) -> dict[str, Any]:
     """The table of a wall; a top in its keys takes the place of the height."""
@@ -42,12 +44,24 @@ def volume_of_plan(walls: Walls) -> float:
     )
     total = 0.0
     for low, high in pairwise(levels):
-        if high - low > 1e-9:  # between them areas are polynomials of the second degree, for which Simpson's rule is exact
-            areas = [_area(walls, low + share * (high - low)) for share in (1e-9, 0.5, 1.0 - 1e-9)]
-            total += (high - low) * (areas[0] + 4.0 * areas[1] + areas[2]) / 6.0
+        if high - low > 1e-9:
+            total += _between(walls, low, high, [_area(walls, low + share * (high - low)) for share in (1e-9, 0.5, 1.0 - 1e-9)])
     for (k, _), frames in walls.frames.items():
         total -= sum(frame.hole.area * (frame.depth or legs[k].thickness) for frame in frames)
     return total
+
+
+def _between(walls: Walls, low: float, high: float, areas: Sequence[float]) -> float:
+    """Volume between two heights [m3] by Simpson's rule, from the areas there and halfway; exact at once where no slopes cross."""
+    middle = 0.5 * (low + high)
+    quarters = [_area(walls, 0.5 * (low + middle)), _area(walls, 0.5 * (middle + high))]
+    halves = [areas[0] + 4.0 * quarters[0] + areas[1], areas[1] + 4.0 * quarters[1] + areas[2]]
+    once, twice = (high - low) * (areas[0] + 4.0 * areas[1] + areas[2]) / 6.0, (high - low) * sum(halves) / 12.0
+    if abs(once - twice) < 1e-10 or high - low < 1e-4:
+        return twice
+    return _between(walls, low, middle, [areas[0], quarters[0], areas[1]]) + _between(
+        walls, middle, high, [areas[1], quarters[1], areas[2]]
+    )
 
 
 def _heights_of_slopes(walls: Walls) -> Iterator[float]:
@@ -71,7 +85,7 @@ def _area(walls: Walls, z: float) -> float:
     for k, leg in enumerate(walls.plan.legs):
         for f in range(len(leg.facets)):
             shapes += _slice(walls, k, f, leg, z)
-    return float(shapely.union_all(shapes).area)
+    return float(shapely.union_all(shapes, grid_size=GRID).area)
 
 
 def _slice(walls: Walls, k: int, f: int, leg: Leg, z: float) -> list[Polygon]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from plans import free_volume, prepare, wall
+from plans import free_volume, prepare, volume_of_plan, wall
 from solids import build
 from statics3d import assembled, in_one_piece
 
@@ -24,6 +24,16 @@ PAIRS: dict[str, list[dict[str, Any]]] = {
     "a gable on a slope": [wall("a", [[0, 0], [4, 0]], top=GABLE), wall("b", [[1, 0], [1.2, 3]], top=[[0, 2.1], [1.5, 1.7], [3, 2.1]])],
     "steps": [wall("a", [[0, 0], [4, 0]], top=[[0, 1.4], [2, 1.4], [2, 2], [4, 2]]), wall("b", [[2, 0], [2, 3]], top=[[0, 1.6], [3, 1.9]])],
 }  # fmt: skip
+
+OTHER_COURSES: dict[str, list[dict[str, Any]]] = {
+    "lower": [wall("a", [[0, 0], [4, 0]], height=2.4), wall("b", [[2, 0], [2, 3]], height=3.0, course_height=0.25)],
+    "a gable": [wall("a", [[0, 4], [-4, 8]], top=[[0, 4.2], [2.6, 5.2], [5.6, 3.2]]), wall("b", [[-4, 8], [2, 10]], course_height=0.25)],
+    "on another": [
+        wall("a", [[0, 0], [4, 0]]),
+        wall("c", [[2, 0], [2, 3]], height=1.1),
+        wall("b", [[2, 0], [2, 3]], base=1.1, course_height=0.25),
+    ],
+}
 
 
 def volume_by_kernel(walls: Walls) -> float:
@@ -55,6 +65,22 @@ def test_two_slopes_in_one_junction_are_filled_exactly(case: str) -> None:
     blocks = build("building", **keys)
     assert free_volume(blocks) == pytest.approx(volume_by_kernel(prepare(keys)), rel=1e-9)
     assert in_one_piece(*assembled(blocks))
+
+
+@pytest.mark.parametrize("case", OTHER_COURSES)
+def test_walls_of_other_courses_in_a_straight_joint_are_filled_exactly(case: str) -> None:
+    keys = {"walls": OTHER_COURSES[case], "junction": "butt"}
+    assert free_volume(build("building", **keys)) == pytest.approx(volume_of_plan(prepare(keys)), rel=1e-9)
+
+
+def test_a_gable_falls_to_both_far_faces_where_its_last_place_is_a_hair_short_of_the_end() -> None:
+    walls = [
+        wall("a", [[0, 0], [4, 0]], top=[[0, 1.6], [2, 2.6], [3.9996, 1.6]]),
+        wall("b", [[0, 0], [0, 3]], height=1.2),
+        wall("c", [[4, 0], [4, 3]], height=1.2),
+    ]
+    (leg,) = [leg for leg in prepare({"walls": walls}).plan.legs if leg.keys.name == "a"]
+    assert [leg.top(leg.facets[0], s) for s in (-0.3, 4.3)] == pytest.approx([1.45, 1.45], abs=5e-4)
 
 
 def test_a_head_without_a_measure_of_its_own_fits_the_masonry_that_there_is() -> None:
