@@ -7,8 +7,8 @@ fallen may roll for as long as it likes. What is faster than STILL, 1 mm/s, move
 that is more.
 
 A run that ended before its longest time did so because its steps were still, where a loose stone that rattles between its neighbours, to
-and fro in one step each, counts as still (``mechanics/dynamics/pauses.py``). In its last frame the speed of a block is therefore that of its
-way since the frame before, where that is less. In other frames it is not: of a structure that sways, two frames may look alike.
+and fro in one step each, counts as still (``mechanics/dynamics/pauses.py``). In its last frame the speed of a block is therefore the mean
+since the frame before, where that is less. In other frames it is not: of a structure that sways, two frames may look alike.
 """
 
 from __future__ import annotations
