@@ -4,6 +4,9 @@ r"""A slender block under a constant acceleration that ends: Housner's threshold
 With p^2 = 3 g / (4 R) and small angles, an acceleration of a that lasts for t overturns a block of slenderness alpha where
 
     cosh(p t) = 1 + 1 / ( 2 A (A - 1) ),        A = a / (g tan alpha).
+
+On springs it bears less: with c = sqrt(2 W / (k_n theta)) the moment W (B / 2 - c / 3 - theta H / 2) of an open bed (``bed.py``) has its
+maximum at c = 3 theta H, 4.9 % below W B / 2 for this block. A long pulse finds most of that, a short one little.
 """
 
 from __future__ import annotations
@@ -83,6 +86,7 @@ CASE = Case(
     "block 0.4 x 4 m, so that angles are small (sin alpha differs from alpha by 0.2 %); joint rigid, and elastic of 1e11 N/m3 with 10 % of "
     "damping; thresholds to 0.2 %; friction 2, so that it does not slide",
     "nothing",
-    "Both joints meet the closed form within 3 %, over thresholds from just above uplift to several times it.",
+    "Both joints meet the closed form within 3 %, over thresholds from just above uplift to several times it. Under a long pulse the block "
+    "on springs falls a little sooner: its bed bears at most 4.9 % less moment than a sharp edge.",
     compute,
 )
