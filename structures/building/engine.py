@@ -33,6 +33,7 @@ from structures.layout.pockets import with_pockets
 from structures.ties import Bar
 
 SLIVER = 0.1  # of the thickness of a vault: what it leaves of a stone that is thinner goes to another
+MOST_FACETS = 400  # of walls up to which arcs are cut anew for their junctions: each time all junctions are looked for
 LEAST_SEAT = 0.02  # share of the footprint of a wall that something has to be under
 
 
@@ -117,7 +118,8 @@ def _joined(legs: list[Leg], table: BuildingTable, faults: list[str]) -> Plan:
     """The legs with their junctions; where facets of an arc are too short for one, or meet in it, each of its junctions gets a facet."""
     wrong: list[str] = []
     found = junctions.find(legs, table, wrong)
-    for k, keys in [*enumerate(table.walls)] * 2:  # the first facets move the places of the second
+    few = sum(len(leg.facets) for leg in legs) <= MOST_FACETS
+    for k, keys in [*enumerate(table.walls)] * 2 if few else ():  # the first facets move the places of the second
         if wrong and any(isinstance(piece, ArcTable) for piece in keys.axis):
             left: list[str] = []
             own = legs_of(k, keys, junctions.along(legs, k))

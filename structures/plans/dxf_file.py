@@ -22,6 +22,7 @@ DEEPEST = 8  # inserts within inserts: what goes deeper inserts itself
 LONGEST = 300  # characters of a text that are read: a mark has thirty
 # What ezdxf raises of damaged files, beside errors of its own.
 DAMAGED = (ValueError, ArithmeticError, KeyError, IndexError, AttributeError, TypeError, StopIteration, RecursionError)
+FARTHEST = 1e12  # of a place from the origin, in units of the file
 LETTER = 0.8  # width of a letter over its height
 CHORD = 1e-3  # of the extent of an ellipse or a spline, by which its chords may be off
 
@@ -109,7 +110,7 @@ def _text_line(one: Any, text: str) -> list[tuple[float, float, float]]:
 def _other(one: Any, handle: str, layer: str, owner: str, why: str) -> Entity:
     place = next((one.dxf.get(name) for name in ("insert", "start", "defpoint", "location", "center") if one.dxf.hasattr(name)), None)
     points = np.zeros((0, 3)) if place is None else np.array([[place.x, place.y, 0.0]])
-    return Entity(OTHER, handle, one.dxftype(), layer, points if np.isfinite(points).all() else np.zeros((0, 3)), _cut(why), owner=owner)
+    return Entity(OTHER, handle, one.dxftype(), layer, points if _are_places(points) else np.zeros((0, 3)), _cut(why), owner=owner)
 
 
 def _cut(text: str) -> str:
@@ -120,12 +121,17 @@ def _flat(points: Sequence[Sequence[float]]) -> np.ndarray:
     """Points as an array (P, 3).
 
     Raises:
-        ValueError: one is no number.
+        ValueError: one is no place.
     """
     out = np.array(points, dtype=float).reshape(-1, 3)
-    if not np.isfinite(out).all():
-        raise ValueError("places that are no numbers")
+    if not _are_places(out):
+        raise ValueError("places that are no numbers, or beyond all bounds")
     return out
+
+
+def _are_places(points: np.ndarray) -> bool:
+    """Whether points are numbers, of a size that places have."""
+    return bool((np.abs(points) < FARTHEST).all())
 
 
 def _seen(one: Any, point: Any) -> Any:

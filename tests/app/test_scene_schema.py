@@ -125,7 +125,7 @@ def test_the_examples_fit(schema, path):
         ("run", "gravity", [0.0, -9.81]),
         ("run", "solver", "jacobi"),
         ("report", "crack_maps", True),
-        ("report", "view", "left"),
+        ("report", "view", "below"),
         ("report", "extra", ["energies"]),
         ("report", "grades", {"width": [1e-3, 2e-3]}),
         ("report", "grades", {"widths": [1e-3, 2e-3, 3e-3, 4e-3, 5e-3]}),

@@ -31,7 +31,7 @@ LONGEST = 40  # steps of a swing: a slower one goes on from rest, and still come
 SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last swing is this share of all of it; or its first step this, and these shrink no more
 SHARE, FINEST = 1e-2, 1e-12  # of the run's tolerance, to which steps of settling are solved, and the finest
 COARSEST = 1e-8  # to which they are at the least: at 1e-5 joints that should stick creep on, and a church does not come to rest
-SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
+SUNK = 0.1  # share of the width of the thinnest block that no block sinks by while it settles
 
 
 def settles(assembly: Assembly) -> bool:
@@ -51,8 +51,8 @@ def settle(stepper: Stepper) -> int:
     trial = _trial(stepper)
     begin, steps, sunk, first, still = trial.state.position.copy(), 0, 0.0, np.inf, False
     ends: list[np.ndarray] = []
-    most = STEPS * max(1.0, _step(stepper) / trial.settings.dt)
-    while not still and steps < most and sunk <= SUNK * stepper.width:
+    most, deepest = STEPS * max(1.0, _step(stepper) / trial.settings.dt), SUNK * _thinnest(assembly)
+    while not still and steps < most and sunk <= deepest:
         before, last = trial.state.position.copy(), first
         taken, first = _swing(trial)
         steps, sunk = steps + taken, _farthest(trial, begin)
@@ -73,6 +73,13 @@ def _jacked(stepper: Stepper) -> np.ndarray:
     """Which ties keep their first tension while it settles, (T,) bool."""
     forces = stepper.system.loads.forces
     return np.ones(0, dtype=bool) if forces is None else forces.jacked
+
+
+def _thinnest(assembly: Assembly) -> float:
+    """Width of the thinnest free block; of one that is made of convex parts, which may be slivers, that of its thickest part [m]."""
+    width = np.zeros(assembly.count)
+    np.maximum.at(width, assembly.shapes.part_block, assembly.shapes.size)
+    return float(width[~assembly.fixed].min())
 
 
 def _farthest(trial: Stepper, since: np.ndarray) -> float:

@@ -105,3 +105,12 @@ def test_control_characters_of_a_drawing_are_not_shown() -> None:
 def test_an_arc_whose_bulge_is_none_is_refused_by_its_handle() -> None:
     with pytest.raises(ValueError, match="LINE 1A on layer WALLS has a bulge of more than 10000"):
         from_pieces([Piece(0, "1A\n\nLINE\n", np.array([[0.0, 0.0, 1e200], [1.0, 0.0, 0.0]]), (), "WALLS", False, 0.0)])
+
+
+def test_a_line_beyond_all_bounds_is_left_out_with_its_reason(tmp_path: Path) -> None:
+    drawing = Drawing()
+    outlines(drawing)
+    drawing.lines((0.0, 0.0), (-1e308, 1.0))
+    plan = drawing.plan(tmp_path)
+    assert len(plan.tables["walls"]) == 4
+    assert [left.why for left in plan.left] == ["damaged: places that are no numbers, or beyond all bounds"]
