@@ -125,6 +125,7 @@ class _Loop:
     def step(self) -> None:
         """Make a step and record it; after the last step of the loads, and at the end of a pause, with a frame."""
         stepper, recorder, made = self.stepper, self.recorder, self.advance.step()
+        self.report.ended_still = self.advance.done and made.applied < stepper.load_step
         self._account(made.report, made.adapted)
         now = recorder.step(made.report, made.applied)
         if stepper.motion.ticks % self.advance.frame_every == 0 or self.advance.done or made.shock is not None:

@@ -63,6 +63,7 @@ class RunReport:
     base_drift_max: float = 0.0  # of the supports from their motion, see dynamics/local_error.py [m]
     stopped: str = ""  # why the run ended early; empty when it did not
     signal: int = 0  # the number of the one that stopped it
+    ended_still: bool = False  # the last step ended the rest that the run ends with, since all that stands was still
 
     work_max: float = 0.0  # largest work of the base, gravity or forces, or kinetic energy, so far [J]
     fall: float = 0.0  # what a step of free fall of length dt would give to all free blocks [J]

@@ -49,6 +49,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
         "duration": settings.steps * settings.dt,
         "longest": case.steps * settings.dt,
         "still": case.still,
+        "ended_still": report.ended_still,
         "dt": settings.dt,
         "wall_seconds": 0.0,
         "stepping_seconds": report.stepping_seconds,

@@ -64,6 +64,7 @@ def test_a_block_that_rocks_at_the_end_of_its_duration_is_followed_until_it_is_s
     assert any(line.startswith(f"rest: {2e-3 * (long['steps'] - 500):.4g} s more") for line in closing_lines(long))
     assert 500 < long["steps"] < 3500
     assert long["provisional"] == ""
+    assert (short["ended_still"], long["ended_still"]) == (False, True)
     with Results.open(tmp_path / "out" / "result.h5") as results:
         assert results.time[-1] == pytest.approx(long["steps"] * 2e-3)
         speed = np.abs(results.velocity[: results.frames])
@@ -88,6 +89,7 @@ def test_steps_that_adapt_go_on_until_the_block_is_still(tmp_path: Path) -> None
 def test_it_ends_at_the_bound_and_says_so(tmp_path: Path) -> None:
     summary = run(tmp_path, "run.until_still=true", "run.longest=1.1")
     assert summary["steps"] == 550
+    assert not summary["ended_still"]
     assert summary["provisional"].startswith("provisional: still moving at ")
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["provisional"] == summary["provisional"]
 

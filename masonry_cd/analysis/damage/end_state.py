@@ -6,9 +6,9 @@ its fastest point at most, |v| + |w| r, r the farthest corner from its centre, r
 fallen may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves; or faster than the tolerance of the run resolves, where
 that is more.
 
-A run that ended before its longest time did so because its steps were still, where a loose stone that rattles between its neighbours, to
-and fro in one step each, counts as still (``mechanics/dynamics/pauses.py``). In its last frame the speed of a block is therefore the mean
-since the frame before, where that is less. In other frames it is not: of a structure that sways, two frames may look alike.
+Where a run ended because its steps were still, a loose stone may yet rattle between its neighbours, to and fro in one step each
+(``mechanics/dynamics/pauses.py``). In its last frame the speed of a block is therefore the mean since the frame before, where that is less.
+In other frames it is not: of a structure that sways, two frames may look alike.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
     velocity = np.asarray(results.velocity[index], dtype=float)
     standing = ~solids.fixed & ~fallen(results, thresholds, index)
     speed = speeds(velocity, solids, results.support)
-    if index > 0 and index == results.frames - 1 and _ended_still(results):
+    if index > 0 and index == results.frames - 1 and results.closing.get("ended_still"):
         speed = np.minimum(speed, speeds(_since(results, index), solids, results.support))
     speed = np.where(standing, speed, -1.0)
     fastest = int(np.argmax(speed)) if standing.any() else -1
@@ -76,13 +76,6 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
         still=float(results.closing.get("still", STILL)),
         stopped=_stopped(results) if index == results.frames - 1 else "",
     )
-
-
-def _ended_still(results: Results) -> bool:
-    """Whether a run ended before its longest time, because its steps were still."""
-    closing, time = results.closing, results.time
-    early = time[-1] < closing.get("longest", 0.0) - 0.5 * closing.get("dt", 0.0)
-    return bool(early and time[-2] < time[-1]) and not closing.get("stopped", CUT_OFF)
 
 
 def _since(results: Results, index: int) -> np.ndarray:
