@@ -76,6 +76,17 @@ class Facet:
         """s, n (..., 2) of world points x, y (..., 2) [m]."""
         return np.stack([(points - self.start) @ self.along, (points - self.start) @ self.left], axis=-1)
 
+    def sine(self, other: Facet) -> float:
+        """Of the angle from its direction to that of another."""
+        (ax, ay), (bx, by) = self.along, other.along
+        return float(ax * by - ay * bx)
+
+    def crossing(self, other: Facet) -> tuple[float, float]:
+        """s on it, and on another that is not parallel to it, of the point in which their lines cross [m]."""
+        (bx, by), gap = other.along, other.start - self.start
+        s = float(gap[0] * by - gap[1] * bx) / self.sine(other)
+        return s, float((self.start + s * self.along - other.start) @ other.along)
+
     def s_of(self, at: float) -> float:
         """s of a distance along the axis [m]."""
         low, high = self.span

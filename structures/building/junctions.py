@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from shapely.geometry import Polygon
@@ -81,20 +82,23 @@ def find(legs: Sequence[Leg], table: BuildingTable, faults: list[str]) -> list[J
 def along(legs: Sequence[Leg], wall: int) -> list[Span]:
     """The stretches of the axis of a wall that its junctions take up, and a little more [m]."""
     found = []
-    for leg in (leg for leg in legs if leg.wall == wall):
-        for facet in leg.facets:
-            for other in (other for other in legs if other.wall != wall):
-                for across in other.facets:
-                    sine, cosine = float(facet.along @ -across.left), abs(float(facet.along @ across.along))
-                    if abs(sine) < math.sin(LEAST_ANGLE):
-                        continue
-                    s = float((across.start - facet.start) @ -across.left) / sine
-                    t = float((facet.start + s * facet.along - across.start) @ across.along)
-                    reach = (0.5 * leg.thickness + 0.5 * other.thickness * cosine) / abs(sine)
-                    if -SAME <= s <= facet.length + SAME and -reach <= t <= across.length + reach:
-                        half = (0.5 * other.thickness + 0.5 * leg.thickness * cosine) / abs(sine) + MORE
-                        found.append((facet.at_of(s) - half, facet.at_of(s) + half))
+    own, others = ([(leg, facet) for leg in legs if (leg.wall == wall) is mine for facet in leg.facets] for mine in (True, False))
+    for (leg, facet), (other, across) in product(own, others):
+        if abs(facet.sine(across)) < math.sin(LEAST_ANGLE):
+            continue
+        s, t = facet.crossing(across)
+        reach = _reach((other, across), (leg, facet))
+        if -SAME <= s <= facet.length + SAME and -reach <= t <= across.length + reach:
+            half = _reach((leg, facet), (other, across)) + MORE
+            found.append((facet.at_of(s) - half, facet.at_of(s) + half))
     return found
+
+
+def _reach(one: tuple[Leg, Facet], other: tuple[Leg, Facet]) -> float:
+    """How far on either side of the point in which two walls meet the second takes up the first [m]."""
+    (leg, facet), (its, across) = one, other
+    cosine = float(facet.along[0] * across.along[0] + facet.along[1] * across.along[1])
+    return (0.5 * its.thickness + 0.5 * leg.thickness * abs(cosine)) / abs(facet.sine(across))
 
 
 def strip(leg: Leg, facet: Facet) -> np.ndarray:
@@ -123,8 +127,7 @@ def _meet(
         return None
     shared = one.intersection(other).area
     (leg, facet), (others, across) = ((legs[a], legs[a].facets[f]) for a, f in (first, second))
-    (ax, ay), (bx, by) = facet.along, across.along
-    sine, cosine = float(ax * by - ay * bx), float(ax * bx + ay * by)
+    sine = facet.sine(across)
     names = f"walls {leg.keys.name} and {others.keys.name}" if leg.wall != others.wall else f"legs of wall {leg.keys.name}"
     if abs(sine) < math.sin(LEAST_ANGLE):
         if shared > 1e-6:
@@ -135,14 +138,11 @@ def _meet(
                 f"is possible below {math.degrees(LEAST_ANGLE):.0f}: let one end on the face of the other, or draw them as one wall"
             )
         return None
-    gap = across.start - facet.start
-    s = float(gap[0] * by - gap[1] * bx) / sine
+    s, t = facet.crossing(across)
     point = facet.start + s * facet.along
-    t = float((point - across.start) @ across.along)
-    arms = []
-    for (number, f), own, its, at in (((first), leg, others, s), ((second), others, leg, t)):
-        reach = (0.5 * its.thickness + 0.5 * own.thickness * abs(cosine)) / abs(sine)
-        arm = _arm(own, number, f, at, reach)
+    arms, ends = [], ((leg, facet), (others, across))
+    for (number, f), own, its, at in ((first, *ends, s), (second, *reversed(ends), t)):
+        arm = _arm(own[0], number, f, at, _reach(own, its))
         if isinstance(arm, str):
             if shared > 1e-6:
                 faults.append(f"{names} at {place(point)}: {arm}")

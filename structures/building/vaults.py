@@ -177,9 +177,8 @@ def _middle(facets: Sequence[Facet]) -> np.ndarray:
     """The middle of the corners (2,) that walls make, however far they go on beyond them [m]."""
     corners = []
     for one, other in combinations(facets, 2):
-        sine = float(one.along @ -other.left)
-        if abs(sine) > CROSSING:
-            corners.append(one.start + float((other.start - one.start) @ -other.left) / sine * one.along)
+        if abs(one.sine(other)) > CROSSING:
+            corners.append(one.start + one.crossing(other)[0] * one.along)
     return np.asarray(np.mean(corners or [facet.start for facet in facets], axis=0))
 
 
