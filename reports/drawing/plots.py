@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from textwrap import fill
+from textwrap import fill, shorten
 from typing import Any
 
 from masonry_cd.analysis.fragility.limits import LimitState
@@ -13,7 +13,7 @@ DPI = 150
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 STROKES = ("-", "--", ":", "-.")
 PALE = "#b8bec4"
-LETTERS = 13.0  # of the facts, on an inch
+LETTERS, OF_TITLE = 13.0, 8.3  # on an inch, of the facts and of the title
 FEW_TICKS = 10.0  # high over low of an axis on which 1, 2, 5 would leave less than three ticks
 
 
@@ -25,6 +25,7 @@ def colour(k: int) -> str:
 def heading(figure: Any, title: str, facts: str = "") -> None:
     """A title and lines of facts at the top of a figure, whose layout is constrained to what is left."""
     width, height = figure.get_size_inches()
+    title = shorten(title, int(OF_TITLE * width), placeholder=" …")
     facts = "\n".join(fill(line, int(LETTERS * width)) for line in facts.splitlines())
     taken = 0.45 + 0.27 * bool(facts) + 0.18 * facts.count("\n")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.06, rect=(0.0, 0.0, 1.0, 1.0 - taken / height))

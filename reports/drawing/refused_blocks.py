@@ -66,10 +66,8 @@ def _can_be_drawn(block: Block) -> bool:
 def _layers(solids: Solids, at_fault: np.ndarray) -> list[Surface | Lines]:
     """Faulty blocks with their edges, then the others as glass."""
     pairs = np.stack([solids.loops, solids.loops[next_in_loop(solids.loop_start)]], axis=1)
-    edges, vertices = (
-        np.unique(np.sort(pairs, axis=1), axis=0),
-        within_sight(solids, solids.vertices),
-    )  # an open shell has sides of one face
+    edges = np.unique(np.sort(pairs, axis=1), axis=0)  # an open shell has sides of one face
+    vertices = within_sight(solids, solids.vertices)
     red = at_fault[solids.vertex_block[edges[:, 0]]]
 
     def faces(chosen: np.ndarray, colour: str, opacity: float) -> Surface:

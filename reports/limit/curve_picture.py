@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -29,7 +28,6 @@ LETTERS = "abcdefgh"
 DOTTED = STATES[1:4]  # states of joints that are marked by a dot
 LONGEST = 500.0  # of a tie that is drawn [m]: the bars by which fill resists are longer
 SLACK = 1e-9  # tension, over the mean weight of a block, below which a tie pulls nothing
-WIDE = 150  # letters of the line below the title
 PIXELS = 460  # width of the picture of a marked point
 UNITS = ((0.02, 1e3, "mm"), (0.2, 1e2, "cm"), (np.inf, 1.0, "m"))  # displacements below, factor, name
 LINE, WORST, SPAN = "#20506f", "#b3261e", "#e9e4d8"
@@ -45,7 +43,7 @@ def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: s
     images = _images(curve, view)
     below = min(11.6 / len(images) * max(image.shape[0] / image.shape[1] for image in images), 5.2)
     figure = blank((12.0, 6.4 + below), DPI, layout="constrained")
-    heading(figure, textwrap.shorten(title, 100, placeholder=" …"), textwrap.fill(facts, WIDE))
+    heading(figure, title, facts)
     grid = figure.add_gridspec(2, len(images), height_ratios=(4.6, below))
     _curve(figure.add_subplot(grid[0, :]), curve, judged)
     for k, (mark, image) in enumerate(zip(curve.marks, images, strict=True)):

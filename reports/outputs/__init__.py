@@ -9,13 +9,11 @@ from typing import Any
 
 from masonry_cd.analysis.damage.grades import read_grades
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.damage.part_damage import part_damage as part_damage
 from masonry_cd.analysis.deformed import Solids, frame_index
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
-from reports.damage import damage_settings as damage_settings
 from reports.damage import thresholds_of
 from reports.drawing.scene import Scene
 from reports.files import Job
