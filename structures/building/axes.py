@@ -25,6 +25,7 @@ SHARPEST = math.radians(60.0)  # bend between two chords of an arc
 STEP = math.radians(15.0)  # of an arc to a facet, at most
 SAME = 1e-9  # lengths closer than this are one [m]
 DIGITS = 9  # of the height of a top [m]: beds have as many, and a top that rounding parts from its bed would leave a hair over it
+THINNEST = 1e-3  # wall [m]
 AT_END = 1e-3  # a place of a top this close to an end of its wall is at the end [m]
 LEAST_CHORD = 1.2  # of a facet of an arc, in thicknesses
 JAMB = 0.12  # of a facet beside the head of its opening, at least [m]
@@ -149,8 +150,10 @@ def legs_of(number: int, keys: BuildingWallTable, whole: Sequence[Span] = ()) ->
     """The legs of a wall; stretches of its axis that are to be whole lie in one facet of an arc each [m].
 
     Raises:
-        ValueError: an axis that turns back on itself, stays on the spot or has an arc that is none; says where.
+        ValueError: a wall like a sheet, or an axis that turns back on itself, stays on the spot or has an arc that is none; says where.
     """
+    if keys.thickness < THINNEST:
+        raise ValueError(f"its thickness, {keys.thickness:g} m, is less than {1e3 * THINNEST:g} mm")
     bends = list(_bends(keys, whole))
     for a, b in pairwise(bends):
         if b.length - a.length < 1e-3:

@@ -14,6 +14,7 @@ from masonry_cd.foundation.errors import InputError
 A = wall("a", [[0, 0], [6, 0]])
 CASES: dict[str, tuple[list[dict[str, Any]], dict[str, Any], str]] = {
     "sharp angle": ([A, wall("b", [[1, 0], [6, 1]])], {}, "walls a and b: their strips overlap at x = .*at an angle of 11 degrees; none"),
+    "sheet": ([A, wall("b", [[0, 0], [0, 3]]) | {"thickness": 5e-10}], {}, "wall b: its thickness, 5e-10 m, is less than 1 mm"),
     "stub": ([A, wall("b", [[3, -0.35], [3, 3]])], {}, "walls a and b at x = 3 m, y = 0 m: wall b sticks out 50 mm beyond the other"),
     "at a bend": (
         [wall("bent", [[0, 0], [3, 0], [6, 0.8]]), wall("b", [[3, 0], [3, 3]])],
