@@ -206,7 +206,8 @@ def _end_lines(s: dict[str, Any]) -> list[str]:
     lines = []
     if more > 0.5 * s["dt"] and not s.get("shocks"):
         until = f"still moving when run.longest, {s['longest']:g} s, was over" if s.get("provisional") else "until all blocks were still"
-        lines.append(f"rest: {more:.4g} s more than run.duration, {until}")
+        loose = f"; {s['end']['rattles']} rattles in its place" if s["end"].get("rattles") else ""
+        lines.append(f"rest: {more:.4g} s more than run.duration, {until}{loose}")
     return [*lines, *([f"what is left at the end is {s['provisional']}"] if s.get("provisional") else [])]
 
 

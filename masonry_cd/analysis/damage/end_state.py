@@ -38,6 +38,7 @@ class EndState:
     base_speed: float  # of the fastest support [m/s]
     still: float  # what is faster moves [m/s]
     stopped: str  # why the run ended before its time; empty where it did not
+    rattles: str = ""  # the block that moves to and fro in its place, and how fast, in words; empty where none does
 
     @property
     def provisional(self) -> str:
@@ -53,7 +54,7 @@ class EndState:
         """For summary.json."""
         return {
             "provisional": self.provisional,
-            "end": {"time": self.time, "speed": self.speed, "block": self.block, "base_speed": self.base_speed},
+            "end": {"time": self.time, "speed": self.speed, "block": self.block, "base_speed": self.base_speed, "rattles": self.rattles},
         }
 
 
@@ -62,10 +63,10 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
     solids, index = solids_of(results.blocks), frame_index(results, frame)
     velocity = np.asarray(results.velocity[index], dtype=float)
     standing = ~solids.fixed & ~fallen(results, thresholds, index)
-    speed = speeds(velocity, solids, results.support)
+    still = float(results.closing.get("still", STILL))
+    speed = now = np.where(standing, speeds(velocity, solids, results.support), -1.0)
     if index > 0 and index == results.frames - 1 and results.closing.get("ended_still"):
-        speed = np.minimum(speed, speeds(_since(results, index), solids, results.support))
-    speed = np.where(standing, speed, -1.0)
+        speed = np.minimum(now, speeds(_since(results, index), solids, results.support))
     fastest = int(np.argmax(speed)) if standing.any() else -1
     base = np.linalg.norm(velocity[solids.fixed, :3], axis=1)
     return EndState(
@@ -73,9 +74,16 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
         speed=float(speed[fastest]) if fastest >= 0 else 0.0,
         block=results.blocks[fastest].name if fastest >= 0 else "",
         base_speed=float(base.max(initial=0.0)),
-        still=float(results.closing.get("still", STILL)),
+        still=still,
         stopped=_stopped(results) if index == results.frames - 1 else "",
+        rattles=_fastest_in_words(results, np.where(speed <= still, now, 0.0), still),
     )
+
+
+def _fastest_in_words(results: Results, speed: np.ndarray, still: float) -> str:
+    """The block of the largest of some speeds (B,) and that speed [m/s]; empty where none moves."""
+    fastest = int(np.argmax(speed))
+    return f'"{results.blocks[fastest].name}" at {length(speed[fastest])}/s' if speed[fastest] > still else ""
 
 
 def _since(results: Results, index: int) -> np.ndarray:

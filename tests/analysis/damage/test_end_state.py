@@ -63,7 +63,9 @@ def test_a_block_that_rattles_and_goes_nowhere_is_still(tmp_path: Path, monkeypa
     last.velocity[2] = 0.007, -0.005, 0.0, 0.0, 0.02, 0.0
     monkeypatch.setattr(Results, "closing", {"stopped": "", "ended_still": still})
     with results_of(tmp_path, last) as results:
-        assert (end_state(results).provisional == "") is still
+        end = end_state(results)
+    assert (end.provisional == "") is still
+    assert end.rattles.startswith('"upper" at ') is still
 
 
 def test_a_block_that_has_fallen_may_roll(tmp_path: Path) -> None:
