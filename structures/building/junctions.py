@@ -141,8 +141,8 @@ def _meet(
     s, t = facet.crossing(across)
     point = facet.start + s * facet.along
     arms, ends = [], ((leg, facet), (others, across))
-    for (number, f), own, its, at in ((first, *ends, s), (second, *reversed(ends), t)):
-        arm = _arm(own[0], number, f, at, _reach(own, its))
+    for k, ((number, f), at) in enumerate(((first, s), (second, t))):
+        arm = _arm(ends[k][0], number, f, at, _reach(ends[k], ends[1 - k]))
         if isinstance(arm, str):
             if shared > 1e-6:
                 faults.append(f"{names} at {place(point)}: {arm}")
