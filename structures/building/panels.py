@@ -32,6 +32,7 @@ LEAST_BOND = 0.12  # between head joints of successive courses, in blocks
 THIN = 0.3  # a stone lower than this of a course is joined to another one
 TONGUE = 0.1  # of a course over the head of an opening that may end at a head joint, at least
 LONG = 1.6  # of a stone without head joint, at most, in blocks
+ASIDE = 1e-3  # a head joint closer to the end of a sliver does not cut it [m]
 SHORT = 0.15  # and one shorter than this of a block
 JITTER = {"regular": 0.0, "irregular": 0.22, "rubble": 0.32}  # by how much of a block head joints are moved at most
 
@@ -269,30 +270,47 @@ def _cut(region: Polygon, low: float, high: float) -> list[Polygon]:
 
 
 def _without_slivers(pieces: Sequence[Piece], laying: Laying) -> list[Piece]:
-    """The stones with slivers joined to what they share their longest side with."""
+    """The stones with slivers joined to what they share their longest side with; under several stones of a course, each to what it bears."""
     by_course: dict[int, list[Piece]] = {}
     for piece in pieces:
         by_course.setdefault(piece.course, []).append(piece)
     for course in sorted(by_course):
-        for piece in [p for p in by_course[course] if _is_sliver(p.shape, laying)]:
-            if piece not in by_course[course]:
+        own, slivers = by_course[course], [piece for piece in by_course[course] if _is_sliver(piece.shape, laying)]
+        while slivers:
+            piece = slivers.pop(0)
+            if piece not in own:
                 continue
-            beside = [p for p in by_course[course] if p is not piece and p.area is piece.area]
+            beside = [p for p in own if p is not piece and p.area is piece.area]
             if laying.leaves is None:  # which have some courses in common, and others each for itself
                 beside += [p for j in (course - 1, course + 1) for p in by_course.get(j, []) if _both_clean(piece, p)]
             shared = [(_side(piece.shape, other.shape), k) for k, other in enumerate(beside)]
             length, k = max(shared, default=(0.0, 0), key=lambda item: (round(item[0], 9), -item[1]))
             if length < 1e-6:
                 continue
-            other = beside[k]
-            union = polygons.polygons(shapely.union_all([piece.shape, other.shape]))
-            if len(union) != 1 or union[0].interiors:
-                continue
-            own = by_course[other.course]
-            mitre = (other.mitre[0] or piece.mitre[0], other.mitre[1] or piece.mitre[1])
-            own[own.index(other)] = replace(other, shape=union[0], mitre=mitre)
-            by_course[course].remove(piece)
+            parts = _along(piece, [p for (side, _), p in zip(shared, beside, strict=True) if side > SAME and p.course == beside[k].course])
+            if len(parts) > 1:
+                own[own.index(piece) : own.index(piece) + 1] = parts
+                slivers = parts + slivers
+            elif (union := _joined(piece, beside[k])) is not None:
+                others = by_course[beside[k].course]
+                others[others.index(beside[k])] = union
+                own.remove(piece)
     return [piece for course in sorted(by_course) for piece in by_course[course]]
+
+
+def _along(piece: Piece, neighbours: Sequence[Piece]) -> list[Piece]:
+    """A sliver cut at the head joints between the stones of the course above or below it."""
+    left, _, right, _ = piece.shape.bounds
+    ends = {s for p in neighbours if p.course != piece.course for s in p.shape.bounds[::2] if left + ASIDE < s < right - ASIDE}
+    return [replace(piece, shape=part) for a, b in pairwise([left, *sorted(ends), right]) for part in _cut(piece.shape, a, b)]
+
+
+def _joined(piece: Piece, other: Piece) -> Piece | None:
+    """Two stones as one, in the course of the second; None where that has a hole."""
+    union = polygons.polygons(shapely.union_all([piece.shape, other.shape]))
+    if len(union) != 1 or union[0].interiors:
+        return None
+    return replace(other, shape=union[0], mitre=(other.mitre[0] or piece.mitre[0], other.mitre[1] or piece.mitre[1]))
 
 
 def _is_sliver(shape: Polygon, laying: Laying) -> bool:
