@@ -99,7 +99,7 @@ def build(
         if fills and formats != ("json",):
             written.append(output / fillfile.FILL_FILE)
             fillfile.write(written[-1], blocks, fills)
-            nameless = ", ".join(f"blocks.{name}" for name in formats if name not in ("json", *meshfile.MARKED))
+            nameless = ", ".join(f"blocks.{name}" for name in formats if name not in ("json", "step", *meshfile.MARKED))
             warn([f"{nameless} keep no names of blocks, by which {fillfile.FILL_FILE} puts the fill back"] if nameless else [])
         if plan_files.is_of_plan(asked):
             written += plan_files.write_plan_files(asked, output, picture)

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -50,3 +52,17 @@ def _signals_as_they_are() -> Iterator[None]:
         for number, handler in handlers.items():
             if handler not in (None, signal.SIG_DFL):
                 signal.signal(number, handler)
+
+
+@contextmanager
+def silent() -> Iterator[None]:
+    """Nothing on standard output: what OpenCASCADE says of a file that it writes goes there, past gmsh's own switch."""
+    sys.stdout.flush()
+    kept, nothing = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, 1)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nothing)

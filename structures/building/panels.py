@@ -270,7 +270,7 @@ def _cut(region: Polygon, low: float, high: float) -> list[Polygon]:
 
 
 def _without_slivers(pieces: Sequence[Piece], laying: Laying) -> list[Piece]:
-    """The stones with slivers joined to what they share their longest side with; under several stones of a course, each to what it bears."""
+    """The stones with slivers joined to what they share their longest side with, under several stones in pieces."""
     by_course: dict[int, list[Piece]] = {}
     for piece in pieces:
         by_course.setdefault(piece.course, []).append(piece)

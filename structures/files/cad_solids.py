@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from structures.files import step_names
 from structures.files.facets import curved_faces, gathered, opened, shells_of
-from structures.files.foreign import Answer, Piece
+from structures.files.foreign import Answer, Piece, Refused
 
 SAME = 1e-7  # corners this close are one, as a share of the extents of the whole
 ROOT = "Shapes"  # under which the kernel puts all labels
@@ -31,16 +32,19 @@ def read(path: Path, chord: float | None = None) -> Answer:
         and how far facets are off curved faces.
 
     Raises:
-        Refused: a file that cannot be read, curved faces without ``chord``, or facets that stay farther off.
+        Refused: a file that cannot be read, curved faces without ``chord``, facets that stay farther off, or
+            other names than solids.
     """
-    with opened(path) as gmsh:
+    own = step_names.get(path)
+    with opened(path, labels=own is None) as gmsh:
         curved_faces(gmsh, chord, path.name)
         volumes = [tag for _, tag in gmsh.model.occ.getEntities(3)]
         boxes = np.array([gmsh.model.occ.getBoundingBox(3, tag) for tag in volumes])
         same = SAME * float((boxes[:, 3:].max(axis=0) - boxes[:, :3].min(axis=0)).max())
         shells, off = shells_of(gmsh, volumes, chord, same, path.name)
-        labels = [gmsh.model.getEntityName(3, tag) for tag in volumes]
-    names, groups = named(labels)
+        names, groups = own or named([gmsh.model.getEntityName(3, tag) for tag in volumes])
+    if not len(names) == len(groups) == len(shells):
+        raise Refused(f"{path.name}: has {len(shells)} solids, {len(names)} names and {len(groups)} groups of blocks")
     return [Piece(k, names[k], *gathered(shell), group=groups[k]) for k, shell in enumerate(shells)], (same, off)
 
 

@@ -24,8 +24,8 @@ FORMATS = {".step": "step", ".stp": "step", ".brep": "brep"}  # as gmsh calls th
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[Any]:
-    """The kernel with the volumes of a file in it.
+def opened(path: Path, labels: bool = True) -> Iterator[Any]:
+    """The kernel with the volumes of a file in it, and their labels if asked for, which take long.
 
     Raises:
         Refused: the file cannot be read, or holds no volume.
@@ -36,6 +36,7 @@ def opened(path: Path) -> Iterator[Any]:
                 gmsh.merge(str(path))
             else:
                 gmsh.option.setString("Geometry.OCCTargetUnit", "M")
+                gmsh.option.setNumber("Geometry.OCCImportLabels", labels)
                 gmsh.model.occ.importShapes(str(path), format=FORMATS[path.suffix.lower()])
             gmsh.model.occ.synchronize()
             found = gmsh.model.occ.getEntities(3)

@@ -124,7 +124,7 @@ def listed() -> list[str]:
         endings = ", ".join(format_.endings) or "by content"
         rows.append(f"{name:7} {endings:14} {'read, written' if format_.written else 'read':13} {format_.about}")
     rows.append(f'{"solid":7} {".step .brep .geo":14} {"read":13} kind = "solid": a CAD model, cut into stones')
-    rows.append(f"{'step':7} {'.step .brep':14} {'written':13} a solid a block, for CAD programs")
+    rows.append(f"{'step':7} {'.step .brep':14} {'written':13} a solid a block, for CAD programs; .step keeps names and groups")
     rows.append(f"{'msh':7} {'.msh':14} {'written':13} tetrahedra of gmsh, block by block; its groups are those of the blocks")
     return rows
 

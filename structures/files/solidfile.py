@@ -2,7 +2,8 @@
 """Blocks as solids for CAD programs and gmsh: STEP, BREP, and MSH, a mesh of tetrahedra block by block.
 
 Each block is a solid of its own with plane faces, in metres, as the blocks have them; a sphere is a sphere. STEP and BREP keep the order of
-the blocks; a mesh has a physical group for each group of blocks, and nodes of its own for each block.
+the blocks, and STEP their names and groups: a product for each block, whose occurrence in the whole is named after the group. A mesh has a
+physical group for each group of blocks, and nodes of its own for each block.
 """
 
 from __future__ import annotations
@@ -13,9 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.gmsh_session import gmsh_session
+from masonry_cd.foundation.gmsh_session import gmsh_session, silent
 from masonry_cd.mechanics.model.blocks import Block
+from structures.files import step_names
 
 ENDINGS = (".step", ".brep", ".msh")
 KEPT = 1e-7  # of its volume, by which a solid may differ from its block
@@ -37,7 +40,12 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
         gmsh.model.occ.synchronize()
         if path.suffix == ".msh":
             _mesh(gmsh, blocks, tags)
-        gmsh.write(str(path))
+        with silent():
+            gmsh.write(str(path))
+    if path.suffix == ".step":
+        text = step_names.put(path.read_text(encoding="ascii"), [block.name for block in blocks], [block.group for block in blocks])
+        with replacing(path) as part:
+            part.write_text(text, encoding="ascii")
 
 
 def _solid(gmsh: Any, block: Block) -> int:

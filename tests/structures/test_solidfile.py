@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,27 @@ def test_solids_keep_the_volume_of_each_block_in_their_order(ending: str, tmp_pa
         gmsh.option.setString("Geometry.OCCTargetUnit", "M")
         volumes = [gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.occ.importShapes(str(path))]
     assert volumes == pytest.approx([block.mass_properties.volume for block in blocks], rel=1e-7)
+
+
+@pytest.mark.parametrize("names", [["it's", "a\\b", "pietra è", "塔 1"], ["alone"]])
+def test_names_and_groups_come_back_from_step_and_nothing_is_printed(
+    names: list[str], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    groups = ["größe", "größe", "left pier", "left pier"]
+    blocks = [Block(name, *box((k, 0, 0), (k + 1, 1, 1)), 2000.0, groups[k]) for k, name in enumerate(names)]
+    solidfile.write(tmp_path / "blocks.step", blocks)
+    assert capfd.readouterr().out == ""
+    read = build("file", path=str(tmp_path / "blocks.step"), fixed=names[0])
+    assert [block.name for block in read] == names
+    assert [block.group for block in read][1:] == groups[1 : len(names)]
+
+
+def test_a_step_file_that_does_not_name_all_its_solids_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "blocks.step"
+    solidfile.write(path, [Block(f"b{k}", *box((k, 0, 0), (k + 1, 1, 1)), 2000.0) for k in range(3)])
+    path.write_text(re.sub(r"#\d+ = NEXT_ASSEMBLY_USAGE_OCCURRENCE\([^;]*;", "", path.read_text(), count=1))
+    with pytest.raises(InputError, match=r"blocks\.step: has 3 solids, 3 names and 2 groups of blocks"):
+        build("file", path=str(path), fixed="b0")
 
 
 def test_a_mesh_has_the_groups_of_the_blocks_and_their_volume(tmp_path: Path) -> None:
