@@ -2,7 +2,7 @@
 r"""Does each tuned constant of ``auto``, and of its methods, earn its place? Scenes are solved with it and without it, and costs compared.
 
     python -m benchmarks.constants
-    python -m benchmarks.constants PIVOTS LAST --scenes arch demo
+    python -m benchmarks.constants FACTOR LAST --scenes arch demo
 
 Costs are counted, not timed: the iterations of each method by the weights of ``benchmarks.counted_cost``, so that the table is the same on
 any machine. The seconds of the processor are a second witness. A structure that slides is sensitive to rounding, and its cost with it: the
@@ -28,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 import scenes as problems
 
-from benchmarks import ours
+from benchmarks import ours, packing, served
 from benchmarks.counted_cost import cost_of
 from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
 from benchmarks.sitting import head
@@ -102,6 +102,14 @@ def _cold(made: Callable[[float], Sequence[Problem]], tolerance: float) -> Scene
     return run
 
 
+def _poured(factor: float, spent: Spent) -> None:
+    """Spheres poured into a box, whose sides the factor multiplies."""
+    asked = packing.arguments().parse_args(["300", *served.PACKING])
+    asked.width *= factor
+    machine, _ = packing.stepper(asked, asked.friction[0])
+    _step(machine, machine.settings.steps, spent)
+
+
 def _packings(factor: float) -> list[FrictionProblem]:
     return [problems.packing(cells, 0.8, speed * factor) for cells in (3, 4) for speed in (0.01, 0.05, 0.2)]
 
@@ -137,6 +145,7 @@ SCENES: dict[str, Scene] = {
     "debris": _file("benchmarks/bits/debris.toml"),
     "islands": _file("benchmarks/bits/islands.toml"),
     "elastic": _file("benchmarks/bits/elastic.toml"),
+    "poured grains": _poured,
     "packed grains": _cold(_packings, 1e-8),
     "thrown walls": _cold(_thrown, 1e-8),
     "local": _cold(_local, 1e-8),
@@ -149,8 +158,6 @@ SWITCHED: dict[str, Any] = {
     "SWEEPS": 400,
     "MOST": 15,  # ADMM always has as many iterations
     "FACTOR": 1,  # or 1,000
-    "PIVOTS": 30,
-    "CENTRES": 120,
     "ROUGH": -1.0,  # pivoting is not asked
     "LAST": 120,
     "OPERATIONS": 0.0,  # the interior point method is not asked

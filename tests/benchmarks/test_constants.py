@@ -51,7 +51,7 @@ def test_a_missed_tolerance_is_counted() -> None:
     for error in (1e-9, 3e-8, float("nan")):
         found.judge(error, 1e-8)
     assert (found.steps, found.missed, found.error) == (3, 2, pytest.approx(3.0))
-    assert row("PIVOTS", "tower", found, found).endswith("| 2.0 | 1.00 | 2 of 3 | 3 | 1.00 | 1.00 |")
+    assert row("FACTOR", "tower", found, found).endswith("| 2.0 | 1.00 | 2 of 3 | 3 | 1.00 | 1.00 |")
 
 
 def test_every_constant_is_one_of_auto_or_of_a_method() -> None:

@@ -10,9 +10,10 @@
    the others solved a FACTOR-th, but no fewer than these took factorisations, each of which costs more. Some structures want a thousand
    and some hardly any. After a step that none solved it is all: the next one begins with impulses that are worse than usual.
 4. Proximal points, by pivoting in a plane and by Newton's method in space, continue from the best so far: they solve what slides or rocks
-   as a whole. Pivoting is not asked where friction is ROUGH.
+   as a whole. Pivoting is not asked where friction is ROUGH. On a structure where a factorisation takes long they have as many of them as
+   OPERATIONS pay for.
 5. The interior point method begins near the impulses of the last step, not where the others got stuck, and ends nearly all that is left.
-   Half of its way solves hardly anything: it has all of its factorisations, or, on a structure where these would take minutes, none.
+   Half of its way solves hardly anything: it has all of its factorisations, or, where OPERATIONS do not pay for them, none.
 6. A problem without a step before, which is solved once, may take what each method takes by itself.
 
 ``python -m benchmarks.constants`` shows what each constant gains.
@@ -33,10 +34,9 @@ from masonry_cd.mechanics.solvers.options import MOST_ITERATIONS, Options
 GRAINS, SINGLE = 300, 2.0  # contacts at least, and contacts of a joint in the mean at most, of what is swept
 SWEEPS = 4000
 MOST, FACTOR = 1000, 4  # iterations of ADMM before the next method, and by what their number changes
-PIVOTS, CENTRES = 120, 17  # factorisations of proximal points
 ROUGH = 1.0  # friction above which there are several solutions, and pivoting from soft springs may end in one that moves
 LAST = 700  # factorisations of the interior point method
-OPERATIONS = 2e11  # of these together, at most: some ten seconds, beyond which it is not asked
+OPERATIONS = 2e11  # of the factorisations of a method, at most: some ten seconds
 
 METHODS = {"accelerated": accelerated, "admm": admm, "newton": newton, "pivoting": pivoting, "interior": interior}
 
@@ -75,12 +75,12 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
 def _finish(search: _Search, cold: bool) -> int:
     """The methods after ADMM, and their factorisations; without a step before all of them may take what they do by themselves."""
-    before = search.iterations
+    before, paid = search.iterations, inf if cold else search.factorisations
     if pivoting.applies(search.problem) and search.problem.mu.max() <= ROUGH:
-        search.turn("pivoting", pivoting.LIMIT if cold else PIVOTS, search.best)
+        search.turn("pivoting", min(pivoting.LIMIT, paid), search.best)
     else:
-        search.turn("newton", newton.LIMIT if cold else CENTRES, search.best)
-    if not search.ended and (cold or search.is_affordable):
+        search.turn("newton", min(newton.LIMIT, paid), search.best)
+    if cold or paid >= LAST:
         search.turn("interior", interior.MOST if cold else LAST, search.last)
     spent = search.iterations - before
     if cold:  # nor is it left worse than by ADMM alone
@@ -114,18 +114,18 @@ class _Search:
         return self.error <= self.options.tolerance or self.iterations >= self.options.limit(MOST_ITERATIONS)
 
     @property
-    def is_affordable(self) -> bool:
-        """Whether the structure is small enough for the factorisations of the interior point method."""
+    def factorisations(self) -> float:
+        """How many of them OPERATIONS pay for; inf where nothing has been factorised yet."""
         factors, problem = self.memory.factors, self.problem
         if factors is None or not isinstance(problem, FrictionProblem):
-            return True
-        return LAST * factors.pattern.operations(problem.unknowns) <= OPERATIONS
+            return inf
+        return OPERATIONS // max(factors.pattern.operations(problem.unknowns), 1.0)
 
-    def turn(self, name: str, limit: int, begin: Solution) -> None:
+    def turn(self, name: str, limit: float, begin: Solution) -> None:
         """Give a method so many iterations, from the impulses of a solution, unless the search has ended."""
-        if self.ended:
+        if self.ended or limit < 1:
             return
-        limit = min(limit, self.options.limit(MOST_ITERATIONS) - self.iterations)
+        limit = min(int(limit), self.options.limit(MOST_ITERATIONS) - self.iterations)
         options = Options(self.options.tolerance, limit, self.options.seed, self.options.threads)
         found = METHODS[name].solve(self.problem, options, Solution(begin.impulse, begin.velocity, 0, memory=self.memory))
         error = found.error

@@ -15,7 +15,7 @@ from scenes import thrown
 
 from masonry_cd.mechanics.friction.problem import Problem, Solution, natural_map_error
 from masonry_cd.mechanics.friction.solver_state import Learnt, SolverState
-from masonry_cd.mechanics.solvers import SOLVERS, Options, auto, interior
+from masonry_cd.mechanics.solvers import SOLVERS, Options, auto, interior, newton
 
 solve = SOLVERS["auto"]
 
@@ -110,21 +110,25 @@ def test_admm_has_at_least_as_many_iterations_as_the_others_took_factorisations(
     problem, options = thrown(0.3), Options(tolerance=1e-9)
     instead(monkeypatch, admm=stuck, newton=stuck, interior=ends)
     begin = Solution(np.zeros((problem.contacts, 3)), None, 1, memory=SolverState(learnt=Learnt(budget=15)))
-    assert solve(problem, options, begin).memory.learnt.budget == auto.CENTRES + 3
+    assert solve(problem, options, begin).memory.learnt.budget == newton.LIMIT + 3
 
 
-def test_the_interior_point_method_has_all_its_factorisations_or_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Half of them end hardly any step, so where all would cost too much it is not asked; a problem that is solved once has all starts."""
+def test_where_factorisations_take_long_newton_has_few_and_the_interior_point_method_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of the way of the latter ends hardly any step; a problem that is solved once has all starts."""
     problem, options = thrown(0.3), Options(tolerance=1e-300, max_iterations=100_000)
     asked = instead(monkeypatch, admm=stuck, newton=stuck, interior=stuck)
-    zero = Solution(np.zeros((problem.contacts, 3)), None, 0, memory=SOLVERS["admm"](problem, Options(max_iterations=1), None).memory)
-    solve(problem, options, zero)
-    monkeypatch.setattr(auto, "OPERATIONS", 1.0)
-    found = solve(problem, options, zero)
-    solve(problem, options, None)
-    limits = [limit for name, limit, _ in asked if name == "interior"]
-    assert limits == [auto.LAST, interior.MOST]
-    assert found.reason.startswith("admm + newton: missed")
+    memory = SOLVERS["admm"](problem, Options(max_iterations=1), None).memory
+    assert memory.factors is not None
+    once = memory.factors.pattern.operations(problem.unknowns)
+    zero = Solution(np.zeros((problem.contacts, 3)), None, 0, memory=memory)
+    for begin, operations in ((zero, auto.LAST * once), (zero, 17.5 * once), (zero, 0.5 * once), (None, 0.5 * once)):
+        monkeypatch.setattr(auto, "OPERATIONS", operations)
+        asked.clear()
+        solve(problem, options, begin)
+        limits = {name: limit for name, limit, _ in asked if name in ("newton", "interior")}
+        few = {"newton": 17} if operations > once else {}
+        all_of = {"newton": newton.LIMIT, "interior": auto.LAST if begin else interior.MOST}
+        assert limits == (all_of if begin is None or operations > 100.0 * once else few)
 
 
 @pytest.mark.parametrize("solver", ["admm", "newton", "auto"])
