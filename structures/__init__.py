@@ -67,21 +67,28 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     """
     from masonry_cd.foundation.errors import InputError
     from structures import size
+    from structures.faults import ANYTHING, Faults, Incomplete
 
     if "kind" not in table:
         raise InputError(f"structure.kind: missing; one of {', '.join(KINDS)}")
     kind = str(table["kind"])
     added = None if kind in KINDS else _own_kind(kind, folder)
     rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FLOORS, FOUNDATIONS, GROUND, NOISE, TIES)}
+    faults = Faults()
     with size.limited(table.get(size.KEY, size.MOST)):
-        made = (added or KINDS[kind])(rest, math.nan if density is None else density, folder)
+        try:
+            made = (added or KINDS[kind])(rest, math.nan if density is None else density, folder)
+        except Incomplete as failure:
+            if not table.keys() & {FLOORS, TIES}:
+                raise
+            faults, made = failure.faults, [] if ANYTHING in failure.faults.left_out else failure.rest()
     fills = made.fills if isinstance(made, Made) else ()
     blocks, notes = made[:2] if isinstance(made, tuple) else (made, [])
     from structures.layout.ground import needs_ground, with_ground
 
-    if GROUND in table:
+    if GROUND in table and not faults.lines:
         blocks = with_ground(blocks, table[GROUND])
-    if FOUNDATIONS in table:
+    if FOUNDATIONS in table and not faults.lines:
         from structures.layout.foundations import in_pieces
 
         with size.limited(table.get(size.KEY, size.MOST)):
@@ -90,13 +97,14 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     if FLOORS in table:
         from structures.floors import with_floors
 
-        blocks, bars, more = with_floors(blocks, table[FLOORS])
+        blocks, bars, more = with_floors(blocks, table[FLOORS], faults)
         notes = [*notes, *more]
     if TIES in table:
         from structures.ties import ties_of
 
-        own, more = ties_of(blocks, table[TIES])
+        own, more = ties_of(blocks, table[TIES], faults)
         bars, notes = [*bars, *own], [*notes, *more]
+    faults.refuse()
     if GROUND not in table and kind != "file" and needs_ground(blocks):  # last, since it bears nothing
         blocks = with_ground(blocks, True)
     if NOISE in table:

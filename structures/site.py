@@ -25,7 +25,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
 from scipy.spatial import ConvexHull
 
-from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, InputErrors, parse_table
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
@@ -139,6 +139,8 @@ def _made(table: Mapping[str, Any], density: float | None, folder: Path, number:
         return make(own, density, folder)
     except Unsound as fault:
         raise Unsound(_of_one(str(fault), number), fault.faulty, fault.blocks) from None
+    except InputErrors as fault:
+        raise InputErrors([_of_one(line, number) for line in fault.lines]) from None
     except InputError as fault:
         raise InputError(_of_one(str(fault), number)) from None
 

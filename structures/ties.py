@@ -28,11 +28,12 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.errors import InputError, InputErrors, parse_table, suggest
 from masonry_cd.foundation.fields import check_tension
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import loop_planes
+from structures.faults import Absent, Faults
 from structures.schema import Area, Length, Place, Table
 
 KEY = "ties"
@@ -133,23 +134,30 @@ class Anchor(NamedTuple):
     share: float  # of the pull
 
 
-def ties_of(blocks: Sequence[Block], tables: object) -> tuple[list[Bar], list[str]]:
+def ties_of(blocks: Sequence[Block], tables: object, faults: Faults) -> tuple[list[Bar], list[str]]:
     """The bars of all ties of a structure, and a line on each table.
 
+    Args:
+        blocks: of the structure.
+        tables: the value of ``structure.ties``.
+        faults: of the structure; to which are added a key that is wrong, or an end that lies in no block.
+
     Raises:
-        InputError: a key that is wrong, or an end that lies in no block.
+        InputError: the value is no list of tables.
     """
     if not isinstance(tables, (list, tuple)) or not all(isinstance(table, Mapping) for table in tables):
         raise InputError(f"structure.{KEY}: every tie is a table of its own, headed [[structure.{KEY}]]")
     solids, bars, notes = Solids.of(blocks), list[Bar](), list[str]()
     for i, table in enumerate(tables):
         where = f"structure.{KEY}[{i}]"
-        keys = parse_table(TieRowTable, table, where)
-        made = list(_row(solids, keys, where, keys.name or f"tie{i + 1}"))
-        if len({bar.keys["name"] for bar in bars + made}) < len({bar.keys["name"] for bar in bars}) + len({b.keys["name"] for b in made}):
-            raise InputError(f'{where}.name: "{keys.name}" is the name of other ties')
-        bars += made
-        notes.append(_note(keys, keys.name or f"tie{i + 1}", made))
+        with faults.of():
+            keys = parse_table(TieRowTable, table, where)
+            solids.any_of(keys.parts or (), f"{where}.parts", faults)
+            made = list(_row(solids, keys, where, keys.name or f"tie{i + 1}"))
+            if {bar.keys["name"] for bar in bars} & {bar.keys["name"] for bar in made}:
+                raise InputError(f'{where}.name: "{keys.name}" is the name of other ties')
+            bars += made
+            notes.append(_note(keys, keys.name or f"tie{i + 1}", made))
     return bars, notes
 
 
@@ -185,6 +193,25 @@ class Solids:
             enters, leaves = cut[slope[~level] < 0.0].max(), cut[slope[~level] > 0.0].min()
             if enters < leaves:
                 found.append((float(enters), float(leaves), int(self.owner[p])))
+        return found
+
+    def any_of(self, names: Sequence[str], where: str, faults: Faults) -> np.ndarray:
+        """(B,) the blocks of any of some names, groups or patterns. ``where`` is the key that names them.
+
+        Raises:
+            InputError: a name that no block has.
+            Absent: one of what is left out; without names, of what bears.
+        """
+        found, lines = np.zeros(len(self.blocks), dtype=bool), list[str]()
+        for name in names:
+            try:
+                found |= self.members(name, where)
+            except InputError as fault:
+                lines += [] if faults.lacks(name) else [str(fault)]
+        if lines:
+            raise InputErrors(lines)
+        if faults.lacks(*names):
+            raise Absent(f"{where}: not all of it is there", *names)
         return found
 
     def members(self, name: str | None, where: str) -> np.ndarray:

@@ -25,11 +25,12 @@ def build(kind: str, **keys: object) -> list[Block]:
 def holes_of(wall: wall_plan.Wall, sizes: wall_plan.Sizes) -> list[np.ndarray]:
     """The polygons s, z of the openings of a wall."""
     from structures.building import square_plan
+    from structures.faults import Faults
     from structures.geometry import polygons
 
-    faults: list[str] = []
+    faults = Faults()
     frames = square_plan.frames_of([wall], sizes, faults)
-    assert not faults
+    assert not faults.lines
     return [polygons.loop(frame.hole) + [wall.start, 0.0] for some in frames.values() for frame in some]
 
 

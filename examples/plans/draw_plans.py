@@ -78,8 +78,8 @@ def faces(space: Any, layer: str, runs: Sequence[Sequence[Point]]) -> None:
 
 
 def house(path: Path) -> None:
-    """An L-shaped house of two floors at the end of a row, with the wall that it shares with its neighbour. In centimetres."""
-    drawing = new(5, ("WALLS", "DOORS", "WINDOWS", "HEIGHTS", "STAIRS"))
+    """An L-shaped house of two storeys at the end of a row, with the wall that it shares with its neighbour. In centimetres."""
+    drawing = new(5, ("WALLS", "DOORS", "WINDOWS", "DOORS_UPPER", "WINDOWS_UPPER", "HEIGHTS", "STAIRS"))
     space = drawing.modelspace()
     faces(space, "WALLS", [[(0, 0), (1120, 0), (1120, 460), (585, 460), (585, 890), (0, 890), (0, 0)]])
     faces(space, "WALLS", [
@@ -95,22 +95,24 @@ def house(path: Path) -> None:
             block.add_line((0, y), (width, y))
         for tag in ("H", "S"):
             block.add_attdef(tag, (0, 60 if tag == "H" else 75), dxfattribs={"height": 10})
-    doors = (((240, 0), 0, 210), ((535, 190), 90, 205), ((200, 405), 0, 205))
-    windows = (((780, 0), 0), ((45, 190), 90), ((800, 410), 0), ((1115, 190), 90), ((240, 840), 0), ((585, 600), 90))
-    for place, turn, height in doors:
-        insert = space.add_blockref("DOOR_90", place, dxfattribs={"layer": "DOORS", "rotation": turn})
-        insert.add_attrib("H", f"{height}", place, dxfattribs={"layer": "DOORS"})
-    for place, turn in windows:
-        insert = space.add_blockref("WINDOW_100", place, dxfattribs={"layer": "WINDOWS", "rotation": turn})
-        insert.add_attrib("H", "140", place, dxfattribs={"layer": "WINDOWS"})
-        insert.add_attrib("S", "90", place, dxfattribs={"layer": "WINDOWS"})
+    entrance, above, doors = ((240, 0), 0), ((235, 0), 0), (((535, 190), 90), ((200, 405), 0))
+    windows = (((780, 0), 0), ((800, 410), 0), ((1115, 190), 90), ((240, 840), 0), ((585, 600), 90))
+    storeys = (
+        ("DOORS", "DOOR_90", 210, 0, (entrance, *doors)), ("WINDOWS", "WINDOW_100", 120, 90, windows),
+        ("DOORS_UPPER", "DOOR_90", 210, 310, doors), ("WINDOWS_UPPER", "WINDOW_100", 120, 400, (above, *windows)),
+    )  # fmt: skip
+    for layer, name, height, sill, openings in storeys:
+        for place, turn in openings:
+            insert = space.add_blockref(name, place, dxfattribs={"layer": layer, "rotation": turn})
+            for tag, value in (("H", height), ("S", sill)):
+                insert.add_attrib(tag, f"{value}", place, dxfattribs={"layer": layer})
     for words, place in (
         ("FRONT h=620", (480, -40)), ("PARTY h=620", (-60, 600)), ("END h=620", (1140, 60)), ("YARD h=620", (800, 480)),
         ("COURT h=620", (600, 780)), ("BACK h=620", (300, 910)), ("SPINE h=620", (545, 240)), ("CROSS h=620", (300, 430)),
     ):  # fmt: skip
         text(space, "HEIGHTS", words, place, 15)
     for k in range(9):
-        space.add_line((60 + 28 * k, 60), (60 + 28 * k, 150), dxfattribs={"layer": "STAIRS"})
+        space.add_line((50, 130 + 28 * k), (140, 130 + 28 * k), dxfattribs={"layer": "STAIRS"})
     drawing.saveas(path)
 
 

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from masonry_cd.foundation.units import UnitError, in_si, models_in, read_values, unit_at
 
 Model = TypeVar("Model", bound=BaseModel)
+Path = tuple[str | int, ...]  # keys and places that lead to a key of a table
 
 QUOTED = 300  # most characters of a value that a message quotes
 WORD = 400  # most characters of any other word
@@ -35,6 +36,14 @@ class InputErrors(InputError):
         more = len(lines) - MOST_LINES
         self.lines = (*lines[:MOST_LINES], f"and {more} more faults") if more > 0 else tuple(lines)
         ValueError.__init__(self, "\n".join(self.lines))
+
+
+class WrongKeys(InputError):
+    """Keys of a table that are wrong: the message is the first of ``lines``, ``places`` say where in the table each of them lies."""
+
+    def __init__(self, faults: Sequence[tuple[Path, str]]) -> None:
+        super().__init__(faults[0][1])
+        self.places, self.lines = tuple(place for place, _ in faults), tuple(one_line(line) for _, line in faults)
 
 
 def one_line(message: str) -> str:
@@ -75,25 +84,25 @@ def parse_table(model: type[Model], table: Mapping[str, Any], where: str) -> Mod
         where: the table's name in the file, as the user writes it, e.g. ``structure`` or ``loads[0]``.
 
     Raises:
-        InputError: one line that names the first offending key as ``where.key``.
+        WrongKeys: one line that names the first offending key as ``where.key``.
     """
     table = table_in_si((model,), table, where)
     try:
         return model.model_validate(table)
     except ValidationError as failure:
-        raise InputError(_first_line(failure, model, where)) from None
+        raise WrongKeys(_lines(failure, model, table, where)) from None
 
 
 def table_in_si(models: Sequence[type[BaseModel]], table: Mapping[str, Any], where: str) -> dict[str, Any]:
     """A table of a scene file with the texts of all keys that have a unit as numbers in it, see :func:`masonry_cd.foundation.units.in_si`.
 
     Raises:
-        InputError: names the key whose text has an unknown unit, one of another dimension, or none.
+        WrongKeys: names the key whose text has an unknown unit, one of another dimension, or none.
     """
     try:
         return in_si(models, table)
     except UnitError as fault:
-        raise InputError(f"{_path(where, fault.parts)}: {fault}") from None
+        raise WrongKeys([(tuple(fault.parts), f"{_path(where, fault.parts)}: {fault}")]) from None
 
 
 def values_in_si(value: Any, unit: Callable[[], str], where: str) -> Any:
@@ -108,20 +117,49 @@ def values_in_si(value: Any, unit: Callable[[], str], where: str) -> Any:
         raise InputError(f"{_path(where, fault.parts)}: {fault}") from None
 
 
-def _first_line(failure: ValidationError, model: type[BaseModel], where: str) -> str:
-    """Turn pydantic's report into one line; misspelt keys come first, since they explain missing ones."""
-    errors = sorted(failure.errors(), key=lambda e: e["type"] != "extra_forbidden")
-    first = errors[0]
-    key = _path(where, first["loc"])
-    if first["type"] == "extra_forbidden":
-        known = _keys(model, first["loc"][:-1])
-        hint = suggest(str(first["loc"][-1]), known)
+def _lines(failure: ValidationError, model: type[BaseModel], table: Mapping[str, Any], where: str) -> list[tuple[Path, str]]:
+    """Pydantic's report as a line for each key, with its place; misspelt keys come first, since they explain missing ones.
+
+    Of a value that may have several forms the first counts, and of a value with wrong ones in it these.
+    """
+    found, forms = dict[Path, str](), dict[Path, str | int]()
+    misspelt = {error["loc"][:-1] for error in failure.errors() if error["type"] == "extra_forbidden"}
+    for error in sorted(failure.errors(), key=lambda e: e["type"] != "extra_forbidden"):
+        if error["type"] == "missing" and error["loc"][:-1] in misspelt:
+            continue
+        place, own = _in_table(table, error["loc"], error["type"] == "missing")
+        if all(forms.setdefault(at, form) == form for at, form in own.items()):
+            shown = [part for part in error["loc"] if part not in own.values() or "[" not in str(part)]
+            found.setdefault(place, _line(error, model, _path(where, shown)))
+    return [(place, line) for place, line in found.items() if not any(place == other[: len(place)] for other in found if other != place)]
+
+
+def _in_table(table: Any, parts: Path, missing: bool) -> tuple[Path, dict[Path, str | int]]:
+    """The place in a table to which pydantic's keys and places lead, and its names of the forms of values on the way there, by place."""
+    place: Path = ()
+    forms = dict[Path, str | int]()
+    for k, part in enumerate(parts):
+        try:
+            table = table[part]
+        except (KeyError, IndexError, TypeError):
+            if not missing or k < len(parts) - 1:
+                forms[place] = part
+                continue
+        place = (*place, part)
+    return place, forms
+
+
+def _line(error: Mapping[str, Any], model: type[BaseModel], key: str) -> str:
+    """What pydantic says of a key, in a line."""
+    if error["type"] == "extra_forbidden":
+        known = _keys(model, error["loc"][:-1])
+        hint = suggest(str(error["loc"][-1]), known)
         return f"{key}: unknown key{hint or '; known keys: ' + ', '.join(known)}"
-    if first["type"] == "missing":
+    if error["type"] == "missing":
         return f"{key}: missing"
-    message = first["msg"].removeprefix("Value error, ")
-    given = first.get("input")
-    unit = unit_at((model,), first["loc"]) if first["type"].startswith(("greater", "less")) else ""  # of the bound, too
+    message = error["msg"].removeprefix("Value error, ")
+    given = error.get("input")
+    unit = unit_at((model,), error["loc"]) if error["type"].startswith(("greater", "less")) else ""  # of the bound, too
     shown = f", got {_cut(repr(given), QUOTED)} {unit}".rstrip() if isinstance(given, (str, int, float, bool)) else ""
     return f"{key}: {message[0].lower()}{message[1:]}{shown}"
 

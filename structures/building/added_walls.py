@@ -11,34 +11,42 @@ from typing import Any
 
 import numpy as np
 
-from structures.building.axes import Facet, legs_of, place
+from structures.building.axes import Leg, place
 from structures.building.columns import Row
 from structures.building.table import ArcadeTable, BuildingTable, BuildingWallTable, ButtressTable
+from structures.faults import Absent, Faults
 from structures.geometry.polygons import without_straight
 
+BUTTRESSES = "buttresses"  # their group
 RING = 0.38  # of a column: most that the ring of an arch takes of what two of them spring from
 
 
-def added(table: BuildingTable, rows: Sequence[Row], faults: list[str]) -> list[BuildingWallTable]:
-    """The walls of all arcades and buttresses; what is wrong is added to the faults."""
-    found = []
+def added(table: BuildingTable, legs: Sequence[Leg], rows: Sequence[Row], faults: Faults) -> list[BuildingWallTable]:
+    """The walls of all arcades and buttresses, beside the legs of the others; what is wrong is added to the faults."""
+    found = list[BuildingWallTable]()
     for k, arcade in enumerate(table.arcades):
         name = arcade.name or f"arcade{k + 1}"
-        row = next((row for row in rows if row.name == arcade.columns), None)
-        if row is None or len(row.places) < 2:
-            what = "there are no columns of this name" if row is None else "they are one column, an arcade needs a row of two or more"
-            faults.append(f'arcade {name}: columns "{arcade.columns}": {what}')
-            continue
-        try:
-            found += _arcade(arcade, name, row, table)
-        except ValueError as fault:
-            faults.append(f"arcade {name}: {fault}")
+        with faults.of(f"arcade {name}", name, arcade.group or name, bears=True):
+            found += _arcade(arcade, name, _row(arcade.columns, rows), table, legs)
     for k, buttress in enumerate(table.buttresses):
-        try:
-            found.append(_buttress(buttress, buttress.name or f"buttress{k + 1}", table))
-        except ValueError as fault:
-            faults.append(f"buttress {buttress.name or f'buttress{k + 1}'}: {fault}")
+        name = buttress.name or f"buttress{k + 1}"
+        with faults.of(f"buttress {name}", name, BUTTRESSES, bears=True):
+            found.append(_buttress(buttress, name, legs))
     return found
+
+
+def _row(name: str, rows: Sequence[Row]) -> Row:
+    """The row of columns of a name.
+
+    Raises:
+        ValueError: there is none, or it is a single column.
+    """
+    row = next((row for row in rows if row.name == name), None)
+    if row is None:
+        raise Absent(f'columns "{name}": there are no columns of this name', name)
+    if len(row.places) < 2:
+        raise ValueError(f'columns "{name}": they are one column, an arcade needs a row of two or more')
+    return row
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +57,7 @@ class Support:
     half: float  # of its width along the arcade [m]
 
 
-def _arcade(keys: ArcadeTable, name: str, row: Row, table: BuildingTable) -> list[BuildingWallTable]:
+def _arcade(keys: ArcadeTable, name: str, row: Row, table: BuildingTable, legs: Sequence[Leg]) -> list[BuildingWallTable]:
     """The wall over a row of columns, and the responds against the walls at its ends, from which its outer arches spring.
 
     Raises:
@@ -57,7 +65,7 @@ def _arcade(keys: ArcadeTable, name: str, row: Row, table: BuildingTable) -> lis
     """
     size, base = row.keys.size, row.keys.base + row.keys.height
     columns = [Support(place, 0.5 * size) for place in row.places]
-    ends = [Support(np.array(end), _half_wall(table, np.array(end)) + 0.5 * size) for end in keys.ends or ()]
+    ends = [Support(np.array(end), _half_wall(legs, np.array(end)) + 0.5 * size) for end in keys.ends or ()]
     supports = [*ends[:1], *columns, *ends[1:]]
     first = supports[0].place if ends else _beyond(row.places[1], row.places[0], 0.5 * size)
     last = supports[-1].place if len(ends) > 1 else _beyond(row.places[-2], row.places[-1], 0.5 * size)
@@ -81,19 +89,19 @@ def _arcade(keys: ArcadeTable, name: str, row: Row, table: BuildingTable) -> lis
     return [BuildingWallTable.model_validate(one | shared) for one in (wall, *responds)]
 
 
-def _half_wall(table: BuildingTable, point: np.ndarray) -> float:
+def _half_wall(legs: Sequence[Leg], point: np.ndarray) -> float:
     """Half the thickness of the wall that a point lies in [m].
 
     Raises:
         ValueError: there is none.
     """
-    for wall in table.walls:
-        for leg in legs_of(0, wall):
-            for facet in leg.facets:
-                s, n = facet.local(point)
-                if abs(n) <= 0.5 * wall.thickness + 1e-6 and -0.5 * wall.thickness <= s <= facet.length + 0.5 * wall.thickness:
-                    return 0.5 * wall.thickness
-    raise ValueError(f"there is no wall at its end, {place(point)}")
+    for leg in legs:
+        half = 0.5 * leg.thickness
+        for facet in leg.facets:
+            s, n = facet.local(point)
+            if abs(n) <= half + 1e-6 and -half <= s <= facet.length + half:
+                return half
+    raise Absent(f"there is no wall at its end, {place(point)}")
 
 
 def _beyond(start: np.ndarray, end: np.ndarray, by: float) -> np.ndarray:
@@ -125,18 +133,19 @@ def _arches(keys: ArcadeTable, supports: Sequence[Support], size: float, table: 
         at += bay
 
 
-def _buttress(keys: ButtressTable, name: str, table: BuildingTable) -> BuildingWallTable:
+def _buttress(keys: ButtressTable, name: str, legs: Sequence[Leg]) -> BuildingWallTable:
     """The wall that a buttress is.
 
     Raises:
         ValueError: no such wall, a place beyond it, or a slope that is more than its height.
     """
-    wall = next((wall for wall in table.walls if wall.name == keys.wall), None)
-    if wall is None:
-        raise ValueError(f'there is no wall "{keys.wall}"')
+    own = [leg for leg in legs if leg.keys.name == keys.wall]
+    if not own:
+        raise Absent(f'there is no wall "{keys.wall}"', keys.wall)
     if keys.slope >= keys.height:
         raise ValueError(f"its slope must be less than its height, {keys.height:g} m, got {keys.slope:g}")
-    facet = _facet_at(wall, keys.at)
+    wall = own[0].keys
+    facet = next((facet for leg in own for facet in leg.facets if facet.span[0] <= keys.at <= facet.span[1]), None)
     if facet is None:
         raise ValueError(f"at {keys.at:g} m it is beyond wall {keys.wall}")
     out = facet.left if keys.side == "left" else -facet.left
@@ -154,13 +163,7 @@ def _buttress(keys: ButtressTable, name: str, table: BuildingTable) -> BuildingW
             "block_length": wall.block_length,
             "masonry": wall.masonry,
             "density": wall.density,
-            "group": "buttresses",
+            "group": BUTTRESSES,
             **({"top": profile} if keys.slope else {"height": keys.height}),
         }
     )
-
-
-def _facet_at(wall: BuildingWallTable, at: float) -> Facet | None:
-    """The facet at a place along a wall."""
-    facets = [facet for leg in legs_of(0, wall) for facet in leg.facets]
-    return next((facet for facet in facets if facet.span[0] <= at <= facet.span[1]), None)

@@ -12,6 +12,7 @@ from masonry_cd.foundation import libm
 from masonry_cd.mechanics.model.blocks import Block
 from structures.building.stones import upright
 from structures.building.table import BuildingColumnTable, BuildingTable
+from structures.faults import Faults
 from structures.layout.columns import ColumnTable, column
 
 SIDES = 12  # of a round column
@@ -27,30 +28,37 @@ class Row:
     places: tuple[np.ndarray, ...]  # (2,) each [m]
 
 
-def rows_of(table: BuildingTable, faults: list[str]) -> list[Row]:
+def rows_of(table: BuildingTable, faults: Faults) -> list[Row]:
     """The columns of a table by rows; what is wrong is added to the faults."""
     found: list[Row] = []
     for k, keys in enumerate(table.columns):
         name = keys.name or f"column{k + 1}"
-        points = [keys.at] if isinstance(keys.at[0], float) else list(keys.at)
-        if (keys.to is None) != (keys.number is None):
-            faults.append(f"columns {name}: a row from at to to has a number of columns; give both of to and number")
-            continue
-        if keys.to is not None and keys.number is not None:
-            if len(points) > 1:
-                faults.append(f"columns {name}: a row from at to to begins with one point, at has {len(points)}")
-                continue
-            share = np.linspace(0.0, 1.0, keys.number)[:, None]
-            places = (1.0 - share) * np.array(points[0]) + share * np.array(keys.to)
-        else:
-            places = np.array(points, dtype=float)
-        if name in {row.name for row in found}:
-            faults.append(f'columns {name}: other ones have the name "{name}", too')
-        gaps = [math.dist(a, b) for i, a in enumerate(places) for b in places[:i]]
-        if gaps and min(gaps) < keys.size:
-            faults.append(f"columns {name}: two of them are {min(gaps):.3g} m apart, closer than their size, {keys.size:g} m")
-        found.append(Row(name, keys, tuple(places)))
+        with faults.of(f"columns {name}", name, bears=True):
+            if name in {row.name for row in found}:
+                raise ValueError(f'other ones have the name "{name}", too')
+            found.append(Row(name, keys, tuple(_places(keys))))
     return found
+
+
+def _places(keys: BuildingColumnTable) -> np.ndarray:
+    """Where the columns of a row stand (n, 2) [m].
+
+    Raises:
+        ValueError: half a row, or columns in each other.
+    """
+    points = [keys.at] if isinstance(keys.at[0], float) else list(keys.at)
+    places = np.array(points, dtype=float)
+    if (keys.to is None) != (keys.number is None):
+        raise ValueError("a row from at to to has a number of columns; give both of to and number")
+    if keys.to is not None and keys.number is not None:
+        if len(points) > 1:
+            raise ValueError(f"a row from at to to begins with one point, at has {len(points)}")
+        share = np.linspace(0.0, 1.0, keys.number)[:, None]
+        places = (1.0 - share) * places[0] + share * np.array(keys.to)
+    gaps = [math.dist(a, b) for i, a in enumerate(places) for b in places[:i]]
+    if gaps and min(gaps) < keys.size:
+        raise ValueError(f"two of them are {min(gaps):.3g} m apart, closer than their size, {keys.size:g} m")
+    return places
 
 
 def blocks_of(row: Row, table: BuildingTable, density: float) -> list[Block]:

@@ -13,7 +13,6 @@ import numpy as np
 import shapely
 from shapely.geometry import Point
 
-from masonry_cd.foundation.errors import InputErrors
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
@@ -28,6 +27,7 @@ from structures.building.slivers import Stone, joined
 from structures.building.stones import Part, across, parts_of, stone, welded
 from structures.building.table import ArcTable, BuildingTable, BuildingWallTable
 from structures.building.widths import NARROW
+from structures.faults import ANYTHING, Absent, Faults, Incomplete
 from structures.geometry import polygons
 from structures.layout.pockets import with_pockets
 from structures.ties import Bar
@@ -47,31 +47,40 @@ class Walls:
     layings: list[Laying]  # of each leg
 
 
-def blocks_of(table: BuildingTable, density: float) -> tuple[list[Block], list[Bar]]:
+def blocks_of(table: BuildingTable, density: float, faults: Faults) -> tuple[list[Block], list[Bar]]:
     """The blocks of a building without its base, and the tie beams of its roofs.
 
+    Args:
+        table: the building.
+        density: of the material [kg/m3].
+        faults: of its keys.
+
     Raises:
-        InputErrors: all that is wrong with it, a line each.
+        Incomplete: all that is wrong with it, a line each.
     """
-    faults: list[str] = []
     rows = columns.rows_of(table, faults)
-    table = table.model_copy(update={"walls": (*table.walls, *added(table, rows, faults))})
-    walls = prepared(table, faults)
-    over = vaults.vaults_of(walls.plan, table, faults) if walls is not None else []
-    roof, bars = roofs.roofs_of(walls.plan, table, faults) if walls is not None else ([], [])
-    if walls is not None:
-        _check_feet(walls.plan, rows, faults)
-        _check_columns(walls.plan, rows, faults)
-    refuse(faults)
-    assert walls is not None
-    laid = joined([stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)])
-    blocks = _all_blocks(walls, laid, density)
-    vaulted = [block for vault in over for block in vaults.blocks_of(vault, table.block_length, density)]
-    if vaulted:
-        thin = SLIVER * min(vault.keys.thickness for vault in over)
-        blocks = with_pockets(blocks, [part for block in vaulted for part in block.convex_parts], thin)
-    blocks += [block for row in rows for block in columns.blocks_of(row, table, density)]
-    return welded([*blocks, *vaulted, *roof]), bars
+    walls = prepared(table, faults, rows)
+    over = vaults.vaults_of(walls.plan, table, faults)
+    roof, bars = roofs.roofs_of(walls.plan, table, faults)
+    _check_feet(walls.plan, rows, faults)
+    _check_columns(walls.plan, rows, faults)
+
+    def built() -> list[Block]:
+        laid = joined([stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)])
+        blocks = _all_blocks(walls, laid, density)
+        vaulted = [block for vault in over for block in vaults.blocks_of(vault, table.block_length, density)]
+        if vaulted:
+            thin = SLIVER * min(vault.keys.thickness for vault in over)
+            blocks = with_pockets(blocks, [part for block in vaulted for part in block.convex_parts], thin)
+        blocks += [block for row in rows for block in columns.blocks_of(row, table, density)]
+        made = [*blocks, *vaulted, *roof]
+        return welded(made) if made else []
+
+    if faults.lines:
+        if len(walls.layings) < len(walls.plan.legs):
+            faults.left_out[ANYTHING] = True
+        raise Incomplete(faults, built)
+    return built(), bars
 
 
 def blocks_of_walls(walls: Walls, density: float) -> list[Block]:
@@ -79,55 +88,59 @@ def blocks_of_walls(walls: Walls, density: float) -> list[Block]:
     return _all_blocks(walls, [stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)], density)
 
 
-def refuse(faults: Sequence[str]) -> None:
-    """Raise all faults as one error, where there are any."""
-    if faults:
-        raise InputErrors(faults)
+def prepared(table: BuildingTable, faults: Faults, rows: Sequence[columns.Row] = ()) -> Walls:
+    """The walls of a table, and those of its arcades on rows of columns, with their junctions, beds and openings.
 
-
-def prepared(table: BuildingTable, faults: list[str]) -> Walls | None:
-    """The walls of a table with their junctions, beds and openings; what is wrong is added to the faults, None where too much is."""
-    legs: list[Leg] = []
-    own: list[str] = []
-    if not table.walls:
-        own.append("structure.walls: missing; every wall is a table of its own, headed [[structure.walls]], or comes from a plan")
-    names: dict[str, int] = {}
-    for k, keys in enumerate(table.walls):
-        if keys.name in names:
-            own.append(f'structure.walls[{k}].name: wall {names[keys.name]} has the name "{keys.name}", too')
-        names.setdefault(keys.name, k)
-        if keys.masonry is not None and keys.masonry not in KINDS:
-            own.append(f'wall {keys.name}: masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
-        try:
-            legs += legs_of(k, keys)
-        except ValueError as fault:
-            own.append(f"wall {keys.name}: {fault}")
-    if own:
-        faults += own
-        return None
-    size.within(_estimate(legs, table), "block_length")
+    What is wrong is added to the faults, and left out.
+    """
+    legs = _legs(table.walls, 0, faults)
+    if not table.walls and not faults.lacks():
+        faults.lines.append("structure.walls: missing; every wall is a table of its own, headed [[structure.walls]], or comes from a plan")
+    more = added(table, legs, rows, faults)
+    legs += _legs(more, len(table.walls), faults)
+    table = table.model_copy(update={"walls": (*table.walls, *more)})
     plan = _joined(legs, table, faults)
-    frames = openings.frames(plan, table, faults)
-    layings = _layings(plan, table, frames)
-    _check_courses(plan, layings, faults)
-    openings.check(plan, layings, frames, faults)
-    return Walls(table, plan, frames, layings)
+    walls = Walls(table, plan, {}, [])
+    with faults.of():
+        size.within(_estimate(legs, table), "block_length")
+        frames = openings.frames(plan, table, faults)
+        walls = Walls(table, plan, frames, _layings(plan, table, frames))
+        _check_courses(plan, walls.layings, faults)
+        openings.check(plan, walls.layings, frames, faults)
+    return walls
 
 
-def _joined(legs: list[Leg], table: BuildingTable, faults: list[str]) -> Plan:
+def _legs(walls: Sequence[BuildingWallTable], first: int, faults: Faults) -> list[Leg]:
+    """The legs of walls that are numbered on from a first one."""
+    legs, names = list[Leg](), set[str]()
+    for k, keys in enumerate(walls, start=first):
+        if keys.name in faults.left_out:
+            continue
+        if keys.masonry is not None and keys.masonry not in KINDS:
+            faults.lines.append(f'wall {keys.name}: masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
+        with faults.of(f"wall {keys.name}", keys.name, keys.group or keys.name, bears=True):
+            if keys.name in names:
+                raise ValueError("another wall has this name, too")
+            names.add(keys.name)
+            legs += legs_of(k, keys)
+    return legs
+
+
+def _joined(legs: list[Leg], table: BuildingTable, faults: Faults) -> Plan:
     """The legs with their junctions; where facets of an arc are too short for one, or meet in it, each of its junctions gets a facet."""
-    wrong: list[str] = []
+    wrong = Faults(left_out=faults.left_out)
     found = junctions.find(legs, table, wrong)
     few = sum(len(leg.facets) for leg in legs) <= MOST_FACETS
+    standing = {leg.wall for leg in legs}
     for k, keys in [*enumerate(table.walls)] * 2 if few else ():  # the first facets move the places of the second
-        if wrong and any(isinstance(piece, ArcTable) for piece in keys.axis):
-            left: list[str] = []
+        if wrong.lines and k in standing and any(isinstance(piece, ArcTable) for piece in keys.axis):
+            left = Faults(left_out=faults.left_out)
             own = legs_of(k, keys, junctions.along(legs, k))
             bent = [*(leg for leg in legs if leg.wall < k), *own, *(leg for leg in legs if leg.wall > k)]
             again = junctions.find(bent, table, left)
-            if len(left) < len(wrong):
+            if len(left.lines) < len(wrong.lines):
                 legs, found, wrong = bent, again, left
-    faults += wrong
+    faults.lines += wrong.lines
     return Plan(legs, found)
 
 
@@ -171,22 +184,22 @@ def _shared(plan: Plan, height: Sequence[float]) -> dict[float, set[float]]:
     return found
 
 
-def _check_courses(plan: Plan, layings: Sequence[Laying], faults: list[str]) -> None:
+def _check_courses(plan: Plan, layings: Sequence[Laying], faults: Faults) -> None:
     """Walls that are bonded share their courses."""
     for junction in plan.junctions:
         for pair in junction.pairs:
             a, b = (arm.leg for arm in pair.arms)
             if layings[a].course != layings[b].course and pair.bond not in ("butt", 0.0):
-                faults.append(
+                faults.lines.append(
                     f"walls {plan.legs[a].keys.name} and {plan.legs[b].keys.name} at {junctions.place(pair.point)}: courses of "
                     f"{layings[a].course:g} and {layings[b].course:g} m do not interlock; give both one course_height, or a junction with "
                     'bond = "butt"'
                 )
 
 
-def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -> None:
+def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> None:
     """A wall that begins above the lowest one has walls or columns under it."""
-    lowest = min(leg.base for leg in plan.legs)
+    lowest = min((leg.base for leg in plan.legs), default=0.0)
     for leg in plan.legs:
         if leg.base < lowest + SAME:
             continue
@@ -196,12 +209,11 @@ def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -> N
         ]
         own = vaults.footprint(plan, leg)
         if own.intersection(shapely.union_all(under)).area < LEAST_SEAT * own.area:
-            faults.append(
-                f"wall {leg.keys.name}: nothing is under it at {vaults.place(leg.facets[0].start)}, where it begins at z = {leg.base:g} m"
-            )
+            with faults.of(f"wall {leg.keys.name}"):
+                raise Absent(f"nothing is under it at {vaults.place(leg.facets[0].start)}, where it begins at z = {leg.base:g} m")
 
 
-def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -> None:
+def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> None:
     """No column stands in a wall."""
     for row in rows:
         for at in row.places:
@@ -209,7 +221,7 @@ def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: list[str]) -
             for leg in plan.legs:
                 overlap = min(top, max(z for _, z in leg.tops)) - max(foot, leg.base)
                 if overlap > SAME and vaults.footprint(plan, leg).intersection(shape).area > LEAST_SEAT * shape.area:
-                    faults.append(f"columns {row.name}: the one at {vaults.place(at)} stands in wall {leg.keys.name}")
+                    faults.lines.append(f"columns {row.name}: the one at {vaults.place(at)} stands in wall {leg.keys.name}")
 
 
 def _all_blocks(walls: Walls, laid: Sequence[Stone], density: float) -> list[Block]:

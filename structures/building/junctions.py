@@ -19,6 +19,7 @@ from shapely.geometry import Polygon
 from masonry_cd.mechanics.model.components import connected_components
 from structures.building.axes import SAME, Facet, Leg, Span, place
 from structures.building.table import BuildingTable, JunctionBond
+from structures.faults import Absent, Faults
 
 LEAST_ANGLE = math.radians(25.0)  # of two walls that meet: stones of a sharper one would be slivers
 STUB = 0.1  # by which a wall that crosses another has to stick out beyond it [m]
@@ -60,7 +61,7 @@ class Junction:
         return np.asarray(np.mean([pair.point for pair in self.pairs], axis=0))
 
 
-def find(legs: Sequence[Leg], table: BuildingTable, faults: list[str]) -> list[Junction]:
+def find(legs: Sequence[Leg], table: BuildingTable, faults: Faults) -> list[Junction]:
     """The junctions of a plan; what cannot be one is added to the faults."""
     pairs = []
     quads = [[strip(leg, facet) for facet in leg.facets] for leg in legs]
@@ -119,7 +120,7 @@ def _near(box: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _meet(
-    legs: Sequence[Leg], first: tuple[int, int], second: tuple[int, int], quads: tuple[np.ndarray, np.ndarray], faults: list[str]
+    legs: Sequence[Leg], first: tuple[int, int], second: tuple[int, int], quads: tuple[np.ndarray, np.ndarray], faults: Faults
 ) -> Pair | None:
     """How two facets of different legs meet; None where they do not."""
     one, other = (Polygon(quad) for quad in quads)
@@ -133,7 +134,7 @@ def _meet(
         if shared > 1e-6:
             centre = one.intersection(other).centroid
             angle = math.degrees(math.asin(abs(sine)))
-            faults.append(
+            faults.lines.append(
                 f"{names}: their strips overlap at {place(np.array([centre.x, centre.y]))}, at an angle of {angle:.0f} degrees; none "
                 f"is possible below {math.degrees(LEAST_ANGLE):.0f}: let one end on the face of the other, or draw them as one wall"
             )
@@ -145,7 +146,7 @@ def _meet(
         arm = _arm(ends[k][0], number, f, at, _reach(ends[k], ends[1 - k]))
         if isinstance(arm, str):
             if shared > 1e-6:
-                faults.append(f"{names} at {place(point)}: {arm}")
+                faults.lines.append(f"{names} at {place(point)}: {arm}")
             return None
         arms.append(arm)
     return Pair((arms[0], arms[1]), point, _parallelogram(leg, facet, others, across, point, sine))
@@ -189,17 +190,17 @@ def _without_doubles(pairs: Sequence[Pair]) -> list[Pair]:
     return sorted(found, key=lambda p: [(arm.leg, arm.facet, arm.low) for arm in p.arms])
 
 
-def _bonds(legs: Sequence[Leg], pairs: Sequence[Pair], table: BuildingTable, faults: list[str]) -> list[tuple[JunctionBond, int]]:
+def _bonds(legs: Sequence[Leg], pairs: Sequence[Pair], table: BuildingTable, faults: Faults) -> list[tuple[JunctionBond, int]]:
     """How each pair is bonded, and which of its two walls runs through where it is not."""
-    given = {}
+    given, known = dict[tuple[str, str], tuple[JunctionBond, str]](), {leg.keys.name for leg in legs}
     for k, entry in enumerate(table.junctions):
         where = f"structure.junctions[{k}].walls"
-        known = {wall.keys.name for wall in legs}
         unknown = [name for name in entry.walls if name not in known]
-        if unknown:
-            faults.append(f'{where}: there is no wall "{unknown[0]}"')
-            continue
-        given[entry.walls] = (entry.bond, where)
+        for name in unknown:
+            with faults.of(where):
+                raise Absent(f'there is no wall "{name}"', name)
+        if not unknown:
+            given[entry.walls] = (entry.bond, where)
     found, used = [], set()
     for pair in pairs:
         a, b = (legs[arm.leg].keys.name for arm in pair.arms)
@@ -208,8 +209,8 @@ def _bonds(legs: Sequence[Leg], pairs: Sequence[Pair], table: BuildingTable, fau
         whole = 1 if pair.arms[0].end and not pair.arms[1].end else 0  # of a T, the one that goes on
         found.append((given[key][0], int(key != (a, b))) if key else (table.junction, whole))
     for names, (_, where) in given.items():
-        if names not in used and not any(fault.startswith(f"walls {a} and {b}") for a, b in (names, names[::-1]) for fault in faults):
-            faults.append(f"{where}: walls {names[0]} and {names[1]} do not meet")
+        if names not in used and not any(line.startswith(f"walls {a} and {b}") for a, b in (names, names[::-1]) for line in faults.lines):
+            faults.lines.append(f"{where}: walls {names[0]} and {names[1]} do not meet")
     return found
 
 

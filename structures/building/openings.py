@@ -18,33 +18,28 @@ from structures.building.frames import Around, Frame, frame_of
 from structures.building.panels import Laying
 from structures.building.table import BuildingTable, WallOpeningTable
 from structures.building.widths import fat_pieces
+from structures.faults import Absent, Faults
 from structures.geometry import polygons
 
 LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction or another frame [m]
 Frames = dict[tuple[int, int], list[Frame]]
 
 
-def frames(plan: Plan, table: BuildingTable, faults: list[str], names: Mapping[tuple[int, int], str] = MappingProxyType({})) -> Frames:
+def frames(plan: Plan, table: BuildingTable, faults: Faults, names: Mapping[tuple[int, int], str] = MappingProxyType({})) -> Frames:
     """The frames of all openings by leg and facet; one beyond its wall is a fault. Faults give them names, by wall and opening."""
     legs = plan.legs
     found: Frames = {}
     for number, wall in enumerate(table.walls):
         for i, keys in enumerate(wall.openings):
             name = names.get((number, i), f"opening {keys.name or f'o{i + 1}'} of wall {wall.name} at {keys.at:g} m")
-            there = _facet_at(legs, number, keys.at)
-            if there is None:
-                length = max(facet.span[1] for leg in legs if leg.wall == number for facet in leg.facets)
-                faults.append(f"{name}: it is beyond the wall, which is {length:.4g} m long")
-                continue
-            leg, f = legs[there[0]], there[1]
-            around = Around(
-                leg.facets[f].s_of(keys.at), leg.base, wall.course_height or table.course_height, wall.block_length or table.block_length,
-                wall.thickness, *_masonry(plan, there, keys),
-            )  # fmt: skip
-            try:
+            with faults.of(name):
+                there = _facet_at(legs, number, keys.at)
+                leg, f = legs[there[0]], there[1]
+                around = Around(
+                    leg.facets[f].s_of(keys.at), leg.base, wall.course_height or table.course_height,
+                    wall.block_length or table.block_length, wall.thickness, *_masonry(plan, there, keys),
+                )  # fmt: skip
                 found.setdefault(there, []).append(frame_of(keys, name, around))
-            except ValueError as fault:
-                faults.append(f"{name}: {fault}")
     return found
 
 
@@ -71,29 +66,43 @@ def _heights_meet(one: WallOpeningTable, other: WallOpeningTable) -> bool:
     return one.sill < top[1] and other.sill < top[0]
 
 
-def _facet_at(legs: Sequence[Leg], wall: int, at: float) -> tuple[int, int] | None:
-    """Leg and facet of a place along the axis of a wall."""
-    for k, leg in enumerate(legs):
-        for f, facet in enumerate(leg.facets):
-            if leg.wall == wall and facet.span[0] - SAME <= at <= facet.span[1] + SAME:
-                return k, f
-    return None
+def _facet_at(legs: Sequence[Leg], wall: int, at: float) -> tuple[int, int]:
+    """Leg and facet of a place along the axis of a wall.
+
+    Raises:
+        ValueError: it is beyond the wall.
+    """
+    own = [(facet, k, f) for k, leg in enumerate(legs) if leg.wall == wall for f, facet in enumerate(leg.facets)]
+    if not own:
+        raise Absent("its wall is left out")
+    for facet, k, f in own:
+        if facet.span[0] - SAME <= at <= facet.span[1] + SAME:
+            return k, f
+    raise ValueError(f"it is beyond the wall, which is {max(facet.span[1] for facet, *_ in own):.4g} m long")
 
 
-def check(plan: Plan, layings: Sequence[Laying], found: Mapping[tuple[int, int], Sequence[Frame]], faults: list[str]) -> None:
-    """Each frame lies in the masonry of its facet, clear of what else is there."""
+def check(plan: Plan, layings: Sequence[Laying], found: Frames, faults: Faults) -> None:
+    """Each frame lies in the masonry of its facet, clear of what else is there; others are left out."""
     for (k, f), some in found.items():
-        facet = plan.legs[k].facets[f]
+        facet, sound = plan.legs[k].facets[f], list[Frame]()
         for i, frame in enumerate(some):
-            faults += [f"{frame.name}: {why}" for why in _beyond(plan, k, f, frame, layings[k])]
+            before = len(faults.lines)
+            with faults.of(frame.name):
+                _check_within(plan, k, f, frame, layings[k])
             for other in some[:i]:
                 if frame.hull.distance(other.hull) < SAME and frame.hull.intersection(other.hull).area > polygons.LEAST_AREA:
                     at = facet.place(np.array([frame.hull.intersection(other.hull).centroid.x, 0.0]))
-                    faults.append(f"{frame.name}: with its head it overlaps {other.name}, at {place(at)}")
+                    faults.lines.append(f"{frame.name}: with its head it overlaps {other.name}, at {place(at)}")
+            sound += [frame] if len(faults.lines) == before else []
+        found[k, f] = sound
 
 
-def _beyond(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> Iterator[str]:
-    """What a frame reaches beyond: the top of its wall, its end, a bend, a junction."""
+def _check_within(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> None:
+    """Refuse a frame that reaches beyond the top of its wall or its end, over a bend or a junction.
+
+    Raises:
+        ValueError: says which.
+    """
     leg, facet = plan.legs[number], plan.legs[number].facets[f]
     left, low, right, high = frame.hull.bounds
     margin = LEAST_JAMB
@@ -106,12 +115,10 @@ def _beyond(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> It
         ]
     )
     if low < leg.base - SAME:
-        yield f"with its ring it reaches down to z = {low:.4g} m, the wall begins at {leg.base:.4g} m"
-        return
+        raise ValueError(f"with its ring it reaches down to z = {low:.4g} m, the wall begins at {leg.base:.4g} m")
     if not wall.buffer(1e-7).contains(frame.hull):
         top = min(z for _, z in profile)
-        yield f"with its head it reaches up to z = {high:.4g} m, the wall there to {top:.4g} m"
-        return
+        raise ValueError(f"with its head it reaches up to z = {high:.4g} m, the wall there to {top:.4g} m")
     for course in course_range(laying.beds, low, high):
         z0, z1 = float(laying.beds[course]), float(laying.beds[course + 1])
         fits = [polygons.clean_stretch(area, 0.5 * leg.thickness) for area in plan.owned(number, f, course, z0, z1)]
@@ -122,12 +129,10 @@ def _beyond(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> It
         ]
         if near:
             names = " and ".join(dict.fromkeys(plan.legs[other.leg].keys.name for _, other in near))
-            yield f"with its head it lies over the junction with wall {names} at {place(near[0][0].point)}"
-        else:
-            end = facet.place(np.array([0.0 if left < margin + 0.5 * leg.thickness else facet.length, 0.0]))
-            what = "the end of the wall" if all(facet.open) else "a bend or the end of the wall"
-            yield f"with its head, {right - left:.3g} m wide, it comes closer than {margin:g} m to {what} at {place(end)}"
-        return
+            raise ValueError(f"with its head it lies over the junction with wall {names} at {place(near[0][0].point)}")
+        end = facet.place(np.array([0.0 if left < margin + 0.5 * leg.thickness else facet.length, 0.0]))
+        what = "the end of the wall" if all(facet.open) else "a bend or the end of the wall"
+        raise ValueError(f"with its head, {right - left:.3g} m wide, it comes closer than {margin:g} m to {what} at {place(end)}")
 
 
 def back(frame: Frame, course: float, unit: float) -> Iterator[list[np.ndarray]]:

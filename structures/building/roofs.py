@@ -16,6 +16,7 @@ from structures.building import vaults
 from structures.building.axes import place
 from structures.building.footprints import Plan
 from structures.building.table import BuildingRoofTable, BuildingTable, BuildingVaultTable
+from structures.faults import Absent, Faults
 from structures.geometry.prism import between
 from structures.ties import MODULI, Bar
 
@@ -25,17 +26,15 @@ LEAST_FOOT = 0.02  # height of a rafter at its outer end, at least [m]
 DAMPING = 0.02  # of a tie beam, share of the critical damping
 
 
-def roofs_of(plan: Plan, table: BuildingTable, faults: list[str]) -> tuple[list[Block], list[Bar]]:
+def roofs_of(plan: Plan, table: BuildingTable, faults: Faults) -> tuple[list[Block], list[Bar]]:
     """The rafters of all roofs and their tie beams; what is wrong is added to the faults."""
     blocks, bars = list[Block](), list[Bar]()
     for k, keys in enumerate(table.roofs):
         name = keys.name or f"roof{k + 1}"
-        try:
+        with faults.of(f"roof {name}", name):
             for pair, bar in _pairs(plan, keys, name, f"structure.roofs[{k}]"):
                 blocks += pair
                 bars += [bar] if keys.tied else []
-        except ValueError as fault:
-            faults.append(f"roof {name}: {fault}")
     return blocks, bars
 
 
@@ -83,7 +82,7 @@ def _tops(plan: Plan, keys: BuildingRoofTable) -> tuple[float, float]:
     for name in keys.walls:
         legs = [leg for leg in plan.legs if leg.keys.name == name]
         if not legs:
-            raise ValueError(f'there is no wall "{name}"')
+            raise Absent(f'there is no wall "{name}"', name)
         heights = [z for leg in legs for _, z in leg.tops]
         if max(heights) - min(heights) > LEVEL:
             raise ValueError(f"the top of wall {name} at {place(legs[0].facets[0].start)} is not level")

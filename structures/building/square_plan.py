@@ -17,12 +17,13 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from structures.building import beds, junctions, openings
 from structures.building.axes import SAME, legs_of
-from structures.building.engine import Walls, blocks_of_walls, refuse
+from structures.building.engine import Walls, blocks_of_walls
 from structures.building.footprints import Plan
 from structures.building.frames import LEAST_MEASURE, Frame
 from structures.building.junctions import Junction, Pair
 from structures.building.panels import Laying, Leaves
 from structures.building.table import BuildingTable, WallOpeningTable
+from structures.faults import Faults
 from structures.geometry.polygons import box
 from structures.layout.openings import Opening
 from structures.layout.wall_plan import Sizes, Wall
@@ -39,9 +40,9 @@ def beds_of(walls: Sequence[Wall], sizes: Sizes, more: Mapping[str, float] = Map
     Raises:
         InputError: a bed that another one is too close to, or an opening that is none.
     """
-    faults: list[str] = []
+    faults = Faults()
     frames = frames_of(walls, sizes, faults)
-    refuse(faults)
+    faults.refuse()
     levels = [z for wall in walls for z in (wall.foot, wall.top, wall.top + wall.gable, *(wall.shoulder or ())[:1])]
     around = [frame for some in frames.values() for frame in some]
     found = beds.beds([*levels, *more.values()], around, sizes.course).tolist()
@@ -68,7 +69,7 @@ def build(walls: Sequence[Wall], levels: Sequence[float], sizes: Sizes, density:
     """
     layings = [_laying(wall, levels, sizes) for wall in walls]
     table = _table(walls, sizes)
-    faults: list[str] = []
+    faults = Faults()
     legs = [leg for k, keys in enumerate(table.walls) for leg in legs_of(k, keys)]
     plan = Plan(legs, [_in_turns(junction, walls, bonded) for junction in junctions.find(legs, table, faults)])
     frames = frames_of(walls, sizes, faults)
@@ -76,13 +77,13 @@ def build(walls: Sequence[Wall], levels: Sequence[float], sizes: Sizes, density:
         frames.setdefault((k, 0), []).extend(_left_out(box(a - wall.start, b - wall.start, low, high)) for a, b, low, high in wall.voids)
     openings.check(plan, layings, frames, faults)
     first: dict[str, str] = {}
-    for fault in faults:  # one for each key: it may draw many openings
+    for fault in faults.lines:  # one for each key: it may draw many openings
         first.setdefault(fault.split(":")[0], fault)
-    refuse(list(first.values()))
+    Faults([*first.values()]).refuse()
     return blocks_of_walls(Walls(table, plan, frames, layings), density)
 
 
-def frames_of(walls: Sequence[Wall], sizes: Sizes, faults: list[str]) -> openings.Frames:
+def frames_of(walls: Sequence[Wall], sizes: Sizes, faults: Faults) -> openings.Frames:
     """The frames of all openings by wall and facet, which is 0; faults name the keys that draw them."""
     table = _table(walls, sizes)
     legs = [leg for k, keys in enumerate(table.walls) for leg in legs_of(k, keys)]

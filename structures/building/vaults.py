@@ -27,6 +27,7 @@ from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures.building.axes import Facet, Leg, place
 from structures.building.footprints import Plan
 from structures.building.table import BuildingTable, BuildingVaultTable
+from structures.faults import Absent, Faults
 from structures.geometry import polygons
 from structures.geometry.compound_block import moved
 from structures.geometry.convex import halves
@@ -72,17 +73,15 @@ class Vault:
     bay: Bay
 
 
-def vaults_of(plan: Plan, table: BuildingTable, faults: list[str]) -> list[Vault]:
+def vaults_of(plan: Plan, table: BuildingTable, faults: Faults) -> list[Vault]:
     """The vaults of a table in their bays; what is wrong is added to the faults."""
     found = []
     for k, keys in enumerate(table.vaults):
         name = keys.name or f"vault{k + 1}"
-        try:
+        with faults.of(f"vault {name}", name):
             vault = Vault(keys, name, bay_of(plan, keys))
             _carried(plan, vault)
             found.append(vault)
-        except ValueError as fault:
-            faults.append(f"vault {name}: {fault}")
     return found
 
 
@@ -138,7 +137,7 @@ def bay_of(plan: Plan, keys: BuildingVaultTable) -> Bay:
 def _facets(plan: Plan, name: str) -> list[tuple[Leg, Facet]]:
     found = [(leg, facet) for leg in plan.legs for facet in leg.facets if leg.keys.name == name]
     if not found:
-        raise ValueError(f'there is no wall "{name}"')
+        raise Absent(f'there is no wall "{name}"', name)
     return found
 
 
@@ -239,8 +238,9 @@ def _carried(plan: Plan, vault: Vault) -> None:
         share = seat.intersection(standing).area / seat.area
         if share < CARRIED:
             at = place(np.array([seat.centroid.x, seat.centroid.y]))
-            raise ValueError(
-                f"no wall to stand on at {at}, z = {keys.springing:g} m: of the {t:g} m that it bears on, walls carry {100 * share:.0f} %"
+            raise Absent(
+                f"no wall to stand on at {at}, z = {keys.springing:g} m: of the {t:g} m that it bears on, walls carry {100 * share:.0f} %",
+                *keys.walls or (),
             )
 
 

@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from masonry_cd.foundation.errors import parse_table
 from structures import Made
 from structures.building.table import BuildingTable as BuildingTable  # which structures.tables finds here
+from structures.faults import ANYTHING, Faults
 from structures.geometry.checks import check
 from structures.layout import wall_plan
 from structures.plans import Plan, open_plan
@@ -33,8 +33,9 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
     """
     from structures.building import engine
 
-    keys, plan = _opened(table, folder)
-    blocks, bars = engine.blocks_of(keys, density)
+    faults = Faults()
+    keys, plan = _opened(table, folder, faults)
+    blocks, bars = engine.blocks_of(keys, density, faults)
     blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
     check(blocks)
     return Made(blocks, plan.notes, bars)
@@ -46,7 +47,9 @@ def plan_tables(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any],
     Raises:
         InputError: a key that is wrong, or a plan that cannot be read.
     """
-    keys, plan = _opened(table, folder)
+    faults = Faults()
+    keys, plan = _opened(table, folder, faults)
+    faults.refuse()
     return keys.model_dump(mode="json", exclude_unset=True, exclude={"plan", *PlanKeys.model_fields}), plan.left
 
 
@@ -56,15 +59,22 @@ def table_of(table: Mapping[str, Any], folder: Path) -> BuildingTable:
     Raises:
         InputError: a key that is wrong, or a plan that cannot be read.
     """
-    return _opened(table, folder)[0]
+    faults = Faults()
+    keys, _ = _opened(table, folder, faults)
+    faults.refuse()
+    return keys
 
 
-def _opened(table: Mapping[str, Any], folder: Path) -> tuple[BuildingTable, Plan]:
+def _opened(table: Mapping[str, Any], folder: Path, faults: Faults) -> tuple[BuildingTable, Plan]:
     """The keys of a table and its plan; an empty one where it names none."""
-    keys = parse_table(BuildingTable, table, "structure")
+    own, keys = faults.parsed(BuildingTable, table, "structure")
     if keys.plan is None:
         return keys, Plan({}, [], [])
-    own = {key: value for key, value in table.items() if key != "plan"}
-    plan = open_plan(folder / keys.plan, own)
+    del own["plan"]
+    plan = Plan({}, [], [])
+    with faults.of("", ANYTHING, bears=True):
+        plan = open_plan(folder / keys.plan, own)
+    faults.lines += plan.faults.values()
+    faults.left_out |= dict.fromkeys(plan.faults, True)
     lists = {key: [*plan.tables[key], *own[key]] for key in own if isinstance(own[key], (list, tuple)) and key in plan.tables}
-    return parse_table(BuildingTable, {**plan.tables, **own, **lists}, "structure"), plan
+    return faults.parsed(BuildingTable, {**plan.tables, **own, **lists}, "structure")[1], plan

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ class Plan(NamedTuple):
     tables: dict[str, Any]  # walls with their openings, junctions, vaults, columns ... as in [structure]
     notes: list[str]  # lines for the user: what was assumed, what is left
     left: list[Left]  # entities of a drawing that are not understood
+    faults: Mapping[str, str] = MappingProxyType({})  # what walls lack that the drawing should say, by wall
 
 
 def read(path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -94,7 +96,7 @@ def _drawing(path: Path, keys: PlanKeys) -> Plan:
     if found.left:
         notes.append(f"{path.name}: {len(found.left)} entities are not understood:")
         notes += [f"  {line}" for line in counted(found.left)]
-    return Plan(found.tables, notes, found.left)
+    return Plan(found.tables, notes, found.left, found.faults)
 
 
 def _corner(places: list[Any]) -> Any:

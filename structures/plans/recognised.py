@@ -40,6 +40,7 @@ class Recognised(NamedTuple):
     tables: dict[str, Any]
     notes: list[str]
     left: list[Left]
+    faults: dict[str, str]  # what walls lack, by wall
 
 
 class _Roles:
@@ -179,6 +180,7 @@ class _Reader:
     def __init__(self, walls: list[Wall], keys: PlanKeys, left: list[Left], name: str) -> None:
         self.walls, self.keys, self.left, self.name = walls, keys, left, name
         self.notes: list[str] = []
+        self.faults: dict[str, str] = {}
 
     def tables(self, roles: _Roles, openings: Sequence[Drawn], texts: Sequence[Entity], faces: Faces) -> Recognised:
         """The tables of the plan."""
@@ -192,7 +194,7 @@ class _Reader:
             if made:
                 tables[role] = made
         self._remarks(faces)
-        return Recognised(tables, self.notes, self.left)
+        return Recognised(tables, self.notes, self.left, self.faults)
 
     def _sorted_texts(
         self, texts: Sequence[Entity], things: dict[str, list[Drawn]], roles: _Roles
@@ -227,17 +229,14 @@ class _Reader:
             names.add(name)
             self.walls[k] = wall = wall._replace(name=name)
             keys = height_keys(wall, k, self.walls, notes, self.keys.wall_height)
-            if keys is None:
-                without.append(wall)
-                continue
-            tables.append({"name": name, "axis": axis_of(wall), "thickness": round(wall.thickness, 4), **keys, "openings": []})
+            without += [wall] if keys is None else []
+            tables.append({"name": name, "axis": axis_of(wall), "thickness": round(wall.thickness, 4), **(keys or {}), "openings": []})
         if without:
             (x, y), others = without[0].line.centroid.coords[0], len(without) - 1
             more = f" nor of {others} other{'s' if others > 1 else ''}" if others else ""
-            raise InputError(
-                f"{self.name}: nothing says the height of wall {without[0].name} about ({x:.2f}, {y:.2f}){more}: "
-                "draw a text h=8.50 beside it, or give structure.wall_height"
-            )
+            said = f"{self.name}: nothing says the height of wall {without[0].name} about ({x:.2f}, {y:.2f}){more}: "
+            said += "draw a text h=8.50 beside it, or give structure.wall_height"
+            self.faults = {wall.name: said for wall in without}
         return tables
 
     def _openings(self, openings: Sequence[Drawn], beside: dict[str, list[str]], walls: list[dict[str, Any]]) -> None:

@@ -16,6 +16,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from structures.building.axes import Leg
 from structures.building.engine import Walls, prepared
 from structures.building.table import BuildingTable
+from structures.faults import Faults
 
 GRID = 1e-12  # to which corners are rounded in unions, which otherwise may lose one of two polygons whose sides differ by rounding [m]
 
@@ -27,10 +28,9 @@ def wall(name: str, axis: Sequence[object], thickness: float = 0.6, height: floa
 
 def prepare(keys: Mapping[str, Any]) -> Walls:
     """The walls of a table, without faults."""
-    faults: list[str] = []
+    faults = Faults()
     made = prepared(parse_table(BuildingTable, keys, "structure"), faults)
-    assert not faults
-    assert made is not None
+    assert not faults.lines
     return made
 
 

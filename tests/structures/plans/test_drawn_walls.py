@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -126,11 +127,12 @@ def test_a_drawing_without_walls_is_refused_in_one_line(tmp_path: Path):
         drawing.plan(tmp_path)
 
 
-def test_a_wall_without_a_height_is_refused_by_its_place(tmp_path: Path):
+def test_a_wall_without_a_height_is_a_fault_that_says_its_place(tmp_path: Path):
     drawing = Drawing()
     ring(drawing)
-    with pytest.raises(InputError, match=r"height of wall w1 about \(0\.25, 2\.5.\) nor of 3 others: draw a text"):
-        drawing.plan(tmp_path, HIGH.model_copy(update={"wall_height": None}))
+    faults = drawing.plan(tmp_path, HIGH.model_copy(update={"wall_height": None})).faults
+    assert faults.keys() == {"w1", "w2", "w3", "w4"}
+    assert re.search(r"height of wall w1 about \(0\.25, 2\.5.\) nor of 3 others: draw a text", faults["w1"])
 
 
 def test_heights_names_gables_and_steps(tmp_path: Path):
