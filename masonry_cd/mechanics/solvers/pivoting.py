@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Proximal points by pivoting: the method for structures in a plane that slide or rock as a whole.
 
-**Pivoting.** Springs and centres are those of newton.py. In a plane P, which clips x_t to mu p_n, is piecewise linear: a contact is open,
-sticks, or slips to one side or the other, and the residual is linear in v as long as no contact changes its status. So the residual can be
-taken away exactly, in proportion, along a path that is straight in each piece (Katzenelson, Bell System Technical Journal 44, 1965; Lemke's
-method for linear complementarity problems is of this kind). Where a piece ends one contact changes its status, and the matrix M + H^T B H
-by one of rank one: the new direction takes a solution with the old factors and the formula of Sherman and Morrison, an eighth of a
-factorisation. There is no step length, no merit function, and nowhere to stall: a path leads to the solution, or to a fold. Ties, of
-contacts that would change at once, are broken by velocities of a thousandth of what the tolerance leaves.
+**Proximal points** (Rockafellar, SIAM J. Control Optim. 14, 1976). Springs in series with the contacts, at rest in the impulses p of a
+centre, leave a problem in the velocities alone,
+
+    M (v - v_free) = H^T P(x),     x = p - K / d (H v + b + C P(x)),     P: p_n = max(0, x_n), p_t = x_t clipped to mu p_n,
+
+whose solution P(x) is the next centre. The stiffer the springs, the more of the error a centre takes away.
+
+**Pivoting.** In a plane P is piecewise linear: a contact is open, sticks, or slips to one side or the other, and the residual is linear in
+v as long as no contact changes its status. So the residual can be taken away exactly, in proportion, along a path that is straight in each
+piece (Katzenelson, Bell System Technical Journal 44, 1965; Lemke's method for linear complementarity problems is of this kind). Where a
+piece ends one contact changes its status, and the matrix M + H^T B H by one of rank one: the new direction takes a solution with the old
+factors and the formula of Sherman and Morrison, an eighth of a factorisation. There is no step length, no merit function, and nowhere to
+stall: a path leads to the solution, or to a fold. Ties, of contacts that would change at once, are broken by velocities of a thousandth of
+what the tolerance leaves.
 
 **Folds.** Friction makes B unsymmetric, and with stiff springs some pieces have a negative determinant, in which the path turns back. With
 springs soft enough no piece has one: there is one solution, and the path leads to it. So K grows tenfold from one centre to the next; where
