@@ -46,7 +46,7 @@ from masonry_cd.mechanics.friction.operators import OrderedProblem, ProblemArray
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, path_by_team, pivoting_by_team
-from masonry_cd.mechanics.solvers.nlgs_table import ScaledProblem
+from masonry_cd.mechanics.solvers.nlgs_sweep import ScaledProblem
 
 SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger one
     HERE.parent / "examples/aqueduct_sinusoidal.toml",

@@ -30,6 +30,7 @@ from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 from masonry_cd.mechanics.linalg.small_blocks import STEP, dot, room_for
+from masonry_cd.mechanics.linalg.sorting import sorted_by
 
 DEPENDENT = 1e-12  # share of a row, in the norm of M^-1, that may be off those before it without an unknown: rounding leaves 1e-15
 
@@ -86,21 +87,12 @@ def sides_of_bodies(bodies, count):
 
     Other numbers than 0 to B - 1 are supports.
     """
-    start = np.zeros(count + 1, dtype=np.int64)
+    key = np.empty(bodies.size, dtype=np.int64)
     for c in range(len(bodies)):
         for s in range(2):
-            if 0 <= bodies[c, s] < count:
-                start[bodies[c, s] + 1] += 1
-    for b in range(count):
-        start[b + 1] += start[b]
-    side, at = np.empty(start[count], dtype=np.int64), start[:-1].copy()
-    for c in range(len(bodies)):
-        for s in range(2):
-            b = bodies[c, s]
-            if 0 <= b < count:
-                side[at[b]] = 2 * c + s
-                at[b] += 1
-    return start, side
+            key[2 * c + s] = bodies[c, s] if 0 <= bodies[c, s] < count else count
+    sides, start = sorted_by(key, count + 1)
+    return start[:-1], sides
 
 
 @entry()

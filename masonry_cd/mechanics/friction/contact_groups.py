@@ -224,7 +224,7 @@ def fill_group(given, problem, groups, g, scratch):
                 for i in range(3):
                     table[row, LANES * (ARM + i) + lane] = scratch[9 + i]
             else:
-                table[row, LANES * SCALE + lane] = trace_of_contact(problem, jacobian, c, place[g, lane], place[g, LANES + lane])
+                table[row, LANES * SCALE + lane] = trace_of_contact(problem, c, place[g, lane], place[g, LANES + lane])
             table[row, LANES * MU + lane] = given.mu[c]
             for i in range(m):
                 table[row, LANES * (OFFSET + i) + lane] = given.offset[c, i]
@@ -310,7 +310,8 @@ def scatter_stiffness(matrix, rows, g, at, sign, moments, r, s):
 
     ``moments`` are the sums of R, R a, R a_i a_i and R a_i a_j with j after i.
     """
-    weight, first, squares, products = scaled_moments(sign, moments)
+    weight, first = sign * moments[0], scaled(sign, moments[1])
+    squares, products = scaled(sign, moments[2]), scaled(sign, moments[3])
     of_r, of_s = plus(scaled(weight, r), first), plus(scaled(weight, s), first)
     trace = inner(s, of_r) + inner(first, r) + squares[0] + squares[1] + squares[2]
     for i in range(3):
@@ -323,9 +324,3 @@ def scatter_stiffness(matrix, rows, g, at, sign, moments, r, s):
         scatter(matrix, rows, g, at, 21 + 7 * i, trace - s[i] * of_r[i] - first[i] * r[i] - squares[i])
         scatter(matrix, rows, g, at, 21 + 6 * i + j, -1.0 * (s[i] * of_r[j] + first[i] * r[j] + products[i]))
         scatter(matrix, rows, g, at, 21 + 6 * j + i, -1.0 * (s[j] * of_r[i] + first[j] * r[i] + products[i]))
-
-
-@borrower(forceinline=True)
-def scaled_moments(sign, moments):
-    """Moments of points with R times a sign."""
-    return sign * moments[0], scaled(sign, moments[1]), scaled(sign, moments[2]), scaled(sign, moments[3])

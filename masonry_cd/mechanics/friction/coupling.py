@@ -70,26 +70,21 @@ def add_coupled(problem, p, begin, stop, out):
 def add_coupled_blocks(problem, blocks, symbolic, share, matrix):
     """Add G B to the columns of a share (first, end) of a :class:`BlockMatrix`, B one block a contact, the first rows of ``blocks``."""
     (begin, stop), out, (data, indices, indptr) = share, np.empty((len(problem.m), len(problem.m))), problem.coupling
+    diagonal, lower, upper = matrix.diagonal, matrix.lower, matrix.upper
     for c in range(len(problem.places)):
         for k in range(indptr[c], indptr[c + 1]):
             i, j = problem.places[c, 0], problem.places[indices[k], 0]
             if begin <= min(i, j) < stop:
                 multiply(data[k], blocks[indices[k]], out, problem.m)
-                add_block(symbolic, i, j, out, matrix)
-
-
-@borrower()
-def add_block(symbolic, i, j, block, matrix):
-    """Add a block to a :class:`BlockMatrix` of the pattern of ``symbolic``, at row i and column j."""
-    at, n = block_at(symbolic.column, symbolic.row, min(i, j), max(i, j)) if i != j else 0, len(block)
-    for p in range(n):
-        for q in range(n):
-            if i == j:
-                matrix.diagonal[i, p, q] += block[p, q]
-            elif i > j:
-                matrix.lower[at, p, q] += block[p, q]
-            else:
-                matrix.upper[at, q, p] += block[p, q]
+                at = block_at(symbolic.column, symbolic.row, min(i, j), max(i, j)) if i != j else 0
+                for p in range(len(out)):
+                    for q in range(len(out)):
+                        if i == j:
+                            diagonal[i, p, q] += out[p, q]
+                        elif i > j:
+                            lower[at, p, q] += out[p, q]
+                        else:
+                            upper[at, q, p] += out[p, q]
 
 
 @borrower()

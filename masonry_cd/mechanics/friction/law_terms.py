@@ -48,16 +48,6 @@ def allocate_terms(problem: ProblemArrays) -> LawTerms:
     return LawTerms(places, momentum, v, np.ones(contacts), np.empty((PARTS, 2)))
 
 
-@kernel()
-def as_given(problem, terms):
-    """ProblemArrays as an :class:`OrderedProblem` whose bodies keep their order, and without M, for the operators that do not need it."""
-    return OrderedProblem(
-        problem.inverse_mass, np.empty((0, len(problem.n), len(problem.n))), problem.v_free, terms.places, np.empty(0, dtype=np.int64),
-        problem.jacobian, np.empty((0, NUMBERS)), problem.offset, problem.mu, problem.compliance,
-        widths_in_order(problem.width, np.arange(len(problem.v_free))), terms.d, problem.coupling, problem.m, problem.n,
-    )  # fmt: skip
-
-
 @kernel(inline="always")
 def part_of(k, contacts):
     """First and end of the contacts of part k."""
@@ -66,8 +56,16 @@ def part_of(k, contacts):
 
 @kernel()
 def begin_terms(team, given, scaled, terms):
-    """Fill places, v = v_free, and d if ``scaled``, by a team; returns the problem."""
-    problem, count, v = as_given(given, terms), len(given.v_free), terms.v
+    """Fill places, v = v_free, and d if ``scaled``, by a team.
+
+    Returns the problem with its bodies in their order, and without M, for the operators that do not need it.
+    """
+    count, n, v = len(given.v_free), len(given.n), terms.v
+    problem = OrderedProblem(
+        given.inverse_mass, np.empty((0, n, n)), given.v_free, terms.places, np.empty(0, dtype=np.int64), given.jacobian,
+        np.empty((0, NUMBERS)), given.offset, given.mu, given.compliance, widths_in_order(given.width, np.arange(count)), terms.d,
+        given.coupling, given.m, given.n,
+    )  # fmt: skip
     parts, (b0, b1) = share_of(team, 0, PARTS), share_of(team, 0, count)
     first, end = part_of(parts[0], len(given.mu))[0], part_of(parts[1], len(given.mu))[0]
     for c in range(first, end):
@@ -93,8 +91,15 @@ def move_terms(team, problem, p, terms):
 
 
 @kernel()
-def measure(team, given, p, scaled, terms):
-    """Norms of the natural map residual and of q, by a team."""
+def alone():
+    """A team of one thread."""
+    nobody = np.zeros(3, dtype=np.int64)
+    return ThreadTeam(0, 1, nobody, nobody)
+
+
+@entry()
+def error_by_team(team: ThreadTeam, given: ProblemArrays, p: np.ndarray, scaled: bool, terms: LawTerms) -> tuple[float, float]:
+    """Norms of the natural map residual and of q for impulses p over ProblemArrays, by a team; scaled by d, or with d = 1."""
     problem, sums, (first, end) = begin_terms(team, given, scaled, terms), terms.sums, share_of(team, 0, PARTS)
     for k in range(first, end):
         begin, stop = part_of(k, len(p))
@@ -108,23 +113,10 @@ def measure(team, given, p, scaled, terms):
     return np.sqrt(sums[:, 0].sum()), np.sqrt(sums[:, 1].sum())
 
 
-@kernel()
-def alone():
-    """A team of one thread."""
-    nobody = np.zeros(3, dtype=np.int64)
-    return ThreadTeam(0, 1, nobody, nobody)
-
-
 @entry()
 def error_bodies(problem: ProblemArrays, p: np.ndarray, scaled: bool) -> tuple[float, float]:
-    """Norms of the natural map residual and of q for impulses p over ProblemArrays; scaled by d, or with d = 1."""
-    return measure(alone(), problem, p, scaled, allocate_terms(problem))
-
-
-@entry()
-def error_by_team(team: ThreadTeam, problem: ProblemArrays, p: np.ndarray, scaled: bool, terms: LawTerms) -> tuple[float, float]:
-    """As :func:`error_bodies`, to the same bits, by a team of threads."""
-    return measure(team, problem, p, scaled, terms)
+    """As :func:`error_by_team`, to the same bits, by one thread."""
+    return error_by_team(alone(), problem, p, scaled, allocate_terms(problem))
 
 
 @entry()

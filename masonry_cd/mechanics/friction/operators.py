@@ -17,8 +17,9 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coupling import Coupling
 from masonry_cd.mechanics.friction.joint_twists import velocity_in
 from masonry_cd.mechanics.friction.natural_map import squared_residual
-from masonry_cd.mechanics.linalg.small_blocks import invert, is_wide
+from masonry_cd.mechanics.linalg.small_blocks import add_outer_product, invert, is_wide
 from masonry_cd.mechanics.linalg.triples import inner, plus, times
+from masonry_cd.mechanics.linalg.wide_blocks import add_turned_product
 
 
 class ProblemArrays(NamedTuple):
@@ -40,7 +41,7 @@ class ProblemArrays(NamedTuple):
 class OrderedProblem(NamedTuple):
     """A friction problem whose bodies are in order of elimination. The supports are one more body, the last, with velocity zero."""
 
-    inverse: np.ndarray  # (B, n, n) M^-1
+    inverse: np.ndarray  # (B, n, n) M^-1; with zeros for the supports in ADMM
     mass: np.ndarray  # (B, n, n) M
     free: np.ndarray  # (B, n) v_free
     places: np.ndarray  # (C, 2) places of the bodies; B: a support
@@ -96,23 +97,24 @@ def measure_scales(problem, first, end):
     """Fill d_c = trace(W_cc + C_cc) / m of the contacts first to end."""
     compliance, m = problem.compliance, len(problem.m)
     for c in range(first, end):
-        a, b = problem.places[c, 0], problem.places[c, 1]
-        trace = trace_of_contact(problem, problem.jacobian, c, a, b)
+        trace = trace_of_contact(problem, c, problem.places[c, 0], problem.places[c, 1])
         if len(compliance):
             for i in range(m):
                 trace += compliance[c, i]
         problem.d[c] = trace / m
 
 
-@kernel(fastmath={"contract"}, inline="always")
-def delassus_trace(inverse, jacobian, c, a, b, m, n):
-    """trace(W_cc) of contact c of the bodies at the places a and b of M^-1, those of supports after all."""
-    trace = 0.0
+@kernel(inline="always")
+def trace_of_contact(problem, c, a, b):
+    """trace(W_cc) of contact c, between the bodies at the places a and b, those of supports after all."""
+    if has_unit_masses(problem):
+        return unit_delassus_trace(problem, c, a, b)
+    inverse, jacobian, n, trace = problem.inverse, problem.jacobian, len(problem.n), 0.0
     for side in range(2):
         body = b if side else a
         if body == len(inverse):
             continue
-        for i in range(m):
+        for i in range(len(problem.m)):
             for k in range(n):
                 total = 0.0
                 for l in range(n):  # noqa: E741
@@ -123,18 +125,10 @@ def delassus_trace(inverse, jacobian, c, a, b, m, n):
     return trace
 
 
-@kernel(inline="always")
-def trace_of_contact(problem, jacobian, c, a, b):
-    """Trace of W_cc of the contact in row c of ``jacobian``, between the bodies at places a and b."""
-    if has_unit_masses(problem):
-        return unit_delassus_trace(problem, jacobian, c, a, b)
-    return delassus_trace(problem.inverse, jacobian, c, a, b, len(problem.m), len(problem.n))
-
-
 @borrower(fastmath={"contract"})
-def unit_delassus_trace(problem, jacobian, c, a, b):
-    """:func:`delassus_trace` for bodies of unit mass."""
-    trace = 0.0
+def unit_delassus_trace(problem, c, a, b):
+    """:func:`trace_of_contact` for bodies of unit mass."""
+    jacobian, trace = problem.jacobian, 0.0
     for side in range(2):
         body = b if side else a
         for i in range(len(problem.m)):
@@ -154,6 +148,26 @@ def has_unit_masses(problem):
 def unknowns_at(problem, a, b):
     """Unknowns that the bodies at two places have, the more of both."""
     return max(problem.width[a], problem.width[b]) if has_unit_masses(problem) else len(problem.n)
+
+
+@borrower()
+def load_mass(problem, b, blocks):
+    """Write M of the body at place b into its block of ``blocks`` (B or more, n, n)."""
+    for i in range(len(problem.n)):
+        for j in range(len(problem.n)):
+            if has_unit_masses(problem):
+                blocks[b, i, j] = 1.0 if i == j else 0.0
+            else:
+                blocks[b, i, j] = problem.mass[b, i, j]
+
+
+@kernel(inline="always")
+def add_product(problem, x, y, rows, one, other, out):
+    """out (n, n) += x^T y of so many rows of the bodies at two places, as far as these have unknowns; narrow ones are of one contact."""
+    if is_wide(problem.n):
+        add_turned_product(x, y, rows, (unknowns_at(problem, one, one), unknowns_at(problem, other, other)), out)
+    else:
+        add_outer_product(x, y, out, problem.m, problem.n)
 
 
 @kernel(inline="always")
@@ -176,17 +190,6 @@ def velocity_of_contact(problem, v, c):
         if len(problem.m) == 3:
             u2 += jacobian[c, 0, 2, k] * x + jacobian[c, 1, 2, k] * y
     return u0, u1, u2
-
-
-@borrower()
-def relative_velocity_of(problem, v, first, end, u):
-    """u = H v + b for the contacts first to end."""
-    offset, m = problem.offset, len(problem.m)
-    for c in range(first, end):
-        u0, u1, u2 = velocity_of_contact(problem, v, c)
-        u[c, 0], u[c, 1] = u0 + offset[c, 0], u1 + offset[c, 1]
-        if m == 3:
-            u[c, 2] = u2 + offset[c, 2]
 
 
 @borrower(fastmath={"contract"})

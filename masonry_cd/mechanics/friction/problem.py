@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -193,6 +193,7 @@ class LocalProblem:
     w: sparse.csr_matrix  # (C m, C m)
     q: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
+    frames: ClassVar[np.ndarray] = np.empty((0, NUMBERS))  # none: the contacts are not those of rigid blocks in space
 
     @property
     def contacts(self) -> int:
@@ -226,11 +227,6 @@ class LocalProblem:
             np.ascontiguousarray(self.mu, dtype=np.float64), nothing[:0], FULL,
             Coupling(np.ascontiguousarray(data), blocks.indices.astype(np.int64), indptr), size_tuple(m), size_tuple(m),
         )  # fmt: skip
-
-    @property
-    def frames(self) -> np.ndarray:
-        """None, (0, 15): the contacts are not those of rigid blocks in space."""
-        return np.empty((0, NUMBERS))
 
     def body_velocity(self, impulse: np.ndarray) -> np.ndarray:
         """The velocities of the bodies, (C, m), for impulses (C, m): those of the contacts."""

@@ -21,12 +21,15 @@ from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.supernodes import longest_line
 from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, wait
 from masonry_cd.mechanics.linalg.vectors import LANES
-from masonry_cd.mechanics.solvers.admm_factor import SLIDING, count_changes, factorise_augmented, recall_stiffness
-from masonry_cd.mechanics.solvers.admm_passes import (
+from masonry_cd.mechanics.solvers.admm_subtrees import (
+    SLIDING,
     add_momentum,
     carry_impulses,
     clear_momentum,
+    count_changes,
     eliminate_subtree,
+    factorise_augmented,
+    recall_stiffness,
     squared_map_norm,
     squared_size,
     update_subtree,

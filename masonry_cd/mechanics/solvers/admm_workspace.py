@@ -8,9 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.mechanics.friction.contact_groups import ContactGroups
-from masonry_cd.mechanics.friction.coupling import Coupling, in_places
-from masonry_cd.mechanics.friction.operators import ProblemArrays
+from masonry_cd.mechanics.friction.coupling import in_places
+from masonry_cd.mechanics.friction.joint_twists import NUMBERS
+from masonry_cd.mechanics.friction.operators import OrderedProblem, ProblemArrays
 from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.linalg.small_blocks import FULL
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.vectors import LANES
 
@@ -25,20 +27,6 @@ class AdmmSettings(NamedTuple):
     rate: float  # error over the change of p, as measured last, or 1
     tolerance: float  # natural map error
     limit: int  # iterations
-
-
-class SortedProblem(NamedTuple):
-    """The bodies of a friction problem in order of elimination; the groups have its contacts."""
-
-    inverse: np.ndarray  # (N + 1, n, n) M^-1, zero of the supports
-    mass: np.ndarray  # (N, n, n) M
-    free: np.ndarray  # (N, n) v_free
-    width: np.ndarray  # (N + 1,) or (0,), see operators.OrderedProblem
-    places: np.ndarray  # (C, 2) places of the bodies of the contacts
-    coupling: Coupling  # with places for its indices
-    elastic: bool  # whether some have a compliance
-    m: tuple[int, ...]  # m zeros
-    n: tuple[int, ...]  # n zeros
 
 
 class Iterates(NamedTuple):
@@ -75,7 +63,7 @@ class AdmmFactor(NamedTuple):
 class AdmmWorkspace(NamedTuple):
     """All that the threads of a team work on."""
 
-    problem: SortedProblem
+    problem: OrderedProblem
     groups: ContactGroups
     iterates: Iterates
     factor: AdmmFactor
@@ -96,11 +84,13 @@ def allocate_workspace(
     """
     symbolic, count, n = pattern.symbolic, pattern.nodes, given.v_free.shape[1]
     rows = count + 1 + len(symbolic.node_ghost)
-    blocks, bodies, impulses, subtrees = (count, n, n), (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1
+    bodies, impulses, subtrees = (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1
     width = np.append(symbolic.width, 0) if len(symbolic.width) else symbolic.width
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
-    inverse, coupling, elastic = np.empty((count + 1, n, n)), in_places(given.coupling, pattern), len(given.compliance) > 0
-    problem = SortedProblem(inverse, np.empty(blocks), np.empty((count, n)), width, places, coupling, elastic, given.m, given.n)
+    problem = OrderedProblem(  # the groups have what is missing
+        np.empty((count + 1, n, n)), np.empty((count, n, n)), np.empty((count, n)), places, FULL, given.jacobian, np.empty((0, NUMBERS)),
+        given.offset, given.mu, given.compliance, width, np.empty(0), in_places(given.coupling, pattern), given.m, given.n,
+    )  # fmt: skip
     iterates = Iterates(
         np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
         np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=kept[0].dtype),

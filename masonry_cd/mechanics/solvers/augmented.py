@@ -17,10 +17,9 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coupling import add_coupled_blocks, is_coupled
 from masonry_cd.mechanics.friction.joint_twists import out_of_frame
-from masonry_cd.mechanics.friction.operators import has_frames, has_unit_masses
-from masonry_cd.mechanics.linalg.small_blocks import add_outer_product, is_wide
+from masonry_cd.mechanics.friction.operators import add_product, has_frames, load_mass, unknowns_at
+from masonry_cd.mechanics.linalg.small_blocks import is_wide
 from masonry_cd.mechanics.linalg.vectors import add_six_times, load_six, pack_six, store_six
-from masonry_cd.mechanics.linalg.wide_blocks import add_turned_product
 
 NUMBERS = 9  # of D^T B D
 
@@ -102,12 +101,8 @@ def add_pair(problem, scratch, c, rows, one, other, turned, out):
 
     If ``turned`` it is J^T B^T K. ``scratch`` holds as many ``rows`` of :func:`take_rows`.
     """
-    x, y = scratch[one + 2 * turned], scratch[other + 2 - 2 * turned]
-    if is_wide(problem.n):
-        size = width_of(problem, problem.places[c, one]), width_of(problem, problem.places[c, other])
-        add_turned_product(x, y, rows, size, out)
-    else:
-        add_outer_product(x, y, out, problem.m, problem.n)
+    x, y, places = scratch[one + 2 * turned], scratch[other + 2 - 2 * turned], problem.places
+    add_product(problem, x, y, rows, places[c, one], places[c, other], out)
 
 
 @borrower(fastmath={"contract"})
@@ -116,20 +111,14 @@ def take_rows(problem, blocks, first, end, scratch):
     m = len(problem.m)
     for c in range(first, end):
         for side in range(2):
-            rows, at = problem.jacobian[c, side], m * (c - first)
+            rows, at, body = problem.jacobian[c, side], m * (c - first), problem.places[c, side]
             for i in range(m):
-                for q in range(width_of(problem, problem.places[c, side])):
+                for q in range(unknowns_at(problem, body, body)):
                     total = 0.0
                     for k in range(m):
                         total += blocks[c, i, k] * rows[k, q]
                     scratch[side, at + i, q], scratch[side + 2, at + i, q] = rows[i, q], total
     return m * (end - first)
-
-
-@kernel(inline="always")
-def width_of(problem, b):
-    """Unknowns of the body at a place."""
-    return problem.width[b] if has_unit_masses(problem) else len(problem.n)
 
 
 @borrower()
@@ -140,17 +129,6 @@ def longest_run(places):
         run = run + 1 if c > 0 and places[c, 0] == places[c - 1, 0] and places[c, 1] == places[c - 1, 1] else 1
         most = max(most, run)
     return most
-
-
-@borrower()
-def load_mass(problem, b, diagonal):
-    """The block of M of body b."""
-    for i in range(len(problem.n)):
-        for j in range(len(problem.n)):
-            if has_unit_masses(problem):
-                diagonal[b, i, j] = 1.0 if i == j else 0.0
-            else:
-                diagonal[b, i, j] = problem.mass[b, i, j]
 
 
 @kernel(inline="always")

@@ -12,8 +12,7 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.body_sides import add_impulse
 from masonry_cd.mechanics.friction.coulomb_law import tangent_length
 from masonry_cd.mechanics.linalg.threads import take, wait
-from masonry_cd.mechanics.solvers.linearised import keep_better
-from masonry_cd.mechanics.solvers.shared_operators import contact_change, contact_velocity, map_norm, solve_by_first
+from masonry_cd.mechanics.solvers.linearised import contact_change, contact_velocity, keep_better, map_norm, solve_by_first
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
 
 LONGEST = 2.0  # step: more than one is not made
@@ -24,7 +23,6 @@ class Cones(NamedTuple):
 
     mu: np.ndarray  # (C,) friction, nowhere zero: a cone without width has no inside
     m: tuple[int, ...]  # m zeros
-    k: tuple[int, ...]  # m + 1 zeros: as many products as a contact has
 
 
 class Iterate(NamedTuple):
@@ -40,19 +38,38 @@ class Linearisation(NamedTuple):
     """The products of each contact at a point and their linearisation, see :func:`linearise_contact`."""
 
     here: Iterate  # the point
-    product: np.ndarray  # (C, k) w_n p_n and (gamma, w_t) o (mu p_n, p_t)
-    wanted: np.ndarray  # (C, k) their changes
-    pivot: np.ndarray  # (C, k) reciprocals that solve for dp and dgamma
+    product: np.ndarray  # (C, m + 1) w_n p_n and (gamma, w_t) o (mu p_n, p_t)
+    wanted: np.ndarray  # (C, m + 1) their changes
+    pivot: np.ndarray  # (C, m + 1) reciprocals that solve for dp and dgamma
     gain: np.ndarray  # (C, m, m) dp falls by so much of the change of H v
     soft: np.ndarray  # (C, m) compliance of the spring in series, the contact's own and that of the damping
     miss: np.ndarray  # (C, m) H v + b + C p - w, and on the path by its length less tau times that of the start
     far: np.ndarray  # (C, m) that of the start, zero without such a path
 
 
+class Ways(NamedTuple):
+    """The directions of a step; the interior point method has the last alone."""
+
+    back: Iterate  # to the path, with tau held
+    tangent: Iterate  # by d(log tau)
+    bend: Iterate  # second order
+    ahead: Iterate  # the step
+
+
+class Inside(NamedTuple):
+    """What both methods work on."""
+
+    impulse: np.ndarray  # (C, m) those of the iterate, admissible where there is no friction
+    v: np.ndarray  # (B + 1, n) their velocities
+    here: Iterate
+    linear: Linearisation
+    ways: Ways
+
+
 @kernel()
-def cones_of(mu, m, k):
-    """The :class:`Cones` of contacts with friction mu (C,)."""
-    return Cones(np.maximum(mu, 1e-6), m, k)
+def cones_of(problem):
+    """The :class:`Cones` of the contacts."""
+    return Cones(np.maximum(problem.mu, 1e-6), problem.m)
 
 
 @kernel()
@@ -62,20 +79,15 @@ def allocate_iterate(room, shape, rows):
 
 
 @kernel()
-def allocate_linearisation(room, here):
-    """Room for a :class:`Linearisation` at a point of contacts (C, m); ``far`` is zero."""
-    shape = here.p.shape
-    contacts, m = shape
+def allocate_inside(room, shape, rows):
+    """:class:`Inside` of zeros for contacts (C, m) and velocities of a shape."""
+    (contacts, m), here = shape, allocate_iterate(room, shape, rows)
     product, wanted, pivot = take(room, (contacts, m + 1)), take(room, (contacts, m + 1)), take(room, (contacts, m + 1))
     gain = take(room, (contacts, m, m))
-    return Linearisation(here, product, wanted, pivot, gain, take(room, shape), take(room, shape), take(room, shape))
-
-
-@kernel(inline="always")
-def cone_det(x0: float, x1: float, x2: float) -> float:
-    """x_0^2 - |x_t|^2, positive inside the second-order cone; written so that it does not cancel."""
-    t = tangent_length(x1, x2)
-    return (x0 - t) * (x0 + t)
+    linear = Linearisation(here, product, wanted, pivot, gain, take(room, shape), take(room, shape), take(room, shape))
+    back, tangent = allocate_iterate(room, shape, rows), allocate_iterate(room, shape, rows)
+    ways = Ways(back, tangent, allocate_iterate(room, shape, rows), allocate_iterate(room, shape, rows))
+    return Inside(take(room, shape), take(room, rows), here, linear, ways)
 
 
 @kernel(inline="always")
@@ -89,8 +101,8 @@ def are_inside(w, p, gamma, mu, m):
 @borrower()
 def max_step_to_cone(x0: float, x1: float, x2: float, d0: float, d1: float, d2: float) -> float:
     """Largest step from x inside the second-order cone along d that stays inside, at most 1e10."""
-    best = -x0 / d0 if d0 < 0.0 else 1e10
-    a, b, c = d0 * d0 - d1 * d1 - d2 * d2, x0 * d0 - x1 * d1 - x2 * d2, max(cone_det(x0, x1, x2), 0.0)
+    best, t = -x0 / d0 if d0 < 0.0 else 1e10, tangent_length(x1, x2)
+    a, b, c = d0 * d0 - d1 * d1 - d2 * d2, x0 * d0 - x1 * d1 - x2 * d2, max((x0 - t) * (x0 + t), 0.0)  # c does not cancel
     root = b * b - a * c  # of a t^2 + 2 b t + c = 0
     if root < 0.0:
         return best
@@ -298,29 +310,23 @@ def longest_step(shares, here, way, cones):
 
 @kernel()
 def judge(shares, problem, work, inside, answer):
-    """Take where the room of a method is as the answer if its error is less; returns the error."""
-    take_impulse(shares, inside.here.p, problem.mu, inside.impulse)
-    error = map_norm(shares, problem, inside.impulse, work.room, inside.v) / answer.size
-    keep_better(shares, answer, inside.impulse, inside.v, error)
+    """Take where a method is as the answer if its error is less; returns the error. Without friction there is no tangential impulse."""
+    p, impulse, friction, (first, end) = inside.here.p, inside.impulse, problem.mu, shares.contacts
+    for c in range(first, end):
+        for i in range(len(problem.m)):
+            impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+    error = map_norm(shares, problem, impulse, work.room, inside.v) / answer.size
+    keep_better(shares, answer, impulse, inside.v, error)
     return error
 
 
 @borrower()
-def take_impulse(shares, p, friction, impulse):
-    """impulse = p (C, m), without a tangential part where there is no friction."""
-    first, end = shares.contacts
-    for c in range(first, end):
-        for i in range(p.shape[1]):
-            impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
-
-
-@borrower()
-def advance(shares, here, step, way):
-    """Go a share of a direction."""
-    add_share(shares.contacts, here.w, step, way.w, here.w)
-    add_share(shares.contacts, here.p, step, way.p, here.p)
-    add_share(shares.contacts, here.gamma, step, way.gamma, here.gamma)
-    add_share(shares.rows, here.v, step, way.v, here.v)
+def advance(shares, x, step, way, out):
+    """out = x + step way, for a point or direction x and a direction."""
+    add_share(shares.contacts, x.w, step, way.w, out.w)
+    add_share(shares.contacts, x.p, step, way.p, out.p)
+    add_share(shares.contacts, x.gamma, step, way.gamma, out.gamma)
+    add_share(shares.rows, x.v, step, way.v, out.v)
 
 
 @borrower()

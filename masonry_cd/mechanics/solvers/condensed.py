@@ -26,7 +26,19 @@ def in_condensed_unknowns(solver: Solver) -> Solver:
     def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
         if not (isinstance(problem, FrictionProblem) and is_condensed(problem.v_free.shape[1]) and problem.contacts):
             return solver(problem, options, start)
-        return _solve(solver, problem, options, start)
+        from masonry_cd.mechanics.friction.condensation import condense  # kernels, that rigid blocks have no use for
+
+        equivalent, velocity, rows = condense(problem, None if start is None else start.velocity)
+        kept, unknowns = rows.ravel(), velocity.shape[1]
+        begin = None
+        if start is not None:
+            state = start.memory
+            if not np.array_equal(state.kept if state.kept is not None else (), kept):
+                state = replace(state, learnt=replace(state.learnt, stale=True))
+            begin = replace(start, velocity=None if start.velocity is None else velocity, memory=state)
+        found = solver(equivalent, options, begin)
+        state = replace(found.memory, kept=kept, unknowns=unknowns)
+        return Solution(found.impulse, None, found.iterations, found.reason, state, found.error)
 
     return solve
 
@@ -34,20 +46,3 @@ def in_condensed_unknowns(solver: Solver) -> Solver:
 def is_condensed(unknowns: int) -> bool:
     """Whether blocks with so many unknowns are: more than one of uniform strain has. Kernels for fewer have their loops unrolled."""
     return unknowns > NARROW
-
-
-def _solve(solver: Solver, problem: FrictionProblem, options: Options, start: Solution | None) -> Solution:
-    """Solve the equivalent problem."""
-    from masonry_cd.mechanics.friction.condensation import condense  # kernels, that rigid blocks have no use for
-
-    equivalent, velocity, rows = condense(problem, None if start is None else start.velocity)
-    kept, unknowns = rows.ravel(), velocity.shape[1]
-    begin = None
-    if start is not None:
-        state = start.memory
-        if not np.array_equal(state.kept if state.kept is not None else (), kept):
-            state = replace(state, learnt=replace(state.learnt, stale=True))
-        begin = replace(start, velocity=None if start.velocity is None else velocity, memory=state)
-    found = solver(equivalent, options, begin)
-    state = replace(found.memory, kept=kept, unknowns=unknowns)
-    return Solution(found.impulse, None, found.iterations, found.reason, state, found.error)

@@ -11,6 +11,7 @@ from masonry_cd.mechanics.friction.contact_groups import FIELDS, ContactGroups
 from masonry_cd.mechanics.friction.joint_twists import NUMBERS, shares_frame
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.linalg.ghost_rows import nodes_of
+from masonry_cd.mechanics.linalg.sorting import sorted_by
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.vectors import LANES
 
@@ -81,24 +82,16 @@ def split_into_joints(given, contact, begin, shared):
 @kernel()
 def group_joints(first, joint):
     """Joints (J,) subtree by subtree, those of most contacts first, and ``subtree`` and ``start`` of the groups that fours of them make."""
-    order, subtree, groups = np.empty(len(first) - 1, dtype=np.int64), np.zeros(len(joint), dtype=np.int64), 0
+    key, subtree, groups, most = np.empty(len(first) - 1, dtype=np.int64), np.zeros(len(joint), dtype=np.int64), 0, 0
+    for j in range(len(key)):
+        most = max(most, first[j + 1] - first[j])
     for q in range(len(joint) - 1):
         subtree[q + 1] = subtree[q] + (joint[q + 1] - joint[q] + LANES - 1) // LANES
+        for j in range(joint[q], joint[q + 1]):
+            key[j] = (q + 1) * most - (first[j + 1] - first[j])
+    order, _ = sorted_by(key, (len(joint) - 1) * most)
     start = np.zeros(subtree[-1] + 1, dtype=np.int64)
     for q in range(len(joint) - 1):
-        most = 0
-        for j in range(joint[q], joint[q + 1]):
-            most = max(most, first[j + 1] - first[j])
-        at = np.zeros(most + 1, dtype=np.int64)  # by number of contacts: where the joints with fewer begin
-        for j in range(joint[q], joint[q + 1]):
-            at[first[j + 1] - first[j] - 1] += 1
-        at[most] = joint[q]
-        for k in range(most - 1, -1, -1):
-            at[k] += at[k + 1]
-        for j in range(joint[q], joint[q + 1]):
-            count = first[j + 1] - first[j]
-            order[at[count]] = j
-            at[count] += 1
         for k in range(joint[q], joint[q + 1], LANES):
             start[groups + 1] = start[groups] + first[order[k] + 1] - first[order[k]]
             groups += 1
@@ -108,24 +101,11 @@ def group_joints(first, joint):
 @kernel()
 def sort_by_subtree(index, symbolic):
     """Contacts (C,) sorted by the subtree of their first body, in order within each, and the starts (K + 1,) of the subtrees."""
-    contacts, count, size = len(index), len(symbolic.subtree) - 1, len(symbolic.column) - 1
-    start = np.zeros(count + 1, dtype=np.int64)
-    start[count] = contacts
-    if count == 1:
-        return np.arange(contacts), start
-    start[count] = 0
-    subtree_of = np.empty(size + 1, dtype=np.int64)
+    count, size = len(symbolic.subtree) - 1, len(symbolic.column) - 1
+    subtree_of, own = np.full(size + 1, count - 1, dtype=np.int64), np.zeros(len(index), dtype=np.int64)
     for q in range(count):
         first, end = nodes_of(symbolic, q)
         subtree_of[first:end] = q
-    subtree_of[size] = count - 1
-    for c in range(contacts):
-        start[subtree_of[min(index[c, 0], index[c, 1])] + 1] += 1
-    for q in range(count):
-        start[q + 1] += start[q]
-    at, contact = start[:-1].copy(), np.empty(contacts, dtype=np.int64)
-    for c in range(contacts):
-        q = subtree_of[min(index[c, 0], index[c, 1])]
-        contact[at[q]] = c
-        at[q] += 1
-    return contact, start
+    for c in range(len(index) if count > 1 else 0):
+        own[c] = subtree_of[min(index[c, 0], index[c, 1])]
+    return sorted_by(own, count)

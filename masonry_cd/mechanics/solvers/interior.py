@@ -44,7 +44,6 @@ import numpy as np
 
 from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution
-from masonry_cd.mechanics.linalg.small_blocks import size_tuple
 from masonry_cd.mechanics.solvers import admm, nlgs
 from masonry_cd.mechanics.solvers.linearised import Settings, elimination_of
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
@@ -55,9 +54,6 @@ FAR = 1.0  # without
 FARTHER = (FAR, 10.0, 3.0, 30.0)  # of the starts of the path by its length: each has a path of its own, some with fewer folds
 TURN = 60  # iterations of the damped path, and then of proximal points
 FOLLOW, FINISH = 250, 240  # iterations of the path by its length, and of proximal points after the first: stiff springs settle slowly
-STIFFNESS = 1e4  # K at the start of the damped path
-RIGID = 1e8  # K of the other
-WIDE = 0.5  # how far products may be off the path, relative to those on it: much more, and it takes other branches for its own
 LEAVE = 100.0  # times the tolerance: where both paths are left, as proximal points finish sooner; at an error of FAR_OFF at most,
 FAR_OFF, CLOSE = 1e-3, 1e-4  # and that by its length of CLOSE at least
 FIRST = 2 * TURN  # factorisations of the first start, and of all:
@@ -76,36 +72,27 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     """
     if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
-    arrays, (bodies, n), m = problem.arrays(), problem.v_free.shape, problem.dimension
+    arrays, velocity = problem.arrays(), np.empty(problem.v_free.shape)
+    near = max(options.tolerance, min(LEAVE * options.tolerance, FAR_OFF))  # where the damped path is left
     state, factors, index, block = admm.recall(arrays, start)
     elimination = elimination_of(problem, factors.pattern, index, block)
-    velocity = np.empty((bodies, n))
 
-    def method(by_team: Entry, stiffness: float, tolerance: float) -> Method:
+    def method(by_team: Entry, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-            settings = Settings(distance, stiffness, WIDE, tolerance, allowed, size_tuple(m + 1))
+            settings = Settings(distance, tolerance, allowed)
             return over_bodies(by_team, arrays, elimination, settings, impulse, velocity, options.threads)
 
         return improve
 
-    proximal, near = method(newton_by_team, STIFFNESS, options.tolerance), _near(options.tolerance)
-    damped, path = (method(interior_by_team, STIFFNESS, near), TURN), (method(path_by_team, RIGID, max(near, CLOSE)), FOLLOW)
-    nothing = np.zeros((problem.contacts, m))
-    first, *others = _starts(nothing if start is None else start.impulse, (damped, (proximal, TURN)))
+    proximal = method(newton_by_team, options.tolerance)
+    damped, path = (method(interior_by_team, near), TURN), (method(path_by_team, max(near, CLOSE)), FOLLOW)
+    nothing = np.zeros((problem.contacts, problem.dimension))
+    begin = nothing if start is None else start.impulse
+    starts = [(begin, distance) for distance in DISTANCES if begin.any()]
+    first, *others = [(*place, (damped, (proximal, TURN))) for place in (*starts, (nothing, FAR))]
     paths: list[Try] = [(nothing, distance, (path, (proximal, FINISH if distance == FAR else TURN))) for distance in FARTHER]
     best, iterations, error = _search([first, paths[0], *others, *paths[1:]], options)
     return Solution(best, problem.body_velocity(best), iterations, options.reason("interior", error), state, error)
-
-
-def _near(tolerance: float) -> float:
-    """Error at which the damped path is left."""
-    return max(tolerance, min(LEAVE * tolerance, FAR_OFF))
-
-
-def _starts(begin: np.ndarray, methods: tuple[tuple[Method, int], ...]) -> list[Try]:
-    """The methods from near some impulses (C, m), unless there are none, and last from nothing."""
-    near: list[Try] = [(begin, distance, methods) for distance in DISTANCES if begin.any()]
-    return [*near, (np.zeros_like(begin), FAR, methods)]
 
 
 def _search(tries: list[Try], options: Options) -> tuple[np.ndarray, int, float]:

@@ -1,20 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The interior point method; see interior.py."""
+"""The interior point method and the central path followed by its length; see interior.py."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.linalg.threads import take, wait
+from masonry_cd.mechanics.linalg.threads import wait
 from masonry_cd.mechanics.solvers.central_path import (
-    Iterate,
-    Linearisation,
     advance,
-    allocate_iterate,
-    allocate_linearisation,
+    are_inside,
     begin_inside,
     complementarity,
     cones_of,
@@ -25,42 +20,29 @@ from masonry_cd.mechanics.solvers.central_path import (
     missing_velocity,
     soften,
 )
-from masonry_cd.mechanics.solvers.linearised import STIFFEST
-from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, factorise, missing_momentum
-from masonry_cd.mechanics.solvers.shares import begin_sums, chunk_of, sum_of_chunks
+from masonry_cd.mechanics.solvers.linearised import STIFFEST, body_velocity, contact_velocity, factorise, missing_momentum
+from masonry_cd.mechanics.solvers.shares import any_of, begin_sums, chunk_of, copy_share, sum_of_chunks
 
-
-class InteriorRoom(NamedTuple):
-    """What the interior point method works on."""
-
-    impulse: np.ndarray  # (C, m) those of the iterate, admissible where there is no friction
-    v: np.ndarray  # (B + 1, n) their velocities
-    here: Iterate
-    way: Iterate
-    linear: Linearisation
-
-
-@kernel()
-def allocate_interior(room, shape, rows):
-    """:class:`InteriorRoom` for contacts (C, m) and velocities of a shape."""
-    here, way = allocate_iterate(room, shape, rows), allocate_iterate(room, shape, rows)
-    return InteriorRoom(take(room, shape), take(room, rows), here, way, allocate_linearisation(room, here))
+STIFFNESS = 1e4  # K of the interior point method, to begin with
+RIGID = 1e8  # K of the path
+BEYOND = 1.02  # of a step, inside the cones
+WIDE = 0.5  # how far products may be off the path, relative to those on it: much more, and it takes other branches for its own
 
 
 @borrower()
 def corrector_rhs(shares, cones, way, linear, target, second):
     """The changes of the products that lead to ``target``, with the second order of the last direction if ``second`` is set."""
-    m, k, wanted, (first, end) = len(cones.m), len(cones.k), linear.wanted, shares.contacts
+    m, wanted, (first, end) = len(cones.m), linear.wanted, shares.contacts
     for c in range(first, end):
         if second:
             complementarity(way.w[c], way.p[c], way.gamma[c], cones.mu[c], m, wanted[c])
-        for i in range(k):
+        for i in range(m + 1):
             wanted[c, i] = (target if i < 2 else 0.0) - linear.product[c, i] - (wanted[c, i] if second else 0.0)
 
 
 @borrower()
 def mean_second_order(shares, cones, way, wanted):
-    """The second order of a direction in the gap, mean over the contacts; uses ``wanted`` (C, k) up."""
+    """The second order of a direction in the gap, mean over the contacts; uses ``wanted`` (C, m + 1) up."""
     contacts, turn, (first, end) = len(cones.mu), begin_sums(shares), shares.chunks
     for k in range(first, end):
         total = 0.0
@@ -93,8 +75,7 @@ def predict_and_correct(shares, problem, work, cones, inside, means, step):
     ``means`` are the gap and what w misses, see :func:`linearise_products`, ``step`` is the last one. Returns the longest step along the
     direction that stays inside the cones.
     """
-    gap, undone = means
-    here, way, linear = inside.here, inside.way, inside.linear
+    (gap, undone), here, way, linear = means, inside.here, inside.ways.ahead, inside.linear
     centring, longest = 0.0, 0.0
     for turn in range(3):
         if turn == 2 and longest >= 0.1:
@@ -108,25 +89,13 @@ def predict_and_correct(shares, problem, work, cones, inside, means, step):
     return longest
 
 
-@borrower()
-def stiffness_after(step, stiffness):
-    """Long steps can do with stiffer contacts, short ones need softer."""
-    if step > 0.5:
-        return min(4.0 * stiffness, STIFFEST)
-    return max(0.25 * stiffness, 1.0) if step < 0.1 else stiffness
-
-
 @kernel()
 def interior_point(shares, problem, work, inside, answer, settings):
-    """Interior point method from near ``answer``, which gets better; returns the iterations.
-
-    ``inside`` is its :class:`InteriorRoom`.
-    """
-    here, way, linear = inside.here, inside.way, inside.linear
-    cones, room = cones_of(problem.mu, problem.m, settings.k), work.room
+    """Interior point method from near ``answer``, which gets better, in the room of an :class:`Inside`; returns the iterations."""
+    here, linear, cones, room = inside.here, inside.linear, cones_of(problem), work.room
     contact_velocity(shares, problem, answer.velocity, linear.miss)
     begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
-    step, stiffness, iterations, short = 1.0, settings.stiffness, 0, 0
+    step, stiffness, iterations, short = 1.0, STIFFNESS, 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and short < 6:
         iterations += 1
         missing_velocity(shares, problem, here, 0.0, linear)
@@ -142,9 +111,179 @@ def interior_point(shares, problem, work, inside, answer, settings):
             stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
             continue
         step = min(1.0, 0.99 * predict_and_correct(shares, problem, work, cones, inside, means, step))
-        advance(shares, here, step, way)
+        advance(shares, here, step, inside.ways.ahead, here)
         short = short + 1 if step < 0.02 else 0
-        stiffness = stiffness_after(step, stiffness)
+        if step > 0.5:  # long steps can do with stiffer contacts, short ones need softer
+            stiffness = min(4.0 * stiffness, STIFFEST)
+        elif step < 0.1:
+            stiffness = max(0.25 * stiffness, 1.0)
+        if not judge(shares, problem, work, inside, answer) < np.inf:
+            break
+    return iterations
+
+
+@borrower()
+def way_product(shares, a, b, here, cones):
+    """Inner product of two directions, each relative to what it changes, mean over the contacts."""
+    mu, m, (w, p, gamma, _) = cones.mu, len(cones.m), here
+    turn, (first, end) = begin_sums(shares), shares.chunks
+    for k in range(first, end):
+        total = 0.0
+        begin, stop = chunk_of(k, len(mu))
+        for c in range(begin, stop):
+            slide, bound = 1.0 / gamma[c], 1.0 / (mu[c] * p[c, 0])
+            total += a.w[c, 0] * b.w[c, 0] / (w[c, 0] * w[c, 0]) + a.p[c, 0] * b.p[c, 0] / (p[c, 0] * p[c, 0])
+            total += a.gamma[c] * b.gamma[c] * slide * slide
+            for i in range(1, m):
+                total += a.w[c, i] * b.w[c, i] * slide * slide + a.p[c, i] * b.p[c, i] * bound * bound
+        shares.sums[turn, 0, k] = total
+    wait(shares.team)
+    return sum_of_chunks(shares, 0, len(mu)) / len(mu)
+
+
+@kernel(inline="always")
+def is_near(product, goal):
+    """Whether the products of a contact are off goal (1, e) by less than WIDE times goal."""
+    bound, across = WIDE * goal, (product[1] - goal) ** 2
+    for i in range(2, len(product)):
+        across += product[i] * product[i]
+    return abs(product[0] - goal) < bound and across < bound * bound
+
+
+@kernel()
+def path_directions(shares, problem, work, cones, linear, level, tau, ways):
+    """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,)."""
+    m, wanted, (first, end), (begin, stop) = len(cones.m), linear.wanted, shares.contacts, shares.rows
+    missing_momentum(shares, problem, linear.here.v, linear.here.p, work.room)
+    for c in range(first, end):
+        for i in range(m + 1):
+            wanted[c, i] = (tau * level[c] if i < 2 else 0.0) - linear.product[c, i]
+    interior_direction(shares, problem, work, cones, linear, ways.back)
+    work.room[begin:stop] = 0.0
+    for c in range(first, end):
+        for i in range(m + 1):
+            wanted[c, i] = tau * level[c] if i < 2 else 0.0
+        for i in range(m):
+            linear.miss[c, i] = -tau * linear.far[c, i]
+    interior_direction(shares, problem, work, cones, linear, ways.tangent)
+    dw, dp, dgamma, _ = ways.tangent
+    for c in range(first, end):
+        complementarity(dw[c], dp[c], dgamma[c], cones.mu[c], m, wanted[c])
+        for i in range(m + 1):
+            wanted[c, i] = -wanted[c, i]
+        for i in range(m):
+            linear.miss[c, i] = 0.0
+    interior_direction(shares, problem, work, cones, linear, ways.bend)
+
+
+@borrower()
+def turn_across(shares, ways, here, cones):
+    """Turn ``back`` and ``bend`` across the tangent: this is what lets the path turn back. Returns the relative changes of tau in them."""
+    back, tangent, bend = ways.back, ways.tangent, ways.bend
+    length = 1.0 + way_product(shares, tangent, tangent, here, cones)
+    drop = -way_product(shares, back, tangent, here, cones) / length
+    curve = -way_product(shares, bend, tangent, here, cones) / length
+    advance(shares, back, drop, tangent, back)
+    advance(shares, bend, curve, tangent, bend)
+    return drop, curve
+
+
+@kernel()
+def step_ahead(shares, here, ways, cones, level, tau, changes):
+    """ahead = back + h tangent + h^2 bend with the largest h of 2 (0.97 where tau falls), 3/4 of it, and so on, that stays inside the cones
+    and near the path.
+
+    ``changes`` are those of tau that go along, drop, sign and curve: drop + h sign + h^2 curve. Near: no product of a contact is off tau
+    times its level by more than WIDE times that. Returns the relative change of tau.
+    """
+    drop, sign, curve = changes
+    h, change, forbidding, room = (2.0 if sign > 0.0 else 0.97), 0.0, -1, np.empty((3, len(cones.m) + 1))
+    for turn in range(40):
+        h *= 0.75 if turn > 0 else 1.0
+        change = drop + h * sign + h * h * curve
+        if change <= -0.98:
+            continue
+        along = (h * sign, h * h, tau * (1.0 + change))
+        forbidding = first_forbidding(shares, here, ways, cones, forbidding, along, level, room)
+        if not any_of(shares, forbidding >= 0, len(level)):
+            break
+    advance(shares, ways.back, h * sign, ways.tangent, ways.ahead)
+    advance(shares, ways.ahead, h * h, ways.bend, ways.ahead)
+    return change
+
+
+@borrower()
+def first_forbidding(shares, here, ways, cones, last, along, level, room):
+    """A contact of the thread's that does not allow a step, -1 if there is none; see :func:`step_ahead`.
+
+    The one that forbade the last step is asked first, since it mostly forbids the next one too. ``along`` are the shares of tangent and
+    bend in the step, and tau at its end.
+    """
+    first, end = shares.contacts
+    for k in range(first - 1 if last >= 0 else first, end):
+        c = max(last, first) if k < first else k
+        if not _allows(here, ways, cones, c, along, along[2] * level[c], room):
+            return c
+    return -1
+
+
+@borrower()
+def _allows(here, ways, cones, c, along, goal, room):
+    """Whether contact c stays inside the cones, a little beyond the step too, and near the path with products of ``goal`` at its end.
+
+    The step is back + along[0] tangent + along[1] bend; ``room`` (3, m + 1) is scratch.
+    """
+    (back, tangent, bend, _), (first, second, _), m, mu = ways, along, len(cones.m), cones.mu[c]
+    w, p, product, gamma = room[0], room[1], room[2], 0.0
+    for share in (BEYOND, 1.0):
+        for i in range(m):
+            w[i] = here.w[c, i] + share * (back.w[c, i] + first * tangent.w[c, i] + second * bend.w[c, i])
+            p[i] = here.p[c, i] + share * (back.p[c, i] + first * tangent.p[c, i] + second * bend.p[c, i])
+        gamma = here.gamma[c] + share * (back.gamma[c] + first * tangent.gamma[c] + second * bend.gamma[c])
+        if share > 1.0 and not are_inside(w, p, gamma, mu, m):
+            return False
+    complementarity(w, p, gamma, mu, m, product)
+    return is_near(product, goal)
+
+
+@kernel()
+def choose_step(shares, here, ways, cones, level, tau, sign):
+    """Fill ``ahead``: back to the path first, and along it from near; returns the relative change of tau, whose sign is given."""
+    drop, curve = turn_across(shares, ways, here, cones)
+    longest = 0.9 * longest_step(shares, here, ways.back, cones)
+    if longest < 1.0:
+        advance(shares, ways.back, longest - 1.0, ways.back, ways.ahead)
+        return longest * drop
+    return step_ahead(shares, here, ways, cones, level, tau, (drop, sign, curve))
+
+
+@kernel()
+def path_by_length(shares, problem, work, inside, answer, settings):
+    """The central path followed by its length from near ``answer``, which gets better, in the room of an :class:`Inside`; returns the
+    iterations."""
+    here, linear, ways, cones, room = inside.here, inside.linear, inside.ways, cones_of(problem), work.room
+    # a point on the path at tau = 1, where w is off by far
+    contact_velocity(shares, problem, answer.velocity, linear.miss)
+    shift = begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
+    level = shift * shift / problem.d
+    body_velocity(shares, problem, here.p, room, here.v)
+    missing_velocity(shares, problem, here, 0.0, linear)
+    copy_share(shares.contacts, linear.miss, linear.far)
+    soften(shares, problem, RIGID, linear)
+    tau, iterations = 1.0, 0
+    while iterations < settings.limit and answer.error[0] > settings.tolerance:
+        iterations += 1
+        missing_velocity(shares, problem, here, tau, linear)
+        gap, _ = linearise_products(shares, cones, linear)
+        if np.isnan(gap):
+            break
+        sign = factorise(shares, problem, work, linear.gain)
+        if sign == 0.0:
+            break
+        path_directions(shares, problem, work, cones, linear, level, tau, ways)
+        change = choose_step(shares, here, ways, cones, level, tau, -sign)
+        advance(shares, here, 1.0, ways.ahead, here)
+        tau *= 1.0 + change
         if not judge(shares, problem, work, inside, answer) < np.inf:
             break
     return iterations

@@ -21,24 +21,55 @@ from masonry_cd.mechanics.friction.operators import (
     widths_in_order,
 )
 from masonry_cd.mechanics.linalg.threads import SharedRoom, ThreadTeam, room_of_own, run_by_team, take, wait
-from masonry_cd.mechanics.solvers.interior_kernels import allocate_interior, interior_point
-from masonry_cd.mechanics.solvers.linearised import Answer, Elimination, Settings, Work, allocate_work, largest
+from masonry_cd.mechanics.solvers.central_path import allocate_inside
+from masonry_cd.mechanics.solvers.interior_kernels import interior_point, path_by_length
+from masonry_cd.mechanics.solvers.linearised import (
+    Answer,
+    Elimination,
+    Settings,
+    Work,
+    allocate_work,
+    contact_velocity,
+    largest,
+    map_norm,
+)
 from masonry_cd.mechanics.solvers.newton_kernels import allocate_newton, newton_points
-from masonry_cd.mechanics.solvers.path_kernels import allocate_paths, path_by_length
 from masonry_cd.mechanics.solvers.pivoting_kernels import allocate_pivoting, pivoting_points
-from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, map_norm
-from masonry_cd.mechanics.solvers.shares import Shares, allocate_sums, copy_share, shares_of
+from masonry_cd.mechanics.solvers.shares import allocate_sums, copy_share, shares_of
+
+
+class Common(NamedTuple):
+    """Room that each of these methods needs."""
+
+    sums: np.ndarray  # of :class:`Shares`
+    inverse: np.ndarray  # (B, n, n) M^-1
+    mass: np.ndarray  # (B, n, n) M
+    free: np.ndarray  # (B, n) v_free
+    d: np.ndarray  # (C,) scales
+    v: np.ndarray  # (B + 1, n) velocities of the answer
+    q: np.ndarray  # (C, m) velocities of the contacts without impulses
+    work: Work
 
 
 @kernel()
-def in_order(shares, room, problem, elimination):
+def allocate_common(room, problem, elimination):
+    """:class:`Common` for ProblemArrays."""
+    shape, (bodies, n), symbolic = problem.offset.shape, problem.v_free.shape, elimination.symbolic
+    blocks, rows = (bodies, n, n), (bodies + 1, n)
+    return Common(
+        allocate_sums(room, shape[0], bodies), take(room, blocks), take(room, blocks), take(room, (bodies, n)), take(room, shape[:1]),
+        take(room, rows), take(room, shape), allocate_work(room, symbolic, problem.n, rows, len(elimination.frame)),
+    )  # fmt: skip
+
+
+@kernel()
+def in_order(shares, common, problem, elimination):
     """The :class:`OrderedProblem` of ProblemArrays."""
-    order, places, (first, end) = elimination.order, elimination.places, shares.rows
-    inverse, mass, free, d = allocate_problem(room, problem)
-    put_in_order(problem, order, first, end, inverse, mass, free)
+    inverse, mass, free, d, order = common.inverse, common.mass, common.free, common.d, elimination.order
+    put_in_order(problem, order, shares.rows[0], shares.rows[1], inverse, mass, free)
     ordered = OrderedProblem(
-        inverse, mass, free, places, elimination.block, problem.jacobian, elimination.frame, problem.offset, problem.mu, problem.compliance,
-        widths_in_order(problem.width, order), d, problem.coupling, problem.m, problem.n,
+        inverse, mass, free, elimination.places, elimination.block, problem.jacobian, elimination.frame, problem.offset, problem.mu,
+        problem.compliance, widths_in_order(problem.width, order), d, problem.coupling, problem.m, problem.n,
     )  # fmt: skip
     wait(shares.team)
     measure_scales(ordered, shares.contacts[0], shares.contacts[1])
@@ -46,51 +77,24 @@ def in_order(shares, room, problem, elimination):
 
 
 @kernel()
-def allocate_problem(room, problem):
-    """Room for M^-1, M (B, n, n), v_free (B, n) and d (C,) of ProblemArrays."""
-    bodies, n = problem.v_free.shape
-    return take(room, (bodies, n, n)), take(room, (bodies, n, n)), take(room, (bodies, n)), take(room, (len(problem.mu),))
-
-
-@kernel()
-def allocate_answer(room, shape, rows):
-    """Room for the velocities of the answer, and for those without impulses of the contacts (C, m)."""
-    return take(room, rows), take(room, shape)
-
-
-@kernel()
-def answer_of(shares, room, problem, scratch, impulse):
+def answer_of(shares, common, problem, impulse):
     """The answer to begin with: ``impulse`` (C, m) itself, and its velocities and error."""
-    v, q = allocate_answer(room, impulse.shape, scratch.shape)
+    v, q, error = common.v, common.q, np.empty(1)
     copy_share(shares.rows, problem.free, v)
     contact_velocity(shares, problem, v, q)
-    square, error = squared_size_of(problem, v, 0, len(q)), np.empty(1)
+    square = squared_size_of(problem, v, 0, len(q))
     size = np.sqrt(square) if square > 0.0 else 1.0
     wait(shares.team)
-    error[0] = map_norm(shares, problem, impulse, scratch, v) / size
+    error[0] = map_norm(shares, problem, impulse, common.work.room, v) / size
     return Answer(impulse, v, error, size, largest(q))
-
-
-class Begun(NamedTuple):
-    """What each method over bodies works with."""
-
-    room: SharedRoom  # for what is its own
-    shares: Shares
-    problem: OrderedProblem
-    work: Work
-    answer: Answer
 
 
 @entry()
 def room_needed(problem: ProblemArrays, elimination: Elimination) -> int:
     """Entries of the :class:`SharedRoom` of a team, enough for each of these methods."""
-    room, shape, rows, contacts = room_of_own(), problem.offset.shape, (len(elimination.order) + 1, len(problem.n)), len(problem.mu)
-    allocate_sums(room, contacts, len(elimination.order))
-    allocate_problem(room, problem)
-    allocate_work(room, elimination.symbolic, problem.n, rows, len(elimination.frame))
-    allocate_answer(room, shape, rows)
-    allocate_interior(room, shape, rows)
-    allocate_paths(room, shape, rows)
+    room, shape = room_of_own(), problem.offset.shape
+    rows = allocate_common(room, problem, elimination).v.shape
+    allocate_inside(room, shape, rows)
     allocate_newton(room, shape, rows)
     return int(room.used[0])
 
@@ -107,27 +111,19 @@ class Given(NamedTuple):
 
 
 @kernel()
-def begin(team, given):
-    """What a method begins with."""
-    problem, elimination, _, impulse, _, values = given
-    room, rows = SharedRoom(values, np.zeros(1, dtype=np.int64)), (len(elimination.order) + 1, len(problem.n))
-    bodies = len(elimination.order)
-    sums = allocate_sums(room, len(impulse), bodies)
-    shares = shares_of(team, len(impulse), bodies, sums)
-    ordered = in_order(shares, room, problem, elimination)
-    work = allocate_work(room, elimination.symbolic, problem.n, rows, len(elimination.frame))
-    return Begun(room, shares, ordered, work, answer_of(shares, room, ordered, work.room, impulse))
-
-
-@kernel()
 def improve(method, allocate, team, given):
     """Iterations and natural map error of a method, which works on what ``allocate`` makes, by a thread of a team."""
-    room, shares, ordered, work, answer = begin(team, given)
-    inside = allocate(room, given.impulse.shape, work.room.shape)
-    iterations = method(shares, ordered, work, inside, answer, given.settings)
+    problem, elimination, settings, impulse, velocity, values = given
+    order, room = elimination.order, SharedRoom(values, np.zeros(1, dtype=np.int64))
+    common = allocate_common(room, problem, elimination)
+    shares = shares_of(team, len(impulse), len(order), common.sums)
+    ordered = in_order(shares, common, problem, elimination)
+    answer = answer_of(shares, common, ordered, impulse)
+    inside = allocate(room, impulse.shape, common.v.shape)
+    iterations = method(shares, ordered, common.work, inside, answer, settings)
     for b in range(shares.rows[0], shares.rows[1]):
         for i in range(len(ordered.n)):
-            given.velocity[given.elimination.order[b], i] = answer.velocity[b, i]
+            velocity[order[b], i] = answer.velocity[b, i]
     return iterations, answer.error[0]
 
 
@@ -146,13 +142,13 @@ def pivoting_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
 @entry()
 def interior_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
     """The interior point method."""
-    return improve(interior_point, allocate_interior, team, given)
+    return improve(interior_point, allocate_inside, team, given)
 
 
 @entry()
 def path_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
     """The path by its length."""
-    return improve(path_by_length, allocate_paths, team, given)
+    return improve(path_by_length, allocate_inside, team, given)
 
 
 def over_bodies(

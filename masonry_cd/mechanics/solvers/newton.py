@@ -27,7 +27,6 @@ import numpy as np
 
 from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
-from masonry_cd.mechanics.linalg.small_blocks import size_tuple
 from masonry_cd.mechanics.solvers import admm, nlgs
 from masonry_cd.mechanics.solvers.linearised import Settings, elimination_of
 from masonry_cd.mechanics.solvers.linearised_bodies import newton_by_team, over_bodies
@@ -56,6 +55,6 @@ def solve_by_proximal_points(
     impulse, velocity = first_impulse(problem, start), np.empty(problem.v_free.shape)
     state, factors, index, block = admm.recall(problem.arrays(), start)
     elimination = elimination_of(problem, factors.pattern, index, block)
-    settings = Settings(0.0, 0.0, 0.0, options.tolerance, options.limit(limit), size_tuple(problem.dimension + 1))
+    settings = Settings(0.0, options.tolerance, options.limit(limit))
     iterations, error = over_bodies(by_team, problem.arrays(), elimination, settings, impulse, velocity, threads)
     return Solution(impulse, velocity, iterations, options.reason(name, error), state, error)

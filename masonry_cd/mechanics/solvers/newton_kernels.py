@@ -10,19 +10,17 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK
 from masonry_cd.mechanics.linalg.threads import take, wait
+from masonry_cd.mechanics.solvers.linearised import factorise, solve_by_first
 from masonry_cd.mechanics.solvers.proximal_kernels import (
     FREE,
     HELD,
     Course,
-    allocate_centre,
     allocate_springs,
     proximal_points,
     spring_blocks,
     spring_changes,
-    spring_direction,
     spring_residual,
 )
-from masonry_cd.mechanics.solvers.shared_operators import factorise
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks
 
 FOLDS = 3  # times that the same contact turns at once, after which a problem with springs is given up
@@ -42,7 +40,7 @@ class Search(NamedTuple):
 def allocate_newton(room, shape, rows):
     """What proximal points by Newton work on, for contacts (C, m) and velocities of a shape."""
     search = Search(take(room, rows), take(room, rows), take(room, rows), take(room, rows))
-    return allocate_springs(room, shape), search, allocate_centre(room, shape, rows)
+    return allocate_springs(room, shape, rows), search
 
 
 @entry()
@@ -136,7 +134,8 @@ def settle_springs(shares, moved, work, springs, stiffness, goal, most, search):
         spent += 1
         if factorise(shares, moved, work, springs.block) == 0.0:
             break
-        spring_direction(shares, work, search)
+        solve_by_first(shares, work.factor, search.residual)
+        copy_share(shares.rows, search.residual, search.change)
         copy_share(shares.contacts, springs.status, springs.held)
         new, enough = shorten_step(shares, moved, springs, stiffness, search, norm)
         if enough:

@@ -61,14 +61,9 @@ def solve_by_sweeps(name: str, extrapolated: bool, problem: Problem, options: Op
     else:
         joints, threads = colour_joints(scaled.problem.places, len(velocity)), options.threads
         if len(given.coupling.indptr) or (not extrapolated and problem.contacts < COLOURED):
-            joints, threads = one_by_one(joints), 1
+            count = len(joints.order)
+            joints, threads = ColouredJoints(joints.start, np.arange(count), np.arange(count + 1)), 1  # a colour for each
         history = SweepHistory(np.empty_like(impulse), np.empty_like(scaled.y), np.empty_like(impulse), np.empty(PARTS))
         sweeps, error = run_by_team(sweep_bodies, threads, scaled, joints, history, settings)
     end_sweeps(scaled, given.v_free, impulse, velocity)
     return Solution(impulse, velocity, sweeps, options.reason(name, error, "sweep limit reached"), error=error)
-
-
-def one_by_one(joints: ColouredJoints) -> ColouredJoints:
-    """The joints with a colour for each."""
-    count = len(joints.order)
-    return ColouredJoints(joints.start, np.arange(count), np.arange(count + 1))

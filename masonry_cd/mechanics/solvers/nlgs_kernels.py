@@ -15,22 +15,14 @@ from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.coulomb_law import P
 from masonry_cd.mechanics.friction.law_terms import PARTS, part_of
 from masonry_cd.mechanics.friction.natural_map import error_of
-from masonry_cd.mechanics.friction.operators import ProblemArrays
+from masonry_cd.mechanics.friction.operators import ProblemArrays, squared_map_norm_of
 from masonry_cd.mechanics.friction.random_order import seeded, shuffle
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
+from masonry_cd.mechanics.linalg.sorting import sorted_by
 from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, wait
-from masonry_cd.mechanics.solvers.nlgs_sweep import sweep
-from masonry_cd.mechanics.solvers.nlgs_table import (
-    ScaledProblem,
-    collect,
-    measure_error,
-    read_answer,
-    scaled_problem,
-    squared_residuals_of,
-)
+from masonry_cd.mechanics.solvers.nlgs_sweep import ScaledProblem, collect, impulses_of, scaled_problem, sweep
 
 COLOURS = 128  # at most; more joints than that hardly meet in a block, and those that find no colour share the last one, one by one
-AHEAD = 4  # joints of one colour that are fetched ahead
 
 
 class SweepSettings(NamedTuple):
@@ -64,7 +56,8 @@ class SweepHistory(NamedTuple):
 def begin_sweeps(given: ProblemArrays, p: np.ndarray) -> tuple[ScaledProblem, float]:
     """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m), and their natural map error."""
     scaled = scaled_problem(given, p)
-    return scaled, measure_error(scaled)
+    collect(scaled, 0, len(scaled.factor))
+    return scaled, error_of(squared_map_norm_of(scaled.problem, impulses_of(scaled), scaled.y, 0, len(p)), scaled.size)
 
 
 @entry()
@@ -85,7 +78,6 @@ def colour_joints(index: np.ndarray, bodies: int) -> ColouredJoints:
     start[joints] = contacts
     taken = np.zeros((bodies + 1, COLOURS // 64), dtype=np.uint64)  # a bit for each colour
     colour = np.empty(joints, dtype=np.int64)
-    count = np.zeros(COLOURS + 1, dtype=np.int64)
     for j in range(joints):
         a, b = index[start[j], 0], index[start[j], 1]
         for k in range(COLOURS):
@@ -93,17 +85,11 @@ def colour_joints(index: np.ndarray, bodies: int) -> ColouredJoints:
             if not ((taken[a, word] | taken[b, word]) & bit) or k == COLOURS - 1:
                 break
         colour[j] = k
-        count[k + 1] += 1
         for body in (a, b):
             if body < bodies:  # supports do not move: any number of joints may rest on them at once
                 taken[body, word] |= bit
-    for k in range(COLOURS):
-        count[k + 1] += count[k]
-    at, order = count[:-1].copy(), np.empty(joints, dtype=np.int64)
-    for j in range(joints):
-        order[at[colour[j]]] = j
-        at[colour[j]] += 1
-    return ColouredJoints(start[: joints + 1], order, count)
+    order, begin = sorted_by(colour, COLOURS)
+    return ColouredJoints(start[: joints + 1], order, begin)
 
 
 @entry()
@@ -115,8 +101,9 @@ def sweep_bodies(
     Returns the sweeps made and the natural map error of the best impulses.
     """
     smallest = error = measure_by_team(team, scaled, history.sums)
-    keep(team, scaled, history.best)
-    keep(team, scaled, history.p)
+    impulses = impulses_of(scaled)
+    copy_impulses(team, impulses, history.best)
+    copy_impulses(team, impulses, history.p)
     first, end = share_of(team, 0, len(scaled.y))
     copy_flat(scaled.y[first:end], history.y[first:end])
     wait(team)  # the others sweep over what is copied here
@@ -130,43 +117,31 @@ def sweep_bodies(
             before, error = error, measure_by_team(team, scaled, history.sums)
             if error < smallest:
                 smallest = error
-                keep(team, scaled, history.best)
+                copy_impulses(team, impulses, history.best)
             if not error <= before:
                 weight = 1.0
         if settings.extrapolated:
-            weight, factor = next_weight(weight)
-            extrapolate(team, scaled, history, factor)
-    restore(team, scaled, history.best)
+            last, weight = weight, 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
+            extrapolate(team, scaled, history, (last - 1.0) / weight)
+    copy_impulses(team, history.best, impulses)
+    wait(team)
     measure_by_team(team, scaled, history.sums)  # and y with it
     return sweeps, smallest
-
-
-@kernel(inline="always")
-def next_weight(weight):
-    """Nesterov's next weight, and the share of the last step by which the impulses are extrapolated."""
-    after = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
-    return after, (weight - 1.0) / after
 
 
 @kernel()
 def sweep_by_team(team, scaled, joints, colours):
     """One sweep over the colours in an order. Joints of one share no body that moves, but for the last, whose joints one thread takes."""
     for colour in colours:
-        low, high = joints.colour[colour], joints.colour[colour + 1]
-        if low == high:
+        first, end = joints.colour[colour], joints.colour[colour + 1]
+        if first == end:
             continue
-        first, end = share_of_colour(team, colour, joints)
-        sweep(scaled, joints.start, joints.order[first:end], AHEAD)
+        if colour < len(joints.colour) - 2:
+            first, end = share_of(team, first, end)
+        elif team.rank > 0:
+            first = end
+        sweep(scaled, joints.start, joints.order[first:end])
         wait(team)
-
-
-@kernel(inline="always")
-def share_of_colour(team, colour, joints):
-    """First and end of the thread's share of the joints of a colour."""
-    low, high = joints.colour[colour], joints.colour[colour + 1]
-    if colour < len(joints.colour) - 2:
-        return share_of(team, low, high)
-    return (low, high) if team.rank == 0 else (low, low)
 
 
 @kernel()
@@ -178,7 +153,7 @@ def measure_by_team(team, scaled, sums):
     first, end = share_of(team, 0, PARTS)
     for part in range(first, end):
         begin, stop = part_of(part, len(scaled.table))
-        sums[part] = squared_residuals_of(scaled, begin, stop)
+        sums[part] = squared_map_norm_of(scaled.problem, impulses_of(scaled), scaled.y, begin, stop)
     wait(team)
     residual = sums.sum()
     wait(team)
@@ -204,25 +179,24 @@ def extrapolate(team, scaled, history, factor):
 
 
 @borrower()
-def keep(team, scaled, out):
-    """Copy the impulses of the table into ``out`` (C, m)."""
-    first, end = share_of(team, 0, len(out))
+def copy_impulses(team, source, target):
+    """The thread's share of target = source, both (C, m)."""
+    first, end = share_of(team, 0, len(source))
     for c in range(first, end):
-        for i in range(out.shape[1]):
-            out[c, i] = scaled.table[c, P + i]
-
-
-@borrower()
-def restore(team, scaled, p):
-    """Copy impulses p (C, m) into the table."""
-    first, end = share_of(team, 0, len(p))
-    for c in range(first, end):
-        for i in range(p.shape[1]):
-            scaled.table[c, P + i] = p[c, i]
-    wait(team)
+        for i in range(source.shape[1]):
+            target[c, i] = source[c, i]
 
 
 @entry()
 def end_sweeps(scaled: ScaledProblem, v_free: np.ndarray, p: np.ndarray, v: np.ndarray) -> None:
-    """The answer of a ScaledProblem: impulses p (C, m) and velocities v (B, n)."""
-    read_answer(scaled, v_free, p, v)
+    """The answer of a ScaledProblem: its impulses p (C, m), and v = v_free + L y (B, n)."""
+    table, factor, y = scaled.table, scaled.factor, scaled.y
+    for c in range(len(p)):
+        for i in range(p.shape[1]):
+            p[c, i] = table[c, P + i]
+    for body in range(v.shape[0]):
+        for i in range(v.shape[1]):
+            total = v_free[body, i]
+            for k in range(i + 1):
+                total += factor[body, i, k] * y[body, k]
+            v[body, i] = total

@@ -11,18 +11,17 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK
 from masonry_cd.mechanics.friction.operators import velocity_of_contact
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
+from masonry_cd.mechanics.solvers.linearised import factorise
 from masonry_cd.mechanics.solvers.proximal_kernels import (
     FREE,
     HELD,
     Course,
-    allocate_centre,
     allocate_springs,
     proximal_points,
     softness,
     spring_blocks,
     spring_residual,
 )
-from masonry_cd.mechanics.solvers.shared_operators import factorise
 
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
 PIVOTING = Course(softest=1e3, stiffest=1e3, growth=10.0, leap=1.0, fall=10.0, calm=0.5, iterations=10**9, failures=16, ties=1e-3)
@@ -54,7 +53,7 @@ def allocate_pivoting(room, shape, rows):
     z, contact, b, ratio = np.zeros((UPDATES, *rows)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
     product, share, hard = np.empty((UPDATES, UPDATES)), np.empty(UPDATES), np.empty((contacts, 2))
     path = Path(np.zeros(rows), np.empty(rows), np.empty(rows), z, contact, np.empty(2), b, ratio, product, share, hard)
-    return allocate_springs(room, shape), path, allocate_centre(room, shape, rows)
+    return allocate_springs(room, shape, rows), path
 
 
 @borrower()

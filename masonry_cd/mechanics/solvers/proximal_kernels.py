@@ -13,10 +13,9 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
-from masonry_cd.mechanics.friction.operators import OrderedProblem, has_unit_masses, velocity_of_contact
+from masonry_cd.mechanics.friction.operators import OrderedProblem, has_unit_masses
 from masonry_cd.mechanics.linalg.threads import take, wait
-from masonry_cd.mechanics.solvers.linearised import STIFFEST, keep_better
-from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, map_norm, missing_momentum, solve_by_first
+from masonry_cd.mechanics.solvers.linearised import STIFFEST, contact_change, contact_velocity, keep_better, map_norm, missing_momentum
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, copy_share, sum_of
 
 GOLDEN, TIGHT = 0.6180339887498949, 1e-8
@@ -34,13 +33,8 @@ class Springs(NamedTuple):
     held: np.ndarray  # (C,) a status to come back to
     dx: np.ndarray  # (C, m) change of the trial impulses
     block: np.ndarray  # (C, m, m) B = -dp/du
-
-
-class Centre(NamedTuple):
-    """The centre, and the problem with velocities as they are counted from it."""
-
-    v: np.ndarray  # velocities of the centre
-    own: np.ndarray  # and of its impulses
+    v: np.ndarray  # (B + 1, n) velocities of the centre
+    own: np.ndarray  # (B + 1, n) those of its impulses
     free: np.ndarray  # (B + 1, n) room for :func:`movable`
     offset: np.ndarray  # (C, m) likewise
 
@@ -60,18 +54,12 @@ class Course(NamedTuple):
 
 
 @kernel()
-def allocate_springs(room, shape):
-    """Room for :class:`Springs` of contacts (C, m)."""
+def allocate_springs(room, shape, rows):
+    """Room for :class:`Springs` of contacts (C, m) and velocities of a shape."""
     contacts, m = shape
     status, held = take(room, shape[:1]).view(np.int64), take(room, shape[:1]).view(np.int64)
-    block = take(room, (contacts, m, m))
-    return Springs(take(room, shape), take(room, shape), take(room, shape), status, held, take(room, shape), block)
-
-
-@kernel()
-def allocate_centre(room, shape, rows):
-    """:class:`Centre` for contacts (C, m) and velocities of a shape."""
-    return Centre(take(room, rows), take(room, rows), take(room, rows), take(room, shape))
+    centre, x, p, dx, block = take(room, shape), take(room, shape), take(room, shape), take(room, shape), take(room, (contacts, m, m))
+    return Springs(centre, x, p, status, held, dx, block, take(room, rows), take(room, rows), take(room, rows), take(room, shape))
 
 
 @kernel(inline="always")
@@ -82,56 +70,28 @@ def softness(compliance, scale, c, m):
     return scale, scale
 
 
-@kernel(inline="always")
-def project_trial(springs, mu, c, held, m):
-    """Impulse p of contact c from its trial impulse x, by its status, which follows x or is ``held`` as it is."""
-    x, p, status = springs.x, springs.p, springs.status
-    length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
-    if not held:
-        status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
-    share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
-    for i in range(m):
-        p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
-
-
-@kernel(inline="always")
-def spring_block(springs, mu, soft_n, soft_t, c, size_m):
-    """Fill B = -dp/du of the springs of contact c, from its trial impulse and status."""
-    m, x, blocks, status = len(size_m), springs.x, springs.block, springs.status
-    for i in range(m):
-        for j in range(m):
-            blocks[c, i, j] = 0.0
-    if status[c] != OPEN:
+@borrower()
+def spring_blocks(shares, problem, springs, stiffness):
+    """B = -dp/du of the springs (C, m, m), from their trial impulses and statuses."""
+    m, x, blocks, status, (first, end) = len(problem.m), springs.x, springs.block, springs.status, shares.contacts
+    for c in range(first, end):
+        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, m)
+        for i in range(m):
+            for j in range(m):
+                blocks[c, i, j] = 0.0
+        if status[c] == OPEN:
+            continue
         blocks[c, 0, 0] = 1.0 / soft_n
         length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
-        share = mu * max(x[c, 0], 0.0) / length if length > 0.0 else 1.0
+        share = problem.mu[c] * max(x[c, 0], 0.0) / length if length > 0.0 else 1.0
         for i in range(1, m):
             if status[c] == STICK:
                 blocks[c, i, i] = 1.0 / soft_t
             elif length > 0.0:
-                blocks[c, i, 0] = mu * x[c, i] / (length * soft_n)
+                blocks[c, i, 0] = problem.mu[c] * x[c, i] / (length * soft_n)
                 for j in range(1, m):  # zero in a plane
                     across = (1.0 if i == j else 0.0) - x[c, i] * x[c, j] / (length * length)
                     blocks[c, i, j] = min(share, 1.0) / soft_t * across
-
-
-@borrower()
-def spring_blocks(shares, problem, springs, stiffness):
-    """B = -dp/du of the springs (C, m, m)."""
-    first, end = shares.contacts
-    for c in range(first, end):
-        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, len(problem.m))
-        spring_block(springs, problem.mu[c], soft_n, soft_t, c, problem.m)
-
-
-@borrower()
-def stiffness_after_springs(stiffness, growth, leap, solved, spent):
-    """The next K after ``spent`` iterations: stiffer after few, and by a ``leap`` after very few; softer after a problem not solved."""
-    if not solved:
-        return stiffness / growth
-    if spent > 8:
-        return stiffness
-    return stiffness * (leap if spent < 4 else growth)
 
 
 @borrower()
@@ -157,25 +117,13 @@ def movable(problem, free, offset):
 
 
 @borrower()
-def begin_at(shares, problem, moved, centre, v):
-    """Count velocities from ``centre`` (B + 1, n), and begin there: at v = 0."""
-    first, end = shares.rows
-    add_share(shares.rows, problem.free, -1.0, centre, moved.free)
-    contact_velocity(shares, problem, centre, moved.offset)
-    v[first:end] = 0.0
-
-
-@borrower()
-def move_centre(shares, centre, v):
-    """centre += v."""
-    add_share(shares.rows, centre, 1.0, v, centre)
-
-
-@borrower()
 def spring_residual(shares, problem, springs, stiffness, v, held, out):
-    """Fill x and p of the springs at velocities v, and out = M (v_free - v) + G p (B + 1, n); returns the norm of that in M^-1."""
-    m, compliance, d, x, centre = len(problem.m), problem.compliance, problem.d, springs.x, springs.centre
-    first, end = shares.contacts
+    """Fill x and p of the springs at velocities v, and out = M (v_free - v) + G p (B + 1, n); returns the norm of that in M^-1.
+
+    The statuses follow x, or are ``held`` as they are.
+    """
+    m, compliance, d, x, p, centre = len(problem.m), problem.compliance, problem.d, springs.x, springs.p, springs.centre
+    mu, status, (first, end) = problem.mu, springs.status, shares.contacts
     contact_velocity(shares, problem, v, x)
     for c in range(first, end):
         soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
@@ -183,7 +131,12 @@ def spring_residual(shares, problem, springs, stiffness, v, held, out):
             soft = soft_n if i == 0 else soft_t
             own = compliance[c, i] if len(compliance) else 0.0
             x[c, i] = ((soft - own) * centre[c, i] - x[c, i]) / soft
-        project_trial(springs, problem.mu, c, held, m)
+        length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
+        if not held:
+            status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
+        share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
+        for i in range(m):
+            p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
     missing_momentum(shares, problem, v, springs.p, out)
     return norm_of_momentum(shares, problem, out)
 
@@ -205,59 +158,57 @@ def norm_of_momentum(shares, problem, momentum):
     return np.sqrt(max(sum_of(shares, 0, len(problem.inverse)), 0.0))
 
 
-@kernel()
-def spring_direction(shares, work, search):
-    """The Newton step, (M + G B H) dv = r with the residual r, which it uses up."""
-    solve_by_first(shares, work.factor, search.residual)
-    copy_share(shares.rows, search.residual, search.change)
-
-
 @borrower()
 def spring_changes(shares, problem, springs, stiffness, change):
     """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
     dx, m, (first, end) = springs.dx, len(problem.m), shares.contacts
     wait(shares.team)
+    contact_change(shares, problem, change, dx)
     for c in range(first, end):
         soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, m)
-        u0, u1, u2 = velocity_of_contact(problem, change, c)
-        dx[c, 0], dx[c, 1] = -u0 / soft_n, -u1 / soft_t
-        if m == 3:
-            dx[c, 2] = -u2 / soft_t
+        for i in range(m):
+            dx[c, i] /= -soft_n if i == 0 else -soft_t
 
 
 @kernel()
 def proximal_points(settle, shares, problem, work, inside, course, answer, settings):
     """Proximal points from ``answer`` on, which gets better; returns the iterations.
 
-    ``settle`` solves the problem of a centre, ``inside`` are :class:`Springs`, its room, which has velocities v, and a :class:`Centre`.
+    ``settle`` solves the problem of a centre, ``inside`` are :class:`Springs` and its room, which has velocities v.
     Centres that the springs leave where they are, without a factorisation, have the same limit as those: near what rounding leaves there
     may be no end of them.
     """
-    springs, search, centre = inside
+    springs, search = inside
     copy_share(shares.contacts, answer.impulse, springs.centre)
     copy_share(shares.contacts, answer.impulse, springs.p)
-    copy_share(shares.rows, answer.velocity, centre.v)
-    moved, error = movable(problem, centre.free, centre.offset), answer.error[0]
+    copy_share(shares.rows, answer.velocity, springs.v)
+    moved, error = movable(problem, springs.free, springs.offset), answer.error[0]
     stiffness, growth, fall = min(max(1.0 / max(error, 1e-300), course.softest), course.stiffest), course.growth, course.fall
     iterations, failed, idle = 0, 0, 0
     while max(iterations, idle) < settings.limit and answer.error[0] > settings.tolerance and failed < course.failures:
         goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
         most = min(settings.limit - iterations, course.iterations)
-        begin_at(shares, problem, moved, centre.v, search.v)
+        add_share(shares.rows, problem.free, -1.0, springs.v, moved.free)  # velocities are counted from that of the centre
+        contact_velocity(shares, problem, springs.v, moved.offset)
+        search.v[shares.rows[0] : shares.rows[1]] = 0.0
         if course.ties > 0.0:
-            break_ties(centre.offset, course.ties * min(settings.tolerance, TIGHT) * answer.speed)
+            break_ties(springs.offset, course.ties * min(settings.tolerance, TIGHT) * answer.speed)
         solved, spent = settle(shares, moved, work, springs, stiffness, goal, most, search)
         iterations += spent
         idle += spent == 0
-        new = map_norm(shares, problem, springs.p, work.room, centre.own) / answer.size
+        new = map_norm(shares, problem, springs.p, work.room, springs.own) / answer.size
         if not solved and not new < WON * error:
             stiffness, failed = max(stiffness / fall, 1e-3), failed + 1
             growth, fall = course.growth**course.calm, course.fall**course.calm
             continue
         leap = growth**course.leap if new > 0.5 * error else growth
-        stiffness = min(stiffness_after_springs(stiffness, growth, leap, solved, spent), STIFFEST)
+        if not solved:
+            stiffness /= growth
+        elif spent <= 8:
+            stiffness *= leap if spent < 4 else growth
+        stiffness = min(stiffness, STIFFEST)
         error, failed = new, 0
         copy_share(shares.contacts, springs.p, springs.centre)
-        move_centre(shares, centre.v, search.v)
-        keep_better(shares, answer, springs.p, centre.own, error)
+        add_share(shares.rows, springs.v, 1.0, search.v, springs.v)
+        keep_better(shares, answer, springs.p, springs.own, error)
     return iterations

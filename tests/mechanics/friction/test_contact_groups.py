@@ -29,7 +29,7 @@ from masonry_cd.mechanics.friction.operators import ProblemArrays, put_in_order
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.vectors import LANES, load_four
-from masonry_cd.mechanics.solvers.admm_factor import augment
+from masonry_cd.mechanics.solvers.admm_subtrees import augment
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmWorkspace, allocate_workspace
 from masonry_cd.mechanics.solvers.contact_partition import group_contacts
 

@@ -12,14 +12,12 @@ import scenes
 from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
 from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.linalg import ordering
-from masonry_cd.mechanics.linalg.small_blocks import size_tuple
 from masonry_cd.mechanics.solvers import SOLVERS, Options, admm
 from masonry_cd.mechanics.solvers.linearised import Elimination, Settings, elimination_of
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
 from masonry_cd.mechanics.solvers.shares import CHUNK
 
 METHODS = {"newton": newton_by_team, "interior": interior_by_team, "path": path_by_team}
-STIFFNESS = {"newton": 0.0, "interior": 1e4, "path": 1e8}
 LIMIT = {"newton": 60, "interior": 15, "path": 15}  # iterations that lead from nothing into the thick of it
 
 
@@ -36,7 +34,7 @@ def answer(
 ) -> tuple[np.ndarray, np.ndarray, tuple[float, ...]]:
     """Impulses (C, 3) and velocities (B, 6) after a number of iterations from nothing, and what the method returns."""
     impulse, velocity = np.zeros((problem.contacts, 3)), np.empty(problem.v_free.shape)
-    settings = Settings(1.0, STIFFNESS[method], 0.5, 1e-12, limit, size_tuple(4))
+    settings = Settings(1.0, 1e-12, limit)
     return impulse, velocity, over_bodies(METHODS[method], problem.arrays(), elimination, settings, impulse, velocity, threads)
 
 
