@@ -75,8 +75,9 @@ class Faults:
         made = {key: value for key, value in table.items() if (*at, key) not in places}
         if not at and any(key == "plan" or isinstance(table[key], (list, tuple)) for key in table.keys() - made.keys()):
             self.left_out[ANYTHING] = True
-        for key in {str(place[len(at)]) for place in places if place[: len(at)] == at and len(place) > len(at) + 1}:
-            rows = [{"name": f"{LISTS[key]}{k + 1}"} | row if LISTS[key] else row for k, row in enumerate(table[key])]
+        for key in made.keys() & {str(place[len(at)]) for place in places if place[: len(at)] == at and len(place) > len(at) + 1}:
+            own = [dict(row) if isinstance(row, Mapping) else {} for row in table[key]]
+            rows = [{"name": f"{LISTS[key]}{k + 1}"} | row if LISTS[key] else row for k, row in enumerate(own)]
             wrong = [k for k in range(len(rows)) if (*at, key, k) in places]
             made[key] = [self._without(row, places, (*at, key, k)) for k, row in enumerate(rows) if k not in wrong]
             if key == "junctions":
@@ -101,6 +102,6 @@ class Incomplete(InputErrors):
 
 def _entry(place: Path) -> Path:
     """The place of the innermost table of a list that a key lies in; else that of the key."""
-    if place[0] not in LISTS or len(place) < 3:
+    if place[0] not in LISTS or len(place) < 2:
         return place[:1]
-    return place[:4] if place[2] == "openings" and len(place) > 4 else place[:2]
+    return place[:4] if len(place) > 3 and place[2] == "openings" else place[:2]

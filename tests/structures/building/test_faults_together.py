@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from typer.testing import CliRunner
 
 import structures
 from masonry_cd.cli.app import app
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, InputErrors
 
 CORNERS = [[0, 0], [6, 0], [6, 4], [0, 4], [0, 0]]
 FLOOR = {"height": 2.1, "thickness": 0.2, "mass": 300.0, "walls": ["south", "north"]}
@@ -26,7 +25,7 @@ KEYS = {"kind": "building", "block_length": 1.6, "course_height": 0.6}
 SHARP = wall("sharp", [[1, 0], [5, 0.9]])
 
 
-def box(**others: Mapping[str, Any]) -> list[dict[str, Any]]:
+def box(**others: dict[str, Any]) -> list[dict[str, Any]]:
     """Four walls around a room, of which some have other keys; a key of None is left out."""
     walls = [wall(name, [*axis]) for name, axis in zip(("south", "east", "north", "west"), pairwise(CORNERS), strict=True)]
     return [{key: value for key, value in (own | others.get(own["name"], {})).items() if value is not None} for own in walls]
@@ -188,7 +187,7 @@ CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
 }  # fmt: skip
 
 
-def lines(keys: Mapping[str, Any], folder: Path = Path()) -> list[str]:
+def lines(keys: dict[str, Any], folder: Path = Path()) -> list[str]:
     """What is said of a building."""
     with pytest.raises(InputError) as failure:
         structures.make(KEYS | keys, 2000.0, folder)
@@ -258,3 +257,11 @@ floors = [
         'structure.floors[0].walls: "norht" is no group or block (did you mean "north"?)',
     ]
     assert said(found, begins), result.stderr
+
+
+def test_rows_that_are_no_tables_are_named_and_the_rest_is_checked() -> None:
+    keys = {"walls": [3.0, wall("a", [[0, 0], [4, 0]], 0.5, 3.0), {"name": "b", "openings": [1.5]}], "vaults": [True]}
+    with pytest.raises(InputErrors) as failure:
+        structures.make(KEYS | keys, 2000.0, Path())
+    begins = [f"structure.{at}: " for at in ("walls[0]", "walls[2].axis", "walls[2].openings[0]", "vaults[0]")]
+    assert [begin for begin in begins if not any(line.startswith(begin) for line in failure.value.lines)] == []
