@@ -160,7 +160,7 @@ SWITCHED: dict[str, Any] = {
     "FACTOR": 1,  # or 1,000
     "ROUGH": -1.0,  # pivoting is not asked
     "LAST": 120,
-    "OPERATIONS": 0.0,  # the interior point method is not asked
+    "OPERATIONS": 0.0,  # no method that factorises in space is asked
     "admm.OPEN": 1.0,  # R of open contacts as of those that stick
     "admm.SLIDES": 1.0,
     "interior.LEAVE": 1.0,  # the damped path is followed to the tolerance, that by its length to CLOSE

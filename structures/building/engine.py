@@ -93,11 +93,11 @@ def prepared(table: BuildingTable, faults: Faults, rows: Sequence[columns.Row] =
 
     What is wrong is added to the faults, and left out.
     """
-    legs = _legs(table.walls, 0, faults)
+    legs = _legs(table.walls, [], faults)
     if not table.walls and not faults.lacks():
         faults.lines.append("structure.walls: missing; every wall is a table of its own, headed [[structure.walls]], or comes from a plan")
     more = added(table, legs, rows, faults)
-    legs += _legs(more, len(table.walls), faults)
+    legs += _legs(more, table.walls, faults)
     table = table.model_copy(update={"walls": (*table.walls, *more)})
     plan = _joined(legs, table, faults)
     walls = Walls(table, plan, {}, [])
@@ -110,10 +110,10 @@ def prepared(table: BuildingTable, faults: Faults, rows: Sequence[columns.Row] =
     return walls
 
 
-def _legs(walls: Sequence[BuildingWallTable], first: int, faults: Faults) -> list[Leg]:
-    """The legs of walls that are numbered on from a first one."""
-    legs, names = list[Leg](), set[str]()
-    for k, keys in enumerate(walls, start=first):
+def _legs(walls: Sequence[BuildingWallTable], before: Sequence[BuildingWallTable], faults: Faults) -> list[Leg]:
+    """The legs of walls that come after others, from which their names differ."""
+    legs, names = list[Leg](), {keys.name for keys in before}
+    for k, keys in enumerate(walls, start=len(before)):
         if keys.name in faults.left_out:
             continue
         if keys.masonry is not None and keys.masonry not in KINDS:

@@ -25,6 +25,7 @@ from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.junctions import Arm
 from structures.building.table import Bond
+from structures.building.widths import ASIDE
 from structures.geometry import polygons
 
 LEAST_UNIT = 0.35  # between a head joint and the end of its stretch, in blocks
@@ -32,7 +33,6 @@ LEAST_BOND = 0.12  # between head joints of successive courses, in blocks
 THIN = 0.3  # a stone lower than this of a course is joined to another one
 TONGUE = 0.1  # of a course over the head of an opening that may end at a head joint, at least
 LONG = 1.6  # of a stone without head joint, at most, in blocks
-ASIDE = 1e-3  # a head joint closer to the end of a sliver does not cut it [m]
 SHORT = 0.15  # and one shorter than this of a block
 JITTER = {"regular": 0.0, "irregular": 0.22, "rubble": 0.32}  # by how much of a block head joints are moved at most
 

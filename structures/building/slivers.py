@@ -18,10 +18,9 @@ from shapely.geometry.base import BaseGeometry
 from shapely.strtree import STRtree
 
 from structures.building.stones import WELD, Part, upright
-from structures.building.widths import TOUCH, fat_pieces, least_width
+from structures.building.widths import ASIDE, TOUCH, fat_pieces, least_width
 from structures.geometry import polygons
 
-ASIDE = 1e-4  # a joint closer to the end of a sliver does not cut it [m]
 SQUARE = 0.5  # sine of the angle between a joint that cuts a sliver and its longest side, at least
 
 

@@ -13,6 +13,7 @@ from shapely.geometry import Polygon
 from structures.geometry import polygons
 
 NARROW = 0.15  # of the thickness of its wall: what is narrower in plan is a sliver
+ASIDE = 1e-4  # a joint closer to the end of a sliver does not cut it [m]
 TOUCH = 1e-7  # what is this close is one [m]
 MITRE = 10.0  # longest corner that narrowing and widening a polygon keeps, in distances
 MOST_REFLEX = 4  # corners of a polygon that point inwards, up to which all ways to cut it are tried

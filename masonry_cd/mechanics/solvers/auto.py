@@ -10,7 +10,7 @@
    the others solved a FACTOR-th, but no fewer than these took factorisations, each of which costs more. Some structures want a thousand
    and some hardly any. After a step that none solved it is all: the next one begins with impulses that are worse than usual.
 4. Proximal points, by pivoting in a plane and by Newton's method in space, continue from the best so far: they solve what slides or rocks
-   as a whole. Pivoting is not asked where friction is ROUGH. On a structure where a factorisation takes long they have as many of them as
+   as a whole. Pivoting is not asked where friction is ROUGH. In space, where a factorisation may take long, they have as many of them as
    OPERATIONS pay for.
 5. The interior point method begins near the impulses of the last step, not where the others got stuck, and ends nearly all that is left.
    Half of its way solves hardly anything: it has all of its factorisations, or, where OPERATIONS do not pay for them, none.
@@ -75,12 +75,12 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
 def _finish(search: _Search, cold: bool) -> int:
     """The methods after ADMM, and their factorisations; without a step before all of them may take what they do by themselves."""
-    before, paid = search.iterations, inf if cold else search.factorisations
+    before = search.iterations
     if pivoting.applies(search.problem) and search.problem.mu.max() <= ROUGH:
-        search.turn("pivoting", min(pivoting.LIMIT, paid), search.best)
+        search.turn("pivoting", pivoting.LIMIT, search.best)
     else:
-        search.turn("newton", min(newton.LIMIT, paid), search.best)
-    if cold or paid >= LAST:
+        search.turn("newton", newton.LIMIT if cold else min(newton.LIMIT, search.factorisations), search.best)
+    if not search.ended and (cold or search.factorisations >= LAST):
         search.turn("interior", interior.MOST if cold else LAST, search.last)
     spent = search.iterations - before
     if cold:  # nor is it left worse than by ADMM alone

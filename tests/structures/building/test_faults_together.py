@@ -265,3 +265,11 @@ def test_rows_that_are_no_tables_are_named_and_the_rest_is_checked() -> None:
         structures.make(KEYS | keys, 2000.0, Path())
     begins = [f"structure.{at}: " for at in ("walls[0]", "walls[2].axis", "walls[2].openings[0]", "vaults[0]")]
     assert [begin for begin in begins if not any(line.startswith(begin) for line in failure.value.lines)] == []
+
+
+def test_a_buttress_has_another_name_than_the_walls() -> None:
+    keys = {
+        "walls": box(east={"name": "buttress1"}),
+        "buttresses": [{"wall": "south", "at": 3.0, "width": 0.8, "depth": 0.8, "height": 2.0}],
+    }
+    assert lines(KEYS | keys) == ["wall buttress1: another wall has this name, too"]
