@@ -68,7 +68,7 @@ def share_of(team, first, end):
     return first + count * team.rank // team.size, first + count * (team.rank + 1) // team.size
 
 
-class SharedRoom(NamedTuple):
+class SharedArena(NamedTuple):
     """Memory of a team, which kernels take piece by piece, see :func:`take`."""
 
     values: np.ndarray  # (L,) shared, zeros; (0,): what is taken is the thread's own
@@ -76,21 +76,21 @@ class SharedRoom(NamedTuple):
 
 
 @kernel()
-def take(room, shape):
+def take(arena, shape):
     """Zeros of a shape, in a tuple. All threads of a team get the same array if each takes the same shapes, one after another."""
-    begin, count = room.used[0], 1
+    begin, count = arena.used[0], 1
     for length in shape:
         count *= length
-    room.used[0] += (count + LINE - 1) // LINE * LINE
-    if len(room.values) == 0:
+    arena.used[0] += (count + LINE - 1) // LINE * LINE
+    if len(arena.values) == 0:
         return np.zeros(shape)
-    return room.values[begin : begin + count].reshape(shape)
+    return arena.values[begin : begin + count].reshape(shape)
 
 
 @kernel()
-def room_of_own():
-    """:class:`SharedRoom` of a thread alone; ``used`` tells afterwards how much a team would need."""
-    return SharedRoom(np.empty(0), np.zeros(1, dtype=np.int64))
+def own_arena():
+    """:class:`SharedArena` of a thread alone; ``used`` tells afterwards how much a team would need."""
+    return SharedArena(np.empty(0), np.zeros(1, dtype=np.int64))
 
 
 def run_by_team(kernel: Callable[..., Any], size: int, *arguments: Any) -> Any:

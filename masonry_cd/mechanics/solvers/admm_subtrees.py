@@ -197,7 +197,7 @@ def add_contact(work, g, lane, rows, turned):
 def eliminate_subtree(work, q, coming, relaxation, p, new, line):
     """The contacts of subtree q, p to new (L, 12), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
 
-    ``coming`` is the subtree of the next backward substitution, or -1; ``line`` is room for :func:`longest_line` numbers.
+    ``coming`` is the subtree of the next backward substitution, or -1; ``line`` is memory for :func:`longest_line` numbers.
     """
     problem, symbolic, panels = work.problem, work.factor.symbolic, work.factor.panels
     v, momentum, x = work.iterates.v, work.iterates.momentum, work.iterates.correction
@@ -224,12 +224,12 @@ def eliminate_subtree(work, q, coming, relaxation, p, new, line):
 @borrower(fastmath={"contract"})
 def missing_velocity(work, first, last):
     """x = D (M (v_free - v) + G p), see coupling.py, for generalised impulses p: the velocities that the impulses leave to be changed."""
-    problem, x, room = work.problem, work.iterates.correction, work.iterates.trial
-    room[first:last] = 0.0
-    add_coupled(problem, work.iterates.momentum, first, last, room)
+    problem, x, scratch = work.problem, work.iterates.correction, work.iterates.trial
+    scratch[first:last] = 0.0
+    add_coupled(problem, work.iterates.momentum, first, last, scratch)
     for b in range(first, last):
         for i in range(len(problem.n)):
-            x[b, i] = problem.free[b, i] - work.iterates.v[b, i] + problem.inverse[b, i, i] * room[b, i]
+            x[b, i] = problem.free[b, i] - work.iterates.v[b, i] + problem.inverse[b, i, i] * scratch[b, i]
 
 
 @borrower()

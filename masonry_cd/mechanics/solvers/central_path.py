@@ -73,21 +73,21 @@ def cones_of(problem):
 
 
 @kernel()
-def allocate_iterate(room, shape, rows):
+def allocate_iterate(arena, shape, rows):
     """An :class:`Iterate` of zeros for contacts (C, m) and velocities of a shape."""
-    return Iterate(take(room, shape), take(room, shape), take(room, shape[:1]), take(room, rows))
+    return Iterate(take(arena, shape), take(arena, shape), take(arena, shape[:1]), take(arena, rows))
 
 
 @kernel()
-def allocate_inside(room, shape, rows):
+def allocate_inside(arena, shape, rows):
     """:class:`Inside` of zeros for contacts (C, m) and velocities of a shape."""
-    (contacts, m), here = shape, allocate_iterate(room, shape, rows)
-    product, wanted, pivot = take(room, (contacts, m + 1)), take(room, (contacts, m + 1)), take(room, (contacts, m + 1))
-    gain = take(room, (contacts, m, m))
-    linear = Linearisation(here, product, wanted, pivot, gain, take(room, shape), take(room, shape), take(room, shape))
-    back, tangent = allocate_iterate(room, shape, rows), allocate_iterate(room, shape, rows)
-    ways = Ways(back, tangent, allocate_iterate(room, shape, rows), allocate_iterate(room, shape, rows))
-    return Inside(take(room, shape), take(room, rows), here, linear, ways)
+    (contacts, m), here = shape, allocate_iterate(arena, shape, rows)
+    product, wanted, pivot = take(arena, (contacts, m + 1)), take(arena, (contacts, m + 1)), take(arena, (contacts, m + 1))
+    gain = take(arena, (contacts, m, m))
+    linear = Linearisation(here, product, wanted, pivot, gain, take(arena, shape), take(arena, shape), take(arena, shape))
+    back, tangent = allocate_iterate(arena, shape, rows), allocate_iterate(arena, shape, rows)
+    ways = Ways(back, tangent, allocate_iterate(arena, shape, rows), allocate_iterate(arena, shape, rows))
+    return Inside(take(arena, shape), take(arena, rows), here, linear, ways)
 
 
 @kernel(inline="always")
@@ -249,12 +249,12 @@ def missing_velocity(shares, problem, here, tau, linear):
 def interior_direction(shares, problem, work, cones, linear, way):
     """The direction that changes the products as wanted and takes all other residuals away.
 
-    The factors are those of M + H^T B H with B the gains; ``room`` has H^T p - M (v - v_free).
+    The factors are those of M + H^T B H with B the gains; ``work.scratch`` has H^T p - M (v - v_free).
     """
     (begin, stop), (first, end) = shares.rows, shares.contacts
     way.w[first:end] = 0.0
     change_contacts(shares, cones, linear, way)  # dp as long as the velocities do not change
-    copy_share(shares.rows, work.room, way.v)
+    copy_share(shares.rows, work.scratch, way.v)
     wait(shares.team)
     add_impulse(problem, way.p, begin, stop, way.v)
     solve_by_first(shares, work.factor, way.v)
@@ -315,7 +315,7 @@ def judge(shares, problem, work, inside, answer):
     for c in range(first, end):
         for i in range(len(problem.m)):
             impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
-    error = map_norm(shares, problem, impulse, work.room, inside.v) / answer.size
+    error = map_norm(shares, problem, impulse, work.scratch, inside.v) / answer.size
     keep_better(shares, answer, impulse, inside.v, error)
     return error
 

@@ -91,15 +91,15 @@ def predict_and_correct(shares, problem, work, cones, inside, means, step):
 
 @kernel()
 def interior_point(shares, problem, work, inside, answer, settings):
-    """Interior point method from near ``answer``, which gets better, in the room of an :class:`Inside`; returns the iterations."""
-    here, linear, cones, room = inside.here, inside.linear, cones_of(problem), work.room
+    """Interior point method from near ``answer``, which gets better, in the memory of an :class:`Inside`; returns the iterations."""
+    here, linear, cones, scratch = inside.here, inside.linear, cones_of(problem), work.scratch
     contact_velocity(shares, problem, answer.velocity, linear.miss)
     begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
     step, stiffness, iterations, short = 1.0, STIFFNESS, 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and short < 6:
         iterations += 1
         missing_velocity(shares, problem, here, 0.0, linear)
-        missing_momentum(shares, problem, here.v, here.p, room)
+        missing_momentum(shares, problem, here.v, here.p, scratch)
         soften(shares, problem, stiffness, linear)
         means = linearise_products(shares, cones, linear)
         if not means[0] > 0.0:
@@ -154,12 +154,12 @@ def is_near(product, goal):
 def path_directions(shares, problem, work, cones, linear, level, tau, ways):
     """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,)."""
     m, wanted, (first, end), (begin, stop) = len(cones.m), linear.wanted, shares.contacts, shares.rows
-    missing_momentum(shares, problem, linear.here.v, linear.here.p, work.room)
+    missing_momentum(shares, problem, linear.here.v, linear.here.p, work.scratch)
     for c in range(first, end):
         for i in range(m + 1):
             wanted[c, i] = (tau * level[c] if i < 2 else 0.0) - linear.product[c, i]
     interior_direction(shares, problem, work, cones, linear, ways.back)
-    work.room[begin:stop] = 0.0
+    work.scratch[begin:stop] = 0.0
     for c in range(first, end):
         for i in range(m + 1):
             wanted[c, i] = tau * level[c] if i < 2 else 0.0
@@ -197,14 +197,14 @@ def step_ahead(shares, here, ways, cones, level, tau, changes):
     times its level by more than WIDE times that. Returns the relative change of tau.
     """
     drop, sign, curve = changes
-    h, change, forbidding, room = (2.0 if sign > 0.0 else 0.97), 0.0, -1, np.empty((3, len(cones.m) + 1))
+    h, change, forbidding, scratch = (2.0 if sign > 0.0 else 0.97), 0.0, -1, np.empty((3, len(cones.m) + 1))
     for turn in range(40):
         h *= 0.75 if turn > 0 else 1.0
         change = drop + h * sign + h * h * curve
         if change <= -0.98:
             continue
         along = (h * sign, h * h, tau * (1.0 + change))
-        forbidding = first_forbidding(shares, here, ways, cones, forbidding, along, level, room)
+        forbidding = first_forbidding(shares, here, ways, cones, forbidding, along, level, scratch)
         if not any_of(shares, forbidding >= 0, len(level)):
             break
     advance(shares, ways.back, h * sign, ways.tangent, ways.ahead)
@@ -213,7 +213,7 @@ def step_ahead(shares, here, ways, cones, level, tau, changes):
 
 
 @borrower()
-def first_forbidding(shares, here, ways, cones, last, along, level, room):
+def first_forbidding(shares, here, ways, cones, last, along, level, scratch):
     """A contact of the thread's that does not allow a step, -1 if there is none; see :func:`step_ahead`.
 
     The one that forbade the last step is asked first, since it mostly forbids the next one too. ``along`` are the shares of tangent and
@@ -222,19 +222,19 @@ def first_forbidding(shares, here, ways, cones, last, along, level, room):
     first, end = shares.contacts
     for k in range(first - 1 if last >= 0 else first, end):
         c = max(last, first) if k < first else k
-        if not _allows(here, ways, cones, c, along, along[2] * level[c], room):
+        if not _allows(here, ways, cones, c, along, along[2] * level[c], scratch):
             return c
     return -1
 
 
 @borrower()
-def _allows(here, ways, cones, c, along, goal, room):
+def _allows(here, ways, cones, c, along, goal, scratch):
     """Whether contact c stays inside the cones, a little beyond the step too, and near the path with products of ``goal`` at its end.
 
-    The step is back + along[0] tangent + along[1] bend; ``room`` (3, m + 1) is scratch.
+    The step is back + along[0] tangent + along[1] bend; ``scratch`` (3, m + 1) is overwritten.
     """
     (back, tangent, bend, _), (first, second, _), m, mu = ways, along, len(cones.m), cones.mu[c]
-    w, p, product, gamma = room[0], room[1], room[2], 0.0
+    w, p, product, gamma = scratch[0], scratch[1], scratch[2], 0.0
     for share in (BEYOND, 1.0):
         for i in range(m):
             w[i] = here.w[c, i] + share * (back.w[c, i] + first * tangent.w[c, i] + second * bend.w[c, i])
@@ -259,14 +259,14 @@ def choose_step(shares, here, ways, cones, level, tau, sign):
 
 @kernel()
 def path_by_length(shares, problem, work, inside, answer, settings):
-    """The central path followed by its length from near ``answer``, which gets better, in the room of an :class:`Inside`; returns the
+    """The central path followed by its length from near ``answer``, which gets better, in the memory of an :class:`Inside`; returns the
     iterations."""
-    here, linear, ways, cones, room = inside.here, inside.linear, inside.ways, cones_of(problem), work.room
+    here, linear, ways, cones, scratch = inside.here, inside.linear, inside.ways, cones_of(problem), work.scratch
     # a point on the path at tau = 1, where w is off by far
     contact_velocity(shares, problem, answer.velocity, linear.miss)
     shift = begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
     level = shift * shift / problem.d
-    body_velocity(shares, problem, here.p, room, here.v)
+    body_velocity(shares, problem, here.p, scratch, here.v)
     missing_velocity(shares, problem, here, 0.0, linear)
     copy_share(shares.contacts, linear.miss, linear.far)
     soften(shares, problem, RIGID, linear)

@@ -64,23 +64,23 @@ class Answer(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Room for the matrix of a problem whose law is linearised, for its factors, and for one more array."""
+    """Memory for the matrix of a problem whose law is linearised, for its factors, and for one more array."""
 
     matrix: BlockMatrix
     factor: Factor
     world: np.ndarray  # (C, NUMBERS) the blocks of contacts between rigid blocks in space, see augmented.py, or (0, NUMBERS)
     signs: np.ndarray  # (K,) of the determinants of the subtrees
-    room: np.ndarray  # (B + 1, n), as velocities
+    scratch: np.ndarray  # (B + 1, n), as velocities
 
 
 @kernel()
-def allocate_work(room, symbolic, size, velocity, world):
+def allocate_work(arena, symbolic, size, velocity, world):
     """:class:`Work` for blocks of a size, see small_blocks.py, velocities of a shape, and as many contacts as ``world`` has."""
     n, nodes, pairs = len(size), len(symbolic.column) - 1, len(symbolic.row)
-    matrix = BlockMatrix(take(room, (nodes, n, n)), take(room, (pairs, n, n)), take(room, (pairs, n, n)))
+    matrix = BlockMatrix(take(arena, (nodes, n, n)), take(arena, (pairs, n, n)), take(arena, (pairs, n, n)))
     panel = n * n * symbolic.panel[-1]
-    factor = Factor(symbolic, take(room, (n * n * symbolic.square[-1],)), take(room, (panel,)), take(room, (panel,)), size)
-    return Work(matrix, factor, take(room, (world, NUMBERS)), take(room, (len(symbolic.subtree) - 1,)), take(room, velocity))
+    factor = Factor(symbolic, take(arena, (n * n * symbolic.square[-1],)), take(arena, (panel,)), take(arena, (panel,)), size)
+    return Work(matrix, factor, take(arena, (world, NUMBERS)), take(arena, (len(symbolic.subtree) - 1,)), take(arena, velocity))
 
 
 @borrower()
@@ -135,19 +135,19 @@ def missing_momentum(shares, problem, v, p, out):
 
 
 @borrower()
-def body_velocity(shares, problem, p, room, v):
-    """v = v_free + M^-1 H^T p (B + 1, n) of impulses p (C, m), but for the last row; ``room`` (B + 1, n) gets H^T p."""
+def body_velocity(shares, problem, p, scratch, v):
+    """v = v_free + M^-1 H^T p (B + 1, n) of impulses p (C, m), but for the last row; ``scratch`` (B + 1, n) gets H^T p."""
     first, end = shares.rows
     wait(shares.team)
-    room[first:end] = 0.0
-    add_impulse(problem, p, first, end, room)
-    body_velocity_of(problem, room, first, end, v)
+    scratch[first:end] = 0.0
+    add_impulse(problem, p, first, end, scratch)
+    body_velocity_of(problem, scratch, first, end, v)
 
 
 @borrower()
-def map_norm(shares, problem, p, room, v):
+def map_norm(shares, problem, p, scratch, v):
     """Norm of the natural map of impulses p (C, m); v (B + 1, n) <- their velocities."""
-    body_velocity(shares, problem, p, room, v)
+    body_velocity(shares, problem, p, scratch, v)
     turn, (first, end) = begin_sums(shares), shares.chunks
     wait(shares.team)
     for k in range(first, end):

@@ -20,7 +20,7 @@ from masonry_cd.mechanics.friction.operators import (
     squared_size_of,
     widths_in_order,
 )
-from masonry_cd.mechanics.linalg.threads import SharedRoom, ThreadTeam, room_of_own, run_by_team, take, wait
+from masonry_cd.mechanics.linalg.threads import SharedArena, ThreadTeam, own_arena, run_by_team, take, wait
 from masonry_cd.mechanics.solvers.central_path import allocate_inside
 from masonry_cd.mechanics.solvers.interior_kernels import interior_point, path_by_length
 from masonry_cd.mechanics.solvers.linearised import (
@@ -39,7 +39,7 @@ from masonry_cd.mechanics.solvers.shares import allocate_sums, copy_share, share
 
 
 class Common(NamedTuple):
-    """Room that each of these methods needs."""
+    """Memory that each of these methods needs."""
 
     sums: np.ndarray  # of :class:`Shares`
     inverse: np.ndarray  # (B, n, n) M^-1
@@ -52,13 +52,13 @@ class Common(NamedTuple):
 
 
 @kernel()
-def allocate_common(room, problem, elimination):
+def allocate_common(arena, problem, elimination):
     """:class:`Common` for ProblemArrays."""
     shape, (bodies, n), symbolic = problem.offset.shape, problem.v_free.shape, elimination.symbolic
     blocks, rows = (bodies, n, n), (bodies + 1, n)
     return Common(
-        allocate_sums(room, shape[0], bodies), take(room, blocks), take(room, blocks), take(room, (bodies, n)), take(room, shape[:1]),
-        take(room, rows), take(room, shape), allocate_work(room, symbolic, problem.n, rows, len(elimination.frame)),
+        allocate_sums(arena, shape[0], bodies), take(arena, blocks), take(arena, blocks), take(arena, (bodies, n)), take(arena, shape[:1]),
+        take(arena, rows), take(arena, shape), allocate_work(arena, symbolic, problem.n, rows, len(elimination.frame)),
     )  # fmt: skip
 
 
@@ -85,18 +85,18 @@ def answer_of(shares, common, problem, impulse):
     square = squared_size_of(problem, v, 0, len(q))
     size = np.sqrt(square) if square > 0.0 else 1.0
     wait(shares.team)
-    error[0] = map_norm(shares, problem, impulse, common.work.room, v) / size
+    error[0] = map_norm(shares, problem, impulse, common.work.scratch, v) / size
     return Answer(impulse, v, error, size, largest(q))
 
 
 @entry()
 def room_needed(problem: ProblemArrays, elimination: Elimination) -> int:
-    """Entries of the :class:`SharedRoom` of a team, enough for each of these methods."""
-    room, shape = room_of_own(), problem.offset.shape
-    rows = allocate_common(room, problem, elimination).v.shape
-    allocate_inside(room, shape, rows)
-    allocate_newton(room, shape, rows)
-    return int(room.used[0])
+    """Entries of the :class:`SharedArena` of a team, enough for each of these methods."""
+    arena, shape = own_arena(), problem.offset.shape
+    rows = allocate_common(arena, problem, elimination).v.shape
+    allocate_inside(arena, shape, rows)
+    allocate_newton(arena, shape, rows)
+    return int(arena.used[0])
 
 
 class Given(NamedTuple):
@@ -107,19 +107,19 @@ class Given(NamedTuple):
     settings: Settings
     impulse: np.ndarray  # (C, m) the start, and then the best answer found
     velocity: np.ndarray  # (B, n) its own
-    values: np.ndarray  # of a :class:`SharedRoom`
+    values: np.ndarray  # of a :class:`SharedArena`
 
 
 @kernel()
 def improve(method, allocate, team, given):
     """Iterations and natural map error of a method, which works on what ``allocate`` makes, by a thread of a team."""
     problem, elimination, settings, impulse, velocity, values = given
-    order, room = elimination.order, SharedRoom(values, np.zeros(1, dtype=np.int64))
-    common = allocate_common(room, problem, elimination)
+    order, arena = elimination.order, SharedArena(values, np.zeros(1, dtype=np.int64))
+    common = allocate_common(arena, problem, elimination)
     shares = shares_of(team, len(impulse), len(order), common.sums)
     ordered = in_order(shares, common, problem, elimination)
     answer = answer_of(shares, common, ordered, impulse)
-    inside = allocate(room, impulse.shape, common.v.shape)
+    inside = allocate(arena, impulse.shape, common.v.shape)
     iterations = method(shares, ordered, common.work, inside, answer, settings)
     for b in range(shares.rows[0], shares.rows[1]):
         for i in range(len(ordered.n)):

@@ -37,10 +37,10 @@ class Search(NamedTuple):
 
 
 @kernel()
-def allocate_newton(room, shape, rows):
+def allocate_newton(arena, shape, rows):
     """What proximal points by Newton work on, for contacts (C, m) and velocities of a shape."""
-    search = Search(take(room, rows), take(room, rows), take(room, rows), take(room, rows))
-    return allocate_springs(room, shape, rows), search
+    search = Search(take(arena, rows), take(arena, rows), take(arena, rows), take(arena, rows))
+    return allocate_springs(arena, shape, rows), search
 
 
 @entry()

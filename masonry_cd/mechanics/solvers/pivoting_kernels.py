@@ -47,13 +47,13 @@ class Path(NamedTuple):
 
 
 @kernel()
-def allocate_pivoting(room, shape, rows):
+def allocate_pivoting(arena, shape, rows):
     """What proximal points by pivoting work on, for contacts (C, 2) and velocities of a shape."""
     contacts = shape[0]
     z, contact, b, ratio = np.zeros((UPDATES, *rows)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
     product, share, hard = np.empty((UPDATES, UPDATES)), np.empty(UPDATES), np.empty((contacts, 2))
     path = Path(np.zeros(rows), np.empty(rows), np.empty(rows), z, contact, np.empty(2), b, ratio, product, share, hard)
-    return allocate_springs(room, shape, rows), path
+    return allocate_springs(arena, shape, rows), path
 
 
 @borrower()

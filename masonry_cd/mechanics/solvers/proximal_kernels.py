@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Proximal points: springs, soft to stiff, that are at rest in one centre after the other.
 
-The method is told in newton.py; what solves the problem of a centre is newton_kernels.py or, in a plane, pivoting_kernels.py.
+The method is described in newton.py; what solves the problem of a centre is newton_kernels.py or, in a plane, pivoting_kernels.py.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Springs(NamedTuple):
     block: np.ndarray  # (C, m, m) B = -dp/du
     v: np.ndarray  # (B + 1, n) velocities of the centre
     own: np.ndarray  # (B + 1, n) those of its impulses
-    free: np.ndarray  # (B + 1, n) room for :func:`movable`
+    free: np.ndarray  # (B + 1, n) memory for :func:`movable`
     offset: np.ndarray  # (C, m) likewise
 
 
@@ -54,12 +54,12 @@ class Course(NamedTuple):
 
 
 @kernel()
-def allocate_springs(room, shape, rows):
-    """Room for :class:`Springs` of contacts (C, m) and velocities of a shape."""
+def allocate_springs(arena, shape, rows):
+    """Memory for :class:`Springs` of contacts (C, m) and velocities of a shape."""
     contacts, m = shape
-    status, held = take(room, shape[:1]).view(np.int64), take(room, shape[:1]).view(np.int64)
-    centre, x, p, dx, block = take(room, shape), take(room, shape), take(room, shape), take(room, shape), take(room, (contacts, m, m))
-    return Springs(centre, x, p, status, held, dx, block, take(room, rows), take(room, rows), take(room, rows), take(room, shape))
+    status, held = take(arena, shape[:1]).view(np.int64), take(arena, shape[:1]).view(np.int64)
+    centre, x, p, dx, block = take(arena, shape), take(arena, shape), take(arena, shape), take(arena, shape), take(arena, (contacts, m, m))
+    return Springs(centre, x, p, status, held, dx, block, take(arena, rows), take(arena, rows), take(arena, rows), take(arena, shape))
 
 
 @kernel(inline="always")
@@ -109,7 +109,7 @@ def break_ties(offset, size):
 @kernel()
 def movable(problem, free, offset):
     """The problem in the change of the velocities from those of a centre, which spares rounding; free (B + 1, n) and offset (C, m) are
-    room for what changes with it."""
+    memory for what changes with it."""
     return OrderedProblem(
         problem.inverse, problem.mass, free, problem.places, problem.block, problem.jacobian, problem.frame, offset, problem.mu,
         problem.compliance, problem.width, problem.d, problem.coupling, problem.m, problem.n,
@@ -174,7 +174,7 @@ def spring_changes(shares, problem, springs, stiffness, change):
 def proximal_points(settle, shares, problem, work, inside, course, answer, settings):
     """Proximal points from ``answer`` on, which gets better; returns the iterations.
 
-    ``settle`` solves the problem of a centre, ``inside`` are :class:`Springs` and its room, which has velocities v.
+    ``settle`` solves the problem of a centre, ``inside`` are :class:`Springs` and its memory, which has velocities v.
     Centres that the springs leave where they are, without a factorisation, have the same limit as those: near what rounding leaves there
     may be no end of them.
     """
@@ -196,7 +196,7 @@ def proximal_points(settle, shares, problem, work, inside, course, answer, setti
         solved, spent = settle(shares, moved, work, springs, stiffness, goal, most, search)
         iterations += spent
         idle += spent == 0
-        new = map_norm(shares, problem, springs.p, work.room, springs.own) / answer.size
+        new = map_norm(shares, problem, springs.p, work.scratch, springs.own) / answer.size
         if not solved and not new < WON * error:
             stiffness, failed = max(stiffness / fall, 1e-3), failed + 1
             growth, fall = course.growth**course.calm, course.fall**course.calm

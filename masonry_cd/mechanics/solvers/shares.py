@@ -32,9 +32,9 @@ class Shares(NamedTuple):
 
 
 @kernel()
-def allocate_sums(room, contacts, bodies):
-    """Room for the sums of :class:`Shares`."""
-    return take(room, (2, LANES, max(-(-contacts // CHUNK), bodies)))
+def allocate_sums(arena, contacts, bodies):
+    """Memory for the sums of :class:`Shares`."""
+    return take(arena, (2, LANES, max(-(-contacts // CHUNK), bodies)))
 
 
 @kernel()
