@@ -42,10 +42,10 @@ class Tree:
             print(json.dumps(what), file=self._asked, flush=True)
         line = next((line for line in self._answers if line.startswith("{")), "")
         if not line:
-            raise InputError(f"the process of {self._folder} has ended")
+            raise InputError("", f"the process of {self._folder} has ended")
         answer = dict(json.loads(line))
         if "wrong" in answer:
-            raise InputError(answer["wrong"])
+            raise InputError("", answer["wrong"])
         return answer
 
 

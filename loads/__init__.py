@@ -151,7 +151,7 @@ def end_of(
         slow = getattr(table, "control", "") == "displacement" or table.kind in ("prop", "gravity", "tie", "vehicle")
         end, rest = max(end, last), rest if slow else REST
     if not end > 0.0:
-        raise InputError("run.duration: missing, and no load says how long the run is to last")
+        raise InputError("run.duration", "missing, and no load says how long the run is to last")
     return end, rest
 
 
@@ -163,7 +163,7 @@ def parse_load(table: Mapping[str, Any], where: str, folder: Path | None = None)
     """
     kind = table.get("kind")
     if kind is None:
-        raise InputError(f"{where}.kind: missing; kinds: {', '.join(KINDS)}")
+        raise InputError(f"{where}.kind", f"missing; kinds: {', '.join(KINDS)}")
     return parse_table(load_kind(str(kind), where, folder).table, table, where)
 
 
@@ -179,7 +179,7 @@ def load_kind(kind: str, where: str, folder: Path | None = None) -> LoadKind:
 
     found = find("loads", kind, f"{where}.kind", KINDS, folder)
     if not (callable(getattr(found, "part", None)) and isinstance(getattr(found, "table", None), type)):
-        raise InputError(f'{where}.kind: "{kind}" is no LoadKind(table, part)')
+        raise InputError(f"{where}.kind", f'"{kind}" is no LoadKind(table, part)')
     return LoadKind(found.table, found.part)
 
 
@@ -209,11 +209,11 @@ def _gravity_tables(asked: Sequence[LoadTable]) -> list[int]:
     """
     falls = [i for i, table in enumerate(asked) if isinstance(table, GravityTable)]
     if len(falls) > 1:
-        raise InputError(f"loads[{falls[1]}]: gravity is given twice, first in loads[{falls[0]}]")
+        raise InputError(f"loads[{falls[1]}]", f"gravity is given twice, first in loads[{falls[0]}]")
     ramp = max((table.ramp for table in asked if isinstance(table, GravityTable)), default=0.0)
     for i, table in enumerate(asked):
         if isinstance(table, TiltTable) and ramp > (0.0 if table.initial > 0.0 else table.start):
-            raise InputError(f"loads[{i}]: gravity is ramped over {ramp:g} s; begin the tilt after that, from an initial angle of 0")
+            raise InputError(f"loads[{i}]", f"gravity is ramped over {ramp:g} s; begin the tilt after that, from an initial angle of 0")
     return falls
 
 
@@ -225,7 +225,7 @@ def _check_ramp(asked: Sequence[LoadTable], falls: Sequence[int], filled: Sequen
     """
     pressed = any(part.summary["pressure"] > 0.0 for part in filled)
     for i in (i for i in falls if pressed and getattr(asked[i], "ramp", 0.0) > 0.0):
-        raise InputError(f"loads[{i}].ramp: fill presses in full from the start, on walls that have no weight yet; leave the ramp out")
+        raise InputError(f"loads[{i}].ramp", "fill presses in full from the start, on walls that have no weight yet; leave the ramp out")
 
 
 def _check_range(what: str, values: np.ndarray, most: float, unit: str) -> None:
@@ -237,7 +237,7 @@ def _check_range(what: str, values: np.ndarray, most: float, unit: str) -> None:
     largest = float(np.abs(values).max(initial=0.0))
     if not largest <= most:
         asked = f"{largest:.3g} {unit}, at most {most:g} are taken"
-        raise InputError(f"loads: the {what} at up to {asked}: check units and factors")
+        raise InputError("loads", f"the {what} at up to {asked}: check units and factors")
 
 
 def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:

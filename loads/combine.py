@@ -35,7 +35,7 @@ def support_motions(parts: Sequence[Part], grid: RunGrid) -> tuple[np.ndarray, n
     size = 24.0 * (grid.steps + 1) * len(delays)
     if size > LARGEST:
         many = f"{len(delays)} supports that each move on their own take {size / 1e9:.1f} GB over {grid.steps} steps"
-        raise InputError(f"loads: {many}; name fewer groups, or shorten the run")
+        raise InputError("loads", f"{many}; name fewer groups, or shorten the run")
     velocity = np.zeros((grid.steps + 1, len(delays), 3))
     for i, part in enumerate(moving):
         assert part.motion is not None

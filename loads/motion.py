@@ -86,7 +86,7 @@ class LoadTable(BaseModel):
 class LoadKind(NamedTuple):
     """A kind of load: the model of its keys, and what it contributes to a run.
 
-    ``part(table, grid, where)`` raises InputErrors that begin with ``where``, the table's place in the scene, such as ``loads[0]``.
+    ``part(table, grid, where)`` raises InputErrors whose places begin with ``where``, that of the table, such as ``loads[0]``.
     """
 
     table: type[LoadTable]

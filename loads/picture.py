@@ -67,9 +67,9 @@ def record_picture(
         with replacing(path) as part:
             figure.savefig(part, dpi=110)
     except OSError as failure:
-        raise InputError(f"{path}: the picture cannot be written: {(failure.strerror or str(failure)).lower()}") from None
+        raise InputError(path, f"the picture cannot be written: {(failure.strerror or str(failure)).lower()}") from None
     except ValueError as failure:  # an ending that no picture has
-        raise InputError(f"{path}: the picture cannot be written ({' '.join(str(failure).split())[:100]})") from None
+        raise InputError(path, f"the picture cannot be written ({' '.join(str(failure).split())[:100]})") from None
 
 
 def file_picture(file: Path, picture: Path | None, dt: float = 1e-3, **keys: Any) -> Processed:

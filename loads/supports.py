@@ -81,9 +81,9 @@ def structure(grid: RunGrid, where: str) -> Assembly:
         InputError: there is none, or no support among its blocks.
     """
     if grid.assembly is None:
-        raise InputError(f"{where}: needs a structure, whose blocks it names")
+        raise InputError(where, "needs a structure, whose blocks it names")
     if not grid.assembly.fixed.any():
-        raise InputError(f"{where}: no block of the structure is fixed")
+        raise InputError(where, "no block of the structure is fixed")
     return grid.assembly
 
 
@@ -100,7 +100,7 @@ def select(names: Sequence[str], assembly: Assembly, where: str) -> np.ndarray:
         found = np.fromiter(of_either, dtype=bool, count=assembly.count)
         if not found.any():
             known = [*assembly.groups, *assembly.names]
-            raise InputError(f'{where}: "{name}" is no block or group{suggest(name, known)}; groups: {", ".join(assembly.groups)}')
+            raise InputError(where, f'"{name}" is no block or group{suggest(name, known)}; groups: {", ".join(assembly.groups)}')
         mask |= found
     return mask
 
@@ -120,6 +120,6 @@ def select_supports(names: Sequence[str] | None, grid: RunGrid, where: str) -> n
         if not found.any():
             fixed = [assembly.names[b] for b in np.flatnonzero(assembly.fixed)]
             some = ", ".join(fixed[:8]) + (" ..." if len(fixed) > 8 else "")
-            raise InputError(f'{where}: "{name}" is not fixed; supports: {some}')
+            raise InputError(where, f'"{name}" is not fixed; supports: {some}')
         mask |= found
     return mask

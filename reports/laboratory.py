@@ -82,7 +82,7 @@ def histories_of(results: Results, asked: bool = True) -> dict[str, dict[str, Hi
     found = {kind: histories for kind, histories in kinds.items() if histories}
     if asked and not found:
         words = "[[output.point]], [[output.joint]], [[output.crack]] and [[output.support]] ask for them"
-        raise InputError(f"gauges: the run kept none; {words}")
+        raise InputError("gauges", f"the run kept none; {words}")
     return found
 
 
@@ -164,7 +164,7 @@ def read_measured(path: Path) -> list[Curve]:
     try:
         rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
     except (OSError, UnicodeDecodeError) as reason:
-        raise InputError(f"{path}: no measured curve can be read: {' '.join(str(reason).split())}") from None
+        raise InputError(path, f"no measured curve can be read: {' '.join(str(reason).split())}") from None
     head = [cell.strip().lower() for cell in rows[0]] if rows and not all(finite_number(cell) is not None for cell in rows[0]) else []
     places = [next((head.index(name) for name in names if name in head), k) for k, names in enumerate(MEASURED)]
     values: list[list[float]] = []
@@ -173,9 +173,9 @@ def read_measured(path: Path) -> list[Curve]:
             continue
         found = [finite_number(row[place]) if place < len(row) else None for place in places]
         if None in found:
-            raise InputError(f"{path}:{number}: displacement [m] and force [N] are expected, two numbers")
+            raise InputError(f"{path}:{number}", "displacement [m] and force [N] are expected, two numbers")
         values.append([float(value or 0.0) for value in found])
     if not values:
-        raise InputError(f"{path}: no measured curve: no line with two numbers")
+        raise InputError(path, "no measured curve: no line with two numbers")
     table = np.array(values)
     return [(path.stem, table[:, 0], table[:, 1])]

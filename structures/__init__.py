@@ -70,7 +70,7 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     from structures.faults import ANYTHING, Faults, Incomplete
 
     if "kind" not in table:
-        raise InputError(f"structure.kind: missing; one of {', '.join(KINDS)}")
+        raise InputError("structure.kind", f"missing; one of {', '.join(KINDS)}")
     kind = str(table["kind"])
     added = None if kind in KINDS else _own_kind(kind, folder)
     rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FLOORS, FOUNDATIONS, GROUND, NOISE, TIES)}
@@ -81,14 +81,14 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
         except Incomplete as failure:
             if not table.keys() & {FLOORS, TIES}:
                 raise
-            faults, made = failure.faults, [] if ANYTHING in failure.faults.left_out else failure.rest()
+            faults, made = failure.collected, [] if ANYTHING in failure.collected.left_out else failure.rest()
     fills = made.fills if isinstance(made, Made) else ()
     blocks, notes = made[:2] if isinstance(made, tuple) else (made, [])
     from structures.layout.ground import needs_ground, with_ground
 
-    if GROUND in table and not faults.lines:
+    if GROUND in table and not faults.found:
         blocks = with_ground(blocks, table[GROUND])
-    if FOUNDATIONS in table and not faults.lines:
+    if FOUNDATIONS in table and not faults.found:
         from structures.layout.foundations import in_pieces
 
         with size.limited(table.get(size.KEY, size.MOST)):
@@ -128,7 +128,7 @@ def _own_kind(kind: str, folder: Path) -> Build:
     found = find("structures", kind, "structure.kind", KINDS, folder)
     build = getattr(found, "build", found)
     if not callable(build):
-        raise InputError(f'structure.kind: "{kind}" is no function build(table, density, folder)')
+        raise InputError("structure.kind", f'"{kind}" is no function build(table, density, folder)')
 
     def checked(table: Mapping[str, Any], density: float, folder: Path) -> list[Block] | tuple[list[Block], list[str]]:
         made = build(table, density, folder)

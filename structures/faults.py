@@ -14,7 +14,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from masonry_cd.foundation.errors import InputErrors, Path, WrongKeys, parse_table
+from masonry_cd.foundation import errors
+from masonry_cd.foundation.errors import Fault, InputError, Path, WrongKeys, parse_table
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -28,29 +29,29 @@ NO_JUNCTION = {"walls": (NOBODY, NOBODY)}  # in the place of one, that others ke
 ANYTHING = "*"  # among what is left out: there may be things of any name in it
 
 
-class Absent(ValueError):
+class Absent(InputError):
     """Something that is needed and not there; ``names`` say what it is, none that it may be anything that bears."""
 
-    def __init__(self, message: str, *names: str) -> None:
-        super().__init__(message)
+    def __init__(self, text: str, *names: str) -> None:
+        super().__init__("", text)
         self.names = names
 
 
 @dataclass
-class Faults:
-    """A line for each fault."""
+class Faults(errors.Faults):
+    """All that is wrong with a structure, and what is left out of it for that."""
 
-    lines: list[str] = field(default_factory=list)
-    left_out: dict[str, bool] = field(default_factory=dict)  # what is not there because of its own faults: whether it would bear others
+    left_out: dict[str, bool] = field(default_factory=dict)  # by name, because of its own faults: whether it would bear others
 
     @contextmanager
-    def of(self, what: str = "", *names: str, bears: bool = False) -> Iterator[None]:
-        """Collect what is wrong in the body, said of something unless that is empty, and leave out what goes by some names then."""
+    def of(self, place: object = "", *names: str, bears: bool = False) -> Iterator[None]:
+        """Collect what is wrong in the body, reported at ``place`` unless that is empty, and leave out what goes by some names then."""
         try:
             yield
-        except ValueError as fault:
-            if not isinstance(fault, Absent) or not self.lacks(*fault.names):
-                self.lines += [f"{what}: {line}" if what else line for line in getattr(fault, "lines", [str(fault)])]
+        except ValueError as error:
+            if not isinstance(error, Absent) or not self.lacks(*error.names):
+                faults = error.faults if isinstance(error, InputError) else (Fault("", str(error)),)
+                self.found += [fault.under(place) for fault in faults]
             self.left_out |= dict.fromkeys(names, bears)
 
     def lacks(self, *names: str) -> bool:
@@ -65,10 +66,10 @@ class Faults:
             try:
                 return {**table}, parse_table(model, table, where)
             except WrongKeys as wrong:
-                if not all(wrong.places):
+                if not all(wrong.paths):
                     raise
-                self.lines += wrong.lines
-                table = self._without(table, {_entry(place) for place in wrong.places})
+                self.found += wrong.faults
+                table = self._without(table, {_entry(path) for path in wrong.paths})
 
     def _without(self, table: Mapping[str, Any], places: set[Path], at: Path = ()) -> dict[str, Any]:
         """A table without some keys, and without the tables in its lists of which some are named; others keep the names that they had."""
@@ -86,18 +87,13 @@ class Faults:
                 self.left_out |= {str(rows[k].get(word, f"{key}[{k}]")): key in BEARING for k in wrong for word in ("name", "group")}
         return made
 
-    def refuse(self) -> None:
-        """Raise all faults as one error, where there are any."""
-        if self.lines:
-            raise InputErrors(self.lines)
 
-
-class Incomplete(InputErrors):
+class Incomplete(InputError):
     """A structure with faults, and what can be built of it without what is left out."""
 
-    def __init__(self, faults: Faults, rest: Callable[[], Any]) -> None:
-        super().__init__(faults.lines)
-        self.faults, self.rest = faults, rest
+    def __init__(self, collected: Faults, rest: Callable[[], Any]) -> None:
+        ValueError.__init__(self, collected, rest)
+        self.faults, self.collected, self.rest = tuple(collected.found), collected, rest
 
 
 def _entry(place: Path) -> Path:

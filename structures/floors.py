@@ -158,7 +158,7 @@ def with_floors(blocks: Sequence[Block], tables: object, faults: Faults) -> tupl
         InputError: the value is no list of tables.
     """
     if not isinstance(tables, (list, tuple)) or not all(isinstance(table, Mapping) for table in tables):
-        raise InputError(f"structure.{KEY}: every floor is a table of its own, headed [[structure.{KEY}]]")
+        raise InputError(f"structure.{KEY}", f"every floor is a table of its own, headed [[structure.{KEY}]]")
     made, floors = list(blocks), list[_Floor]()
     for i, table in enumerate(tables):
         where = f"structure.{KEY}[{i}]"
@@ -167,7 +167,7 @@ def with_floors(blocks: Sequence[Block], tables: object, faults: Faults) -> tupl
             floor = _placed(made, keys, where, keys.name or f"floor{i + 1}", faults)
             made = [*_with_seats(made, floor), *floor.blocks]
             floors.append(floor)
-    if not faults.lines:
+    if not faults.found:
         check(made)
     solids, bars = Solids.of(made), list[Bar]()
     for floor in floors:
@@ -184,7 +184,7 @@ def _placed(blocks: Sequence[Block], keys: FloorTable, where: str, name: str, fa
         Absent: one of its walls is left out.
     """
     if any(name in (block.name, block.group) for block in blocks):
-        raise InputError(f'{where}.name: "{name}" is the name of other blocks')
+        raise InputError(f"{where}.name", f'"{name}" is the name of other blocks')
     bottom, top = keys.height - keys.thickness, keys.height
     solids = Solids.of(blocks)
     if keys.anchors is not None and keys.anchors.walls is not None:
@@ -196,22 +196,24 @@ def _placed(blocks: Sequence[Block], keys: FloorTable, where: str, name: str, fa
         plans = Plans.between(blocks, bottom - 0.5 * keys.thickness, bottom)
     own = [loop for loop, owner in zip(plans.loops, plans.owner, strict=True) if named[owner]]
     if not own:
-        raise InputError(f"{where}.height: no block of {', '.join(keys.walls)} stands at or below z = {bottom:g} to {top:g} m")
+        raise InputError(f"{where}.height", f"no block of {', '.join(keys.walls)} stands at or below z = {bottom:g} to {top:g} m")
     extent = np.array([np.min([loop.min(axis=0) for loop in own], axis=0), np.max([loop.max(axis=0) for loop in own], axis=0)])
     point = extent.mean(axis=0) if keys.inside is None else np.array(keys.inside)
     within = plans.around(point)
     if within or not ((extent[0] < point) & (point < extent[1])).all():
         what = f'block "{blocks[plans.owner[within[0]]].name}" stands there' if within else "it lies outside the walls"
-        raise InputError(f"{where}.inside: no room about x = {point[0]:.4g} m, y = {point[1]:.4g} m at this height: {what}")
+        raise InputError(f"{where}.inside", f"no room about x = {point[0]:.4g} m, y = {point[1]:.4g} m at this height: {what}")
     sides = room(plans, point, extent)
     seats = [side for side in sides if named[list(side.owners)].any()]
     if not seats:
-        raise InputError(f"{where}.walls: none of {', '.join(keys.walls)} bounds the room about x = {point[0]:.4g} m, y = {point[1]:.4g} m")
+        raise InputError(
+            f"{where}.walls", f"none of {', '.join(keys.walls)} bounds the room about x = {point[0]:.4g} m, y = {point[1]:.4g} m"
+        )
     seats = _spanned(keys, seats, where)
     shallow = min(seats, key=lambda side: side.depth)
     if keys.bearing > shallow.depth + AT:
         raise InputError(
-            f"{where}.bearing: must be at most the depth of its wall in the {shallow.name}, {shallow.depth:.4g} m, got {keys.bearing:g}"
+            f"{where}.bearing", f"must be at most the depth of its wall in the {shallow.name}, {shallow.depth:.4g} m, got {keys.bearing:g}"
         )
     into = [keys.bearing if side in seats else 0.0 for side in sides]
     short = [keys.gap if side.owners and side not in seats else 0.0 for side in sides]
@@ -237,7 +239,7 @@ def _spanned(keys: FloorTable, seats: list[Side], where: str) -> list[Side]:
     along = _direction(keys.span)
     found = [side for side in seats if abs(side.normal @ along) > ACROSS]
     if not found:
-        raise InputError(f"{where}.span: none of {', '.join(keys.walls)} lies across {keys.span:g} degrees beside it")
+        raise InputError(f"{where}.span", f"none of {', '.join(keys.walls)} lies across {keys.span:g} degrees beside it")
     return found
 
 
@@ -257,8 +259,8 @@ def _with_seats(blocks: Sequence[Block], floor: _Floor) -> list[Block]:
         width = width_of(block)
         if width < min(thin, 0.999 * width_of(whole)):
             raise InputError(
-                f'{floor.where}: of block "{whole.name}" a sliver of {1e3 * width:.3g} mm would remain beside it; '
-                "another height, thickness or bearing"
+                floor.where,
+                f'of block "{whole.name}" a sliver of {1e3 * width:.3g} mm would remain beside it; another height, thickness or bearing',
             )
     return made
 
@@ -271,11 +273,11 @@ def _anchored(solids: Solids, floor: _Floor) -> Iterator[Bar]:
     for side in floor.tied:
         along = np.array([-side.normal[1], side.normal[0]])
         if keys.length > float(np.ptp(floor.plan @ side.normal)):
-            raise InputError(f"{where}.length: must be at most that of the floor there, got {keys.length:g}")
+            raise InputError(f"{where}.length", f"must be at most that of the floor there, got {keys.length:g}")
         edge = floor.plan[np.abs(floor.plan @ side.normal - side.place - floor.keys.bearing) < AT] @ along
         wanted = float(np.ptp(edge)) / keys.spacing
         if not wanted <= MOST:
-            raise InputError(f"{where}.spacing: makes {wanted:.4g} anchors on a wall, at most {MOST} are taken")
+            raise InputError(f"{where}.spacing", f"makes {wanted:.4g} anchors on a wall, at most {MOST} are taken")
         count = max(1, round(wanted))
         axis = int(np.abs(side.normal).argmax())
         turn = np.eye(2) if abs(side.normal[axis]) == 1.0 else np.array([side.normal, along])  # (2, 2) to axes of which one is the normal
@@ -323,7 +325,7 @@ def _tied(solids: Solids, seats: tuple[Side, ...], keys: AnchorTable | None, whe
         own = solids.members(wall, f"{where}.anchors.walls")
         sides = [side for side in seats if own[list(side.owners)].any()]
         if not sides:
-            raise InputError(f'{where}.anchors.walls: the floor has no seat in "{wall}"')
+            raise InputError(f"{where}.anchors.walls", f'the floor has no seat in "{wall}"')
         tied += [side for side in sides if side not in tied]
     return tuple(tied)
 

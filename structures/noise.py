@@ -52,15 +52,15 @@ def with_noise(blocks: Sequence[Block], table: object) -> tuple[list[Block], lis
         InputError: a key that is wrong, or noise that is too large for the smallest block.
     """
     if not isinstance(table, Mapping):
-        raise InputError("structure.noise: should be a table, as { size = 1e-6, seed = 0 }")
+        raise InputError("structure.noise", "should be a table, as { size = 1e-6, seed = 0 }")
     keys = parse_table(NoiseTable, table, "structure.noise")
-    refuse_spheres(blocks, "structure.noise: noise on corners")
+    refuse_spheres(blocks, "structure.noise", "noise on corners")
     shortest = np.array([_shortest_edge(block) for block in blocks])
     at = int(shortest.argmin())
     if keys.size > LARGEST * shortest[at]:
         raise InputError(
-            f"structure.noise.size: {keys.size:g} m is more than {LARGEST:g} of the shortest edge, "
-            f'{shortest[at]:.3g} m of block "{blocks[at].name}"'
+            "structure.noise.size",
+            f'{keys.size:g} m is more than {LARGEST:g} of the shortest edge, {shortest[at]:.3g} m of block "{blocks[at].name}"',
         )
     if keys.size == 0.0:
         return list(blocks), []

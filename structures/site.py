@@ -25,14 +25,14 @@ import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
 from scipy.spatial import ConvexHull
 
-from masonry_cd.foundation.errors import InputError, InputErrors, parse_table
+from masonry_cd.foundation.errors import Fault, InputError, parse_table
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures import Made, make
-from structures.geometry.checks import Unsound, check
+from structures.geometry.checks import check
 from structures.geometry.convex import halves
 from structures.geometry.prism import box
 from structures.schema import Table
@@ -100,7 +100,7 @@ class Place:
         """A tie of the structure in the world, of the structure with a number among all."""
         first, second = (f"{self.name}.{block}" for block in own.blocks)
         keys = {**own.keys, "name": f"{self.name}.{own.keys['name']}"}
-        return Bar(_of_one(own.where, number), (first, second), self.points(own.points), keys)
+        return Bar(_among(own.where, number), (first, second), self.points(own.points), keys)
 
 
 def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Path) -> Made:
@@ -112,7 +112,7 @@ def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Pa
     places = [_place_of(table, i) for i, table in enumerate(tables)]
     for i, place in enumerate(places):
         if place.name in (other.name for other in places[:i]):
-            raise InputError(f'structures[{i}].name: "{place.name}" is given twice; each structure has a name of its own')
+            raise InputError(f"structures[{i}].name", f'"{place.name}" is given twice; each structure has a name of its own')
     made = [_made(table, density, folder, i) for i, table in enumerate(tables)]
     placed = [[place.block(block) for block in one.blocks] for place, one in zip(places, made, strict=True)]
     blocks = [block for one in on_one_ground(placed) for block in one]
@@ -120,7 +120,7 @@ def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Pa
     bars = [place.bar(bar, i) for i, (place, one) in enumerate(zip(places, made, strict=True)) for bar in one.ties]
     notes = [f"{place.name}: {note}" for place, one in zip(places, made, strict=True) for note in one.notes]
     fills = [
-        replace(fill.placed(place.name, place.turn, place.at, place.points), where=_of_one(fill.where, i))
+        replace(fill.placed(place.name, place.turn, place.at, place.points), where=_among(fill.where, i))
         for i, (place, one) in enumerate(zip(places, made, strict=True))
         for fill in one.fills
     ]
@@ -137,20 +137,20 @@ def _made(table: Mapping[str, Any], density: float | None, folder: Path, number:
     own = {key: value for key, value in table.items() if key not in KEYS}
     try:
         return make(own, density, folder)
-    except Unsound as fault:
-        raise Unsound(_of_one(str(fault), number), fault.faulty, fault.blocks) from None
-    except InputErrors as fault:
-        raise InputErrors([_of_one(line, number) for line in fault.lines]) from None
-    except InputError as fault:
-        raise InputError(_of_one(str(fault), number)) from None
+    except InputError as error:
+        raise error.each(lambda fault: _of_one(fault, number)) from None
 
 
-def _of_one(message: str, number: int) -> str:
-    """What is said of [structure], said of one of several."""
-    here = f"structures[{number}]"
-    if message.startswith(("structure.", "structure:")):
-        return here + message.removeprefix("structure")
-    return message if message.startswith("material.") else f"{here}: {message}"
+def _of_one(fault: Fault, number: int) -> Fault:
+    """A fault of [structure] as that of one of several."""
+    if fault.place.split(".")[0] == "structure":
+        return fault._replace(place=_among(fault.place, number))
+    return fault if fault.place.startswith("material.") else fault.under(f"structures[{number}]")
+
+
+def _among(place: str, number: int) -> str:
+    """A key of [structure] as that of one of several."""
+    return f"structures[{number}]{place.removeprefix('structure')}"
 
 
 def on_one_ground(structures: Sequence[Sequence[Block]]) -> list[list[Block]]:
@@ -208,8 +208,9 @@ def _between(a: Sequence[Block], b: Sequence[Block]) -> tuple[np.ndarray, float]
     if best[0] < -LEVEL * float(np.abs(np.concatenate([first, second])).max()):
         one, other = a[0].structure, b[0].structure
         raise InputError(
-            f'structures: "{one}" and "{other}" overlap in plan by {-best[0]:.3g} m, no upright plane parts the ground of one '
-            f"from that of the other; move one of them (at)"
+            "structures",
+            f'"{one}" and "{other}" overlap in plan by {-best[0]:.3g} m, no upright plane parts the ground of one '
+            f"from that of the other; move one of them (at)",
         )
     return np.append(best[1], 0.0), best[2]
 
@@ -235,7 +236,7 @@ def _on_its_part(blocks: Sequence[Block], planes: Sequence[tuple[np.ndarray, flo
     """A structure whose supports are cut by planes; a ground that is one upright prism first reaches over the whole plan."""
     supports = [block for block in blocks if block.fixed]
     if any(block.parts for block in supports):
-        raise InputError(f'structures: the supports of "{blocks[0].structure}" overlap others in plan, and only convex ones can be cut')
+        raise InputError("structures", f'the supports of "{blocks[0].structure}" overlap others in plan, and only convex ones can be cut')
     drawn_out = _drawn_out(supports[0], whole) if len(supports) == 1 else None
     kept: list[Block] = []
     for block in blocks:

@@ -31,7 +31,7 @@ def limited(most: object) -> Iterator[None]:
     from masonry_cd.foundation.errors import InputError
 
     if isinstance(most, bool) or not isinstance(most, int) or most < 1:
-        raise InputError(f"structure.{KEY}: should be a whole number above 0, got {most!r}")
+        raise InputError(f"structure.{KEY}", f"should be a whole number above 0, got {most!r}")
     before = _most.set(most)
     try:
         yield
@@ -51,13 +51,11 @@ def within(estimate: float, key: str) -> None:
     """
     from masonry_cd.foundation.errors import InputError
 
-    line = beyond(estimate, key, most_blocks())
-    if line:
-        raise InputError(line)
+    text = beyond(estimate, most_blocks())
+    if text:
+        raise InputError(f"structure.{key}", text)
 
 
-def beyond(estimate: float, key: str, most: int) -> str:
+def beyond(estimate: float, most: int) -> str:
     """What :func:`within` says where an estimate, which may be infinite or none, exceeds a limit; else nothing."""
-    return (
-        "" if estimate <= most else f"structure.{key}: makes about {estimate:.2g} blocks, at most {most} are allowed; {KEY} = N allows more"
-    )
+    return "" if estimate <= most else f"makes about {estimate:.2g} blocks, at most {most} are allowed; {KEY} = N allows more"

@@ -28,7 +28,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from masonry_cd.foundation.errors import InputError, InputErrors, parse_table, suggest
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import check_tension
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
@@ -146,7 +146,7 @@ def ties_of(blocks: Sequence[Block], tables: object, faults: Faults) -> tuple[li
         InputError: the value is no list of tables.
     """
     if not isinstance(tables, (list, tuple)) or not all(isinstance(table, Mapping) for table in tables):
-        raise InputError(f"structure.{KEY}: every tie is a table of its own, headed [[structure.{KEY}]]")
+        raise InputError(f"structure.{KEY}", f"every tie is a table of its own, headed [[structure.{KEY}]]")
     solids, bars, notes = Solids.of(blocks), list[Bar](), list[str]()
     for i, table in enumerate(tables):
         where = f"structure.{KEY}[{i}]"
@@ -155,7 +155,7 @@ def ties_of(blocks: Sequence[Block], tables: object, faults: Faults) -> tuple[li
             solids.any_of(keys.parts or (), f"{where}.parts", faults)
             made = list(_row(solids, keys, where, keys.name or f"tie{i + 1}"))
             if {bar.keys["name"] for bar in bars} & {bar.keys["name"] for bar in made}:
-                raise InputError(f'{where}.name: "{keys.name}" is the name of other ties')
+                raise InputError(f"{where}.name", f'"{keys.name}" is the name of other ties')
             bars += made
             notes.append(_note(keys, keys.name or f"tie{i + 1}", made))
     return bars, notes
@@ -202,14 +202,13 @@ class Solids:
             InputError: a name that no block has.
             Absent: one of what is left out; without names, of what bears.
         """
-        found, lines = np.zeros(len(self.blocks), dtype=bool), list[str]()
+        found, unknown = np.zeros(len(self.blocks), dtype=bool), Faults(left_out=faults.left_out)
         for name in names:
             try:
                 found |= self.members(name, where)
-            except InputError as fault:
-                lines += [] if faults.lacks(name) else [str(fault)]
-        if lines:
-            raise InputErrors(lines)
+            except InputError as error:
+                unknown.found += () if faults.lacks(name) else error.faults
+        unknown.refuse()
         if faults.lacks(*names):
             raise Absent(f"{where}: not all of it is there", *names)
         return found
@@ -221,7 +220,7 @@ class Solids:
         found = np.array([fnmatchcase(block.name, name) or fnmatchcase(block.group, name) for block in self.blocks])
         if not found.any():
             groups = list(dict.fromkeys(block.group for block in self.blocks))
-            raise InputError(f'{where}: "{name}" is no group or block{suggest(name, groups)}; groups: {", ".join(groups)}')
+            raise InputError(where, f'"{name}" is no group or block{suggest(name, groups)}; groups: {", ".join(groups)}')
         return found
 
 
@@ -240,7 +239,7 @@ def _row(solids: Solids, keys: TieRowTable, where: str, name: str) -> Iterator[B
         ends = [anchors_at(solids, keys, axis, through, side, sign, where) for side, sign in zip(sides, (-1, 1), strict=True)]
         if {anchor.block for anchor in ends[0]} & {anchor.block for anchor in ends[1]}:
             both = solids.blocks[ends[0][0].block].name
-            raise InputError(f'{where}: {_line(keys, place)} has both ends in block "{both}"; a tie needs two')
+            raise InputError(where, f'{_line(keys, place)} has both ends in block "{both}"; a tie needs two')
         for a, b in product(*ends):
             yield bar_between(solids, keys, a, b, where, name if len(places) == 1 else f"{name}.{k + 1}")
 
@@ -268,11 +267,11 @@ def _places(solids: Solids, keys: TieRowTable, axis: int, allowed: np.ndarray, w
     free = np.array([not block.fixed for block in solids.blocks])
     there = (allowed & free)[solids.owner]
     if not ((solids.low[:, 2] <= keys.height) & (keys.height <= solids.high[:, 2]) & there).any():
-        raise InputError(f"{where}.height: no block of the parts stands at z = {keys.height:g} m")
+        raise InputError(f"{where}.height", f"no block of the parts stands at z = {keys.height:g} m")
     low, high = float(solids.low[there, 1 - axis].min()), float(solids.high[there, 1 - axis].max())
     wanted = keys.number or ((high - low) / keys.spacing if keys.spacing else 1.0)
     if not wanted <= MOST:
-        raise InputError(f"{where}.spacing: makes {wanted:.4g} ties, at most {MOST} are taken")
+        raise InputError(f"{where}.spacing", f"makes {wanted:.4g} ties, at most {MOST} are taken")
     count = max(1, round(wanted))
     apart = keys.spacing or (high - low) / count
     return [0.5 * (low + high) + (k - 0.5 * (count - 1)) * apart for k in range(count)]
@@ -290,7 +289,7 @@ def anchors_at(
     if found is None:
         of_parts = f" of {', '.join(keys.parts)}" if keys.parts else ""
         raise InputError(
-            f"{where}: {_line(keys, float(through[1 - axis]))} meets no block{of_parts}: its end would hold on to nothing (an opening?)"
+            where, f"{_line(keys, float(through[1 - axis]))} meets no block{of_parts}: its end would hold on to nothing (an opening?)"
         )
     if keys.plate is None:
         point = through.copy()
@@ -309,7 +308,7 @@ def anchors_at(
     count = sum(len(points) for points in under.values())
     if count < LEAST * GRID**2:
         share = f"{100 * count / GRID**2:.2g} %" if count else "next to nothing"
-        raise InputError(f"{where}.plate: {keys.plate:g} m is so wide that {share} of it lies on the wall; at least half has to")
+        raise InputError(f"{where}.plate", f"{keys.plate:g} m is so wide that {share} of it lies on the wall; at least half has to")
     return [Anchor(block, np.mean(points, axis=0), len(points) / count) for block, points in under.items()]
 
 

@@ -26,7 +26,7 @@ def cosmos(
     return "\n".join([
         *head, " 100 Integer-header values follow on  10 lines, Format= (10I8)", *rows(integers, 10, "{:8d}"),
         " 100 Real-header values follow on  17 lines, Format= (6F13.6)", *rows(reals, 6, "{:13.6f}"),
-        "  1 Comment line(s) follow, each starting with a \"|\":", "| made",
+        '  1 Comment line(s) follow, each starting with a "|":', "| made",
         f"  {len(values)}  {what} pts, approx    1 secs, units={unit}({code:02d}),Format=(8F10.5)", *rows(values, 8, "{:10.5f}"),
         "End-of-data for Chan  1 acceleration", "",
     ])  # fmt: skip

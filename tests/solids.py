@@ -30,7 +30,7 @@ def holes_of(wall: wall_plan.Wall, sizes: wall_plan.Sizes) -> list[np.ndarray]:
 
     faults = Faults()
     frames = square_plan.frames_of([wall], sizes, faults)
-    assert not faults.lines
+    assert not faults.found
     return [polygons.loop(frame.hole) + [wall.start, 0.0] for some in frames.values() for frame in some]
 
 

@@ -169,7 +169,7 @@ def drawn(table: SpectrumMatch, where: str) -> History:
     try:
         return accelerogram(table).motion
     except ValueError as failure:
-        raise InputError(f"{where}: {failure}") from None
+        raise InputError(where, str(failure)) from None
 
 
 def accelerogram(table: SpectrumMatch) -> Match:

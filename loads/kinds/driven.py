@@ -152,7 +152,7 @@ def prop(table: PropTable, grid: RunGrid, where: str) -> Part:
         InputError: see :func:`driven`.
     """
     if table.blocks is None:
-        raise InputError(f"{where}.blocks: missing")
+        raise InputError(f"{where}.blocks", "missing")
     guide = _guide(table, table.direction, np.zeros(grid.steps + 1), grid, where)
     summary = {"kind": "prop", "direction": list(table.direction.vector), "name": guide.name, "blocks": _names(guide, grid)}
     line = f"{where} prop: {_counted(guide)} held along {table.direction.label}{', and from turning' if guide.held else ''}"
@@ -168,7 +168,7 @@ def path_of(table: DrivenKeys, start: float, grid: RunGrid, where: str) -> Path:
     targets = table.targets or ()
     ways = np.diff([0.0, *targets]).tolist()
     if not any(ways):
-        raise InputError(f"{where}.targets: none is away from 0")
+        raise InputError(f"{where}.targets", "none is away from 0")
     begins, lengths, at = [], [], start
     for way in ways:
         length = _length(table, abs(way), grid, where)
@@ -176,7 +176,7 @@ def path_of(table: DrivenKeys, start: float, grid: RunGrid, where: str) -> Path:
         lengths.append(max(length, grid.dt))
         at += length + table.hold
     if at > MOST_STEPS * grid.dt:
-        raise InputError(f"{where}: its way takes {at:.3g} s, more than {MOST_STEPS:g} steps of run.dt {grid.dt:g} s")
+        raise InputError(where, f"its way takes {at:.3g} s, more than {MOST_STEPS:g} steps of run.dt {grid.dt:g} s")
     return Path(tuple(begins), tuple(lengths), tuple(ways), at)
 
 
@@ -188,13 +188,14 @@ def _length(table: DrivenKeys, way: float, grid: RunGrid, where: str) -> float:
         length = PEAK_SPEED * way / table.speed
         if length < FEWEST_STEPS * grid.dt:
             raise InputError(
-                f"{where}.speed: at {table.speed:g} m/s the leg of {way:g} m takes {length / grid.dt:.3g} steps of run.dt {grid.dt:g} s, "
-                f"and at least {FEWEST_STEPS} are needed; without a speed the push is as slow as it has to be"
+                f"{where}.speed",
+                f"at {table.speed:g} m/s the leg of {way:g} m takes {length / grid.dt:.3g} steps of run.dt {grid.dt:g} s, "
+                f"and at least {FEWEST_STEPS} are needed; without a speed the push is as slow as it has to be",
             )
         return length
     gravity = math.hypot(*grid.gravity)
     if gravity == 0.0:
-        raise InputError(f"{where}.speed: missing, and without gravity there is no force from which it could follow")
+        raise InputError(f"{where}.speed", "missing, and without gravity there is no force from which it could follow")
     return max(FEW_STEPS * grid.dt, math.sqrt(PEAK_ACCELERATION * way / (QUIET * _friction(grid, where) * gravity)))
 
 
@@ -215,8 +216,9 @@ def check_inertia(guides: Sequence[Guide], points: Sequence[PointLoad], grid: Ru
         if share > LOUD:
             fastest = float(np.abs(guide.velocity).max())
             raise InputError(
-                f"{where}.speed: at {fastest:.3g} m/s the inertia of the blocks is {share:.2g} of what friction lets the push reach, "
-                f"and at most {LOUD:g} is meant; {fastest * math.sqrt(LOUD / share):.2g} m/s will do, or none given"
+                f"{where}.speed",
+                f"at {fastest:.3g} m/s the inertia of the blocks is {share:.2g} of what friction lets the push reach, "
+                f"and at most {LOUD:g} is meant; {fastest * math.sqrt(LOUD / share):.2g} m/s will do, or none given",
             )
 
 
@@ -227,7 +229,7 @@ def _friction(grid: RunGrid, where: str) -> float:
 
 def _blocks(grid: RunGrid, where: str) -> Assembly:
     if grid.assembly is None:
-        raise InputError(f"{where}: needs a structure, whose blocks it names")
+        raise InputError(where, "needs a structure, whose blocks it names")
     return grid.assembly
 
 
@@ -237,15 +239,15 @@ def _guide(table: GuidedKeys, direction: Direction, velocity: np.ndarray, grid: 
     mask = select(names, assembly, f"{where}.blocks")
     stuck = np.flatnonzero(mask & assembly.fixed)
     if len(stuck):
-        raise InputError(f'{where}.blocks: "{assembly.names[stuck[0]]}" is fixed; kind = "settlement" moves supports')
+        raise InputError(f"{where}.blocks", f'"{assembly.names[stuck[0]]}" is fixed; kind = "settlement" moves supports')
     if grid.longest is not None:
-        raise InputError(f'{where}: blocks are guided in steps of one length; run.dt = "auto" has several')
+        raise InputError(where, 'blocks are guided in steps of one length; run.dt = "auto" has several')
     blocks = np.flatnonzero(mask)
     if table.face is not None:
         blocks, points = _on_face(assembly, blocks, table.face)
     elif table.point is not None:
         if len(blocks) > 1:
-            raise InputError(f"{where}.point: {len(blocks)} blocks are named, and a point is on one")
+            raise InputError(f"{where}.point", f"{len(blocks)} blocks are named, and a point is on one")
         require_on_block(assembly.blocks[blocks[0]], table.point, f"{where}.point")
         points = np.array([table.point])
     else:
@@ -278,7 +280,9 @@ def _check_reach(guide: Guide, targets: Sequence[float], grid: RunGrid, where: s
     along = np.concatenate([np.sum(assembly.blocks[b].vertices * guide.direction, axis=1) for b in guide.blocks])
     size, farthest = float(np.ptp(along)), max(targets, key=abs)
     if abs(farthest) > size:
-        raise InputError(f"{where}.targets: {farthest:g} m is beyond the blocks that are moved, which are {size:.4g} m long along the way")
+        raise InputError(
+            f"{where}.targets", f"{farthest:g} m is beyond the blocks that are moved, which are {size:.4g} m long along the way"
+        )
 
 
 def check_together(guides: Sequence[Guide], assembly: Assembly, wheres: Sequence[str]) -> None:
@@ -292,7 +296,7 @@ def check_together(guides: Sequence[Guide], assembly: Assembly, wheres: Sequence
             both = np.intersect1d(one.blocks, other.blocks)
             if len(both) and abs(float(np.sum(one.direction * other.direction))) > ACROSS:
                 name = assembly.names[int(both[0])]
-                raise InputError(f'{where}.direction: "{name}" is already guided by {there}, and not at right angles to this')
+                raise InputError(f"{where}.direction", f'"{name}" is already guided by {there}, and not at right angles to this')
 
 
 def _counted(guide: Guide) -> str:

@@ -164,7 +164,7 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
     assembly = _blocks(grid, where)
     block = one_block(table.block, assembly, f"{where}.block")
     if assembly.fixed[block]:
-        raise InputError(f'{where}.block: "{table.block}" is fixed, a force cannot move it')
+        raise InputError(f"{where}.block", f'"{table.block}" is fixed, a force cannot move it')
     if table.point is not None:
         require_on_block(assembly.blocks[block], table.point, f"{where}.point")
     arm = np.zeros(3) if table.point is None else np.array(table.point) - assembly.centre[block]
@@ -210,19 +210,19 @@ def bar(table: TieTable, grid: RunGrid, where: str) -> Part:
     assembly = _blocks(grid, where)
     ends = (one_block(table.blocks[0], assembly, f"{where}.blocks"), one_block(table.blocks[1], assembly, f"{where}.blocks"))
     if assembly.fixed[list(ends)].all():
-        raise InputError(f"{where}.blocks: both are fixed, a tie between them does nothing")
+        raise InputError(f"{where}.blocks", "both are fixed, a tie between them does nothing")
     centres = assembly.centre[list(ends)]
     points = centres if table.points is None else np.array(table.points)
     length = math.hypot(*(points[1] - points[0]))
     if length == 0.0:
-        raise InputError(f"{where}.points: both ends are at one point")
+        raise InputError(f"{where}.points", "both ends are at one point")
     if not length <= LONGEST_TIE:
-        raise InputError(f"{where}.points: the ends are {length:.3g} m apart, at most {LONGEST_TIE:g} m are taken")
+        raise InputError(f"{where}.points", f"the ends are {length:.3g} m apart, at most {LONGEST_TIE:g} m are taken")
     stiffness = table.modulus * table.section / length
     if not SOFTEST <= stiffness <= STIFFEST:
-        raise InputError(f"{where}: its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are taken")
+        raise InputError(where, f"its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are taken")
     omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
-    _check_phase(omega, table.damping, grid, f"{where}:", "for its", f"between these blocks, by a section of {table.section:.3g} m2")
+    _check_phase(omega, table.damping, grid, f"{where}, a bar of {table.section:.3g} m2 between these blocks")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
     limit = math.inf if table.yield_force is None else table.yield_force
     name, early = table.name or "", table.from_start
@@ -268,7 +268,7 @@ def collect(parts: Sequence[Part], grid: RunGrid) -> Forces | None:
     if len(forces.ties) > 1:
         assert grid.assembly is not None
         omega, xi = _highest(forces.ties, grid.assembly)
-        _check_phase(omega, xi, grid, "loads:", "for the", "of ties on the same blocks")
+        _check_phase(omega, xi, grid, "ties on the same blocks")
     return forces
 
 
@@ -331,18 +331,18 @@ def _sharing(rows: Sequence[Mapping[int, np.ndarray]]) -> list[list[int]]:
     return found
 
 
-def _check_phase(omega: float, damping: float, grid: RunGrid, where: str, before: str, after: str) -> None:
-    """Refuse a time step that is too long for bars of angular frequency omega."""
+def _check_phase(omega: float, damping: float, grid: RunGrid, what: str) -> None:
+    """Refuse a time step that is too long for bars of angular frequency omega [1/s]; ``what`` names them."""
     key, step = ("run.dt", grid.dt) if grid.longest is None else ("run.dt_max", grid.longest)
     phase = omega * step * (1.0 + damping)
     if phase > LARGEST_PHASE:
-        needs = f"{omega / (2.0 * np.pi):.3g} Hz {after}; at most {step * LARGEST_PHASE / phase:.2g} s will do"
-        raise InputError(f"{where} {key} {step:g} s is too long {before} {needs}")
+        allowed = f"at most {step * LARGEST_PHASE / phase:.2g} s"
+        raise InputError(key, f"{step:g} s is too long for the {omega / (2.0 * np.pi):.3g} Hz of {what}; {allowed}")
 
 
 def _blocks(grid: RunGrid, where: str) -> Assembly:
     if grid.assembly is None:
-        raise InputError(f"{where}: needs a structure, whose blocks it names")
+        raise InputError(where, "needs a structure, whose blocks it names")
     return grid.assembly
 
 
@@ -353,7 +353,7 @@ def one_block(name: str, assembly: Assembly, where: str) -> int:
     found = np.flatnonzero(select([name], assembly, where))
     if len(found) > 1:
         some = ", ".join(assembly.names[b] for b in found[:4])
-        raise InputError(f'{where}: "{name}" names {len(found)} blocks ({some} ...), one is needed')
+        raise InputError(where, f'"{name}" names {len(found)} blocks ({some} ...), one is needed')
     return int(found[0])
 
 

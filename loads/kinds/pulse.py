@@ -43,7 +43,7 @@ def pulse(table: PulseTable, grid: RunGrid, where: str) -> Part:
         InputError: a pulse that is shorter than a step.
     """
     if table.duration < grid.dt:
-        raise InputError(f"{where}.duration: {table.duration:g} s are less than a step, run.dt = {grid.dt:g} s")
+        raise InputError(f"{where}.duration", f"{table.duration:g} s are less than a step, run.dt = {grid.dt:g} s")
     ends = np.concatenate([[-grid.dt], grid.times])
     means = table.acceleration * np.diff(_integral(table, ends)) / grid.dt
     end, size = table.start + table.duration, abs(table.acceleration)

@@ -130,7 +130,7 @@ def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
     place = np.sum(structure(grid, where).centre * table.direction.vector, axis=1)
     low, high = place[moving].min(), place[moving].max()
     if high - low < 1e-9 * max(1.0, abs(high)):
-        raise InputError(f"{where}.direction: the supports all stand at one place along {table.direction.label}, nothing can spread")
+        raise InputError(f"{where}.direction", f"the supports all stand at one place along {table.direction.label}, nothing can spread")
     share = np.where(moving, (place - 0.5 * (low + high)) / (high - low), 0.0)
     over = f"over {high - low:.4g} m along {table.direction.label}"
     return Part(
@@ -147,9 +147,9 @@ def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
 def _pulse(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -> Motion:
     """The velocity of the whole displacement as a function of time."""
     if table.duration < FEWEST_STEPS * grid.dt:
-        raise InputError(f"{where}.duration: {table.duration:g} s are less than {FEWEST_STEPS} steps of run.dt {grid.dt:g} s")
+        raise InputError(f"{where}.duration", f"{table.duration:g} s are less than {FEWEST_STEPS} steps of run.dt {grid.dt:g} s")
     if table.duration > MOST_STEPS * grid.dt:  # the pulse is added up over all of its steps, those beyond the run too
-        raise InputError(f"{where}.duration: {table.duration:g} s take more than {MOST_STEPS:g} steps of run.dt {grid.dt:g} s")
+        raise InputError(f"{where}.duration", f"{table.duration:g} s take more than {MOST_STEPS:g} steps of run.dt {grid.dt:g} s")
 
     def shape(times: np.ndarray) -> np.ndarray:
         x = np.clip((times - table.start) / table.duration, 0.0, 1.0)

@@ -85,7 +85,9 @@ def sinusoidal(table: SinusoidalTable, grid: RunGrid, where: str) -> Part:
     """
     if table.frequency * grid.dt >= 0.5:
         limit = 0.5 / grid.dt
-        raise InputError(f"{where}.frequency: {table.frequency:g} Hz is beyond run.dt {grid.dt:g} s, which follows less than {limit:g} Hz")
+        raise InputError(
+            f"{where}.frequency", f"{table.frequency:g} Hz is beyond run.dt {grid.dt:g} s, which follows less than {limit:g} Hz"
+        )
     numbers = _numbers(table)
     return Part(
         motion=lambda times: table.direction.along(table.velocity(times - table.start)),

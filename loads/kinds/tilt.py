@@ -160,7 +160,7 @@ def tilt_end(table: TiltTable, grid: RunGrid, where: str) -> float:
         InputError: it stops at none.
     """
     if table.angle is None:
-        raise InputError(f"run.duration: missing, and {where} has no angle at which it stops")
+        raise InputError("run.duration", f"missing, and {where} has no angle at which it stops")
     return table.start + (table.angle - table.initial) / table.rate
 
 
@@ -173,7 +173,7 @@ def push_end(table: PushTable, grid: RunGrid, where: str) -> float:
     if table.control == "displacement":
         return path_of(table, table.start, grid, where).end
     if table.peak is None:
-        raise InputError(f"run.duration: missing, and {where} has no peak at which it stops")
+        raise InputError("run.duration", f"missing, and {where} has no peak at which it stops")
     return table.start + (table.peak - table.initial) / (table.rate or 1.0)
 
 
@@ -194,7 +194,7 @@ def _gravity(grid: RunGrid, where: str) -> tuple[np.ndarray, float]:
     """Direction and size of gravity."""
     size = math.hypot(*grid.gravity)
     if size == 0.0:
-        raise InputError(f"{where}: needs gravity, but run.gravity is zero")
+        raise InputError(where, "needs gravity, but run.gravity is zero")
     return grid.gravity / size, size
 
 
@@ -209,7 +209,7 @@ def _lean(table: TiltTable, down: np.ndarray, where: str) -> Direction:
         turned = np.cross(table.axis.vector, down)
         lean = table.axis if slope > 1e-9 else parse_direction([float(n) + 0.0 for n in turned])
     if slope > 1e-9:
-        raise InputError(f"{where}.{key}: must be level, at right angles to gravity")
+        raise InputError(f"{where}.{key}", "must be level, at right angles to gravity")
     return lean
 
 

@@ -36,7 +36,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from loads.bars import PointLoad
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from masonry_cd.foundation import libm
-from masonry_cd.foundation.errors import InputError, InputErrors
+from masonry_cd.foundation.errors import Fault, InputError
 from masonry_cd.foundation.fields import Instant, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.fill import Fill, FillFace
@@ -228,26 +228,29 @@ def on_bridge(table: VehicleTable, fills: Sequence[Fill], where: str) -> Fill:
     """
     fill = _bridge(fills, where)
     if faults := _beside(table, fill, where):
-        raise InputError(faults[0])
+        raise InputError.of(faults)
     return fill
 
 
 def _bridge(fills: Sequence[Fill], where: str) -> Fill:
     """The only one that there is."""
     if len(fills) != 1:
-        raise InputError(f'{where}: a vehicle needs one structure of kind "bridge", whose fill spreads its wheels; there are {len(fills)}')
+        raise InputError(where, f'a vehicle needs one structure of kind "bridge", whose fill spreads its wheels; there are {len(fills)}')
     return fills[0]
 
 
-def _beside(table: VehicleTable, fill: Fill, where: str) -> list[str]:
-    """A line where wheels stand beside the road."""
+def _beside(table: VehicleTable, fill: Fill, where: str) -> list[Fault]:
+    """A fault where wheels stand beside the road."""
     reach = 0.5 * (table.known.track + table.known.contact[1])
     low, high = table.offset - reach, table.offset + reach
     if table.across != "wheels" or (low >= fill.clear[0] - 1e-9 and high <= fill.clear[1] + 1e-9):
         return []
     return [
-        f"{where}.offset: the vehicle stands beside the road: its wheels from y = {low:.4g} to {high:.4g} m, the road from "
-        f"{fill.clear[0]:.4g} to {fill.clear[1]:.4g} m"
+        Fault(
+            f"{where}.offset",
+            f"the vehicle stands beside the road: its wheels from y = {low:.4g} to {high:.4g} m, the road from "
+            f"{fill.clear[0]:.4g} to {fill.clear[1]:.4g} m",
+        )
     ]
 
 
@@ -278,26 +281,30 @@ def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> Part:
     first = _begin(table, fill) + table.speed * np.maximum(grid.times - table.start, 0.0)
     faults = [*_beside(table, fill, where), *_never_there(table, fill, grid, where, first)]
     if faults:
-        raise InputErrors(faults)
+        raise InputError.of(faults)
     loads, lines, end = point_loads(table, fill, grid, first), [_line(table, fill, where)], _end(table, grid, where)
     if table.speed > 0.0 and grid.end < end * (1.0 - 1e-9):
         lines.append(f"{where} the run ends at {grid.end:g} s, before the last axle has left the bridge at {end:.4g} s")
     return Part(forces=tuple(loads), lines=tuple(lines), summary=_summary(table))
 
 
-def _never_there(table: VehicleTable, fill: Fill, grid: RunGrid, where: str, first: np.ndarray) -> list[str]:
-    """A line where a vehicle has no place, or none on the deck while the run lasts, with its first axle at places (N + 1,) [m]."""
+def _never_there(table: VehicleTable, fill: Fill, grid: RunGrid, where: str, first: np.ndarray) -> list[Fault]:
+    """A fault where a vehicle has no place, or none on the deck while the run lasts, with its first axle at places (N + 1,) [m]."""
     if table.position is None and table.speed == 0.0:
-        return [f"{where}.position: missing; give the place of the first axle along the road, or a speed (masonry-cd limit looks for it)"]
-    axles, found = axles_at(table, first), list[str]()
+        asked = "missing; give the place of the first axle along the road, or a speed (masonry-cd limit looks for it)"
+        return [Fault(f"{where}.position", asked)]
+    axles, found = axles_at(table, first), list[Fault]()
     if not ((axles >= fill.deck[0]) & (axles <= fill.deck[1])).any():
         key = "speed" if table.speed > 0.0 else "position"
         reached = f"its first axle goes from x = {first[0]:.4g} to {first[-1]:.4g} m" if table.speed > 0.0 else f"x = {first[0]:.4g} m"
         where_deck = f"which is from x = {fill.deck[0]:.4g} to {fill.deck[1]:.4g} m: {reached}"
-        found.append(f"{where}.{key}: the vehicle never stands on the deck, {where_deck}")
+        found.append(Fault(f"{where}.{key}", f"the vehicle never stands on the deck, {where_deck}"))
     if table.start > grid.end:
         found.append(
-            f"{where}.start: the vehicle never stands on the deck: it is there from {table.start:g} s on, the run ends at {grid.end:g} s"
+            Fault(
+                f"{where}.start",
+                f"the vehicle never stands on the deck: it is there from {table.start:g} s on, the run ends at {grid.end:g} s",
+            )
         )
     return found
 

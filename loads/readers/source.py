@@ -41,22 +41,22 @@ class Source:
             data = read_bytes(path, label)
         except FileNotFoundError:
             near = suggest(path.name, (p.name for p in path.parent.iterdir())) if path.parent.is_dir() else ""
-            raise InputError(f"{label}: no such file{near}") from None
+            raise InputError(label, f"no such file{near}") from None
         except IsADirectoryError:
-            raise InputError(f"{label}: is a folder") from None
+            raise InputError(label, "is a folder") from None
         except OSError as failure:
-            raise InputError(f"{label}: cannot be read ({failure.strerror})") from None
+            raise InputError(label, f"cannot be read ({failure.strerror})") from None
         text = _decoded(data)
         if text is None:
             return cls(label, (), data)
         lines = tuple(FORTRAN.sub(r"\1E\2", text).splitlines())
         if not any(line.strip() for line in lines):
-            raise InputError(f"{label}: the file is empty")
+            raise InputError(label, "the file is empty")
         return cls(label, lines, data)
 
     def error(self, message: str, index: int | None = None) -> InputError:
         """The error to raise; it names the file and, given the index of a line, its number counted from 1."""
-        return InputError(f"{self.label}, line {index + 1}: {message}" if index is not None else f"{self.label}: {message}")
+        return InputError(self.label if index is None else f"{self.label}, line {index + 1}", message)
 
     def number(self, word: str, index: int) -> float:
         """The finite number that a word on a line stands for."""

@@ -203,9 +203,9 @@ def process(table: Accelerogram, folder: Path, dt: float, where: str) -> Process
     whole, quantity = accelerations(raw, Keys(table.quantity, table.units, table.calibration), where, table.path)
     values, begin = _cut(whole, raw, table, where)
     if not values.any():
-        raise InputError(f"{label}: the record is zero throughout")
+        raise InputError(label, "the record is zero throughout")
     if np.ptp(values) <= LEVEL * np.abs(values).max():
-        raise InputError(f"{label}: the record is constant throughout, at {values[0]:.4g} m/s2: there is no shaking in it")
+        raise InputError(label, f"the record is constant throughout, at {values[0]:.4g} m/s2: there is no shaking in it")
     before = integrate(values, raw.step)
     cleaned, step = _clean(values, raw.step, table, dt, where)
     after = correct(integrate(cleaned, step), ORDERS[table.correction])
@@ -228,7 +228,7 @@ def _clean(values: np.ndarray, step: float, table: Accelerogram, dt: float, wher
             key = "band"
             values = band_pass(values, step, *table.band, table.band_order)
     except ValueError as failure:
-        raise InputError(f"{where}.{key}: {failure}") from None
+        raise InputError(f"{where}.{key}", str(failure)) from None
     return values, step
 
 
@@ -272,9 +272,9 @@ def _cut(acceleration: np.ndarray, raw: RawRecord, table: Accelerogram, where: s
     if table.window is not None:
         slack = 1e-6 * raw.step  # n samples of step h are often called n h long: one step more is let pass
         if table.window[0] < raw.origin - slack or table.window[1] > end + raw.step + slack:
-            raise InputError(f"{where}.window: {list(table.window)} reaches outside the record, {raw.origin:g} to {end:g} s")
+            raise InputError(f"{where}.window", f"{list(table.window)} reaches outside the record, {raw.origin:g} to {end:g} s")
         first = int(np.ceil((table.window[0] - raw.origin) / raw.step - 1e-6))
         last = min(last, int(np.floor((table.window[1] - raw.origin) / raw.step + 1e-6)))
     if last - first + 1 < FEWEST:
-        raise InputError(f"{where}: {max(0, last - first + 1)} samples of {table.path} are too few, at least {FEWEST} are needed")
+        raise InputError(where, f"{max(0, last - first + 1)} samples of {table.path} are too few, at least {FEWEST} are needed")
     return acceleration[first : last + 1], raw.origin + first * raw.step

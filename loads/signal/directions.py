@@ -42,7 +42,7 @@ def component(motion: Motion, axis: str, what: str) -> History:
         InputError: the motion has none; names the measure it is wanted for.
     """
     if axis not in motion:
-        raise InputError(f"{what}: the motion has no component {axis}, only {', '.join(motion) or 'none'}")
+        raise InputError(what, f"the motion has no component {axis}, only {', '.join(motion) or 'none'}")
     return motion[axis]
 
 
@@ -55,7 +55,7 @@ def horizontal(motion: Motion, what: str) -> tuple[History, History]:
     x, y = component(motion, "x", what), component(motion, "y", what)
     if x.step != y.step or len(x.acceleration) != len(y.acceleration):
         sizes = [f"{len(c.acceleration)} samples of {c.step:g} s" for c in (x, y)]
-        raise InputError(f"{what}: the components x and y differ, {sizes[0]} and {sizes[1]}: give both the same window and time step")
+        raise InputError(what, f"the components x and y differ, {sizes[0]} and {sizes[1]}: give both the same window and time step")
     return x, y
 
 

@@ -129,10 +129,10 @@ class Measure:
             InputError: it does not grow with the motion, or the motion is zero.
         """
         if self.order == 0:
-            raise InputError(f"{self.name}: no factor scales a motion to it, since it does not grow with the motion")
+            raise InputError(self.name, "no factor scales a motion to it, since it does not grow with the motion")
         value = self.value(motion)
         if not value > 0.0:
-            raise InputError(f"{self.name}: it is {value:g} for this motion, which no factor scales to {level:g} {self.unit}")
+            raise InputError(self.name, f"it is {value:g} for this motion, which no factor scales to {level:g} {self.unit}")
         return level / value if self.order == 1 else math.sqrt(level / value)
 
     def _of(self, history: History) -> float:
@@ -242,17 +242,17 @@ def parse(text: str, where: str = "measure", rule: str = "x") -> Measure:
     name = parts["name"] if parts else text
     if parts is None or name not in FAMILIES:
         known = ", ".join(family.usage(word) for word, family in FAMILIES.items())
-        raise InputError(f'{where}: unknown intensity measure "{text}"{suggest(name, FAMILIES)}; known: {known}')
+        raise InputError(where, f'unknown intensity measure "{text}"{suggest(name, FAMILIES)}; known: {known}')
     family, chosen = FAMILIES[name], rule if parts["rule"] is None else parts["rule"]
     if chosen not in RULES:
-        raise InputError(f'{where}: unknown rule of components "{chosen}" of "{text}"{suggest(chosen, RULES)}; known: {", ".join(RULES)}')
+        raise InputError(where, f'unknown rule of components "{chosen}" of "{text}"{suggest(chosen, RULES)}; known: {", ".join(RULES)}')
     numbers = _numbers(parts["numbers"], text, where)
     if not family.needed <= len(numbers) <= len(family.numbers):
-        raise InputError(f'{where}: "{text}" must be {family.usage(name)}')
+        raise InputError(where, f'"{text}" must be {family.usage(name)}')
     try:
         quantity = family.make(*numbers)
     except ValueError as failure:
-        raise InputError(f'{where}: "{text}": {failure}') from None
+        raise InputError(where, f'"{text}": {failure}') from None
     inside = f"({','.join(f'{number:.15g}' for number in numbers)})" if numbers else ""
     return Measure(f"{name}{inside}:{chosen}", family.unit, family.order, quantity, chosen)
 
@@ -266,7 +266,7 @@ def of_one_component(texts: Sequence[str] | None, where: str) -> list[Measure]:
     found = [parse(text, where) for text in texts or (f"Sa({period:g})" for period in SHOWN)]
     for measure in found:
         if measure.rule != "x":
-            raise InputError(f'{where}: {measure.name}: one record has no "{measure.rule}"; leave it out')
+            raise InputError(where, f'{measure.name}: one record has no "{measure.rule}"; leave it out')
     return found
 
 
@@ -281,6 +281,6 @@ def _numbers(inside: str | None, text: str, where: str) -> list[float]:
     for word in inside.split(",") if inside and inside.strip() else ():
         number = finite_number(word)
         if number is None:
-            raise InputError(f'{where}: "{word.strip()}" of "{text}" is no number')
+            raise InputError(where, f'"{word.strip()}" of "{text}" is no number')
         found.append(number)
     return found

@@ -60,20 +60,21 @@ def accelerations(raw: RawRecord, keys: Keys, where: str, path: str) -> tuple[np
     size = _size(raw, found, keys.units, where, path)
     if raw.counts and keys.calibration is None:
         raise InputError(
-            f"{where}.calibration: missing, and {path} holds whole numbers, as counts of a digitiser; what one means, in units; "
-            "calibration = 1 where they are no counts"
+            f"{where}.calibration",
+            f"missing, and {path} holds whole numbers, as counts of a digitiser; what one means, in units; "
+            "calibration = 1 where they are no counts",
         )
     if not SHORTEST <= raw.step <= LONGEST:
-        raise InputError(f"{where}.path: {path}: a time step of {raw.step:.4g} s; records have {SHORTEST:g} to {LONGEST:g} s")
+        raise InputError(f"{where}.path", f"{path}: a time step of {raw.step:.4g} s; records have {SHORTEST:g} to {LONGEST:g} s")
     if len(raw.values) < 2:
-        raise InputError(f"{where}.path: {path}: {len(raw.values)} samples are no record")
+        raise InputError(f"{where}.path", f"{path}: {len(raw.values)} samples are no record")
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is beyond LARGEST
         values = raw.values * size
         for _ in range(DERIVATIVES[found]):
             values = derivative(values, raw.step)
     worst = float(np.abs(values).max(initial=0.0))
     if not worst <= LARGEST:
-        raise InputError(f"{where}.path: {path}: an acceleration of {worst:.4g} m/s2, at most {LARGEST:g} is taken")
+        raise InputError(f"{where}.path", f"{path}: an acceleration of {worst:.4g} m/s2, at most {LARGEST:g} is taken")
     return values, found
 
 
@@ -97,21 +98,23 @@ def _quantity(raw: RawRecord, keys: Keys, where: str, path: str) -> str:
     asked, units = keys.quantity, keys.units
     by_key = _by_unit(units, f'units = "{units}"')
     if units is not None and by_key is None:
-        raise InputError(f'{where}.units: unknown unit "{units}"; known: {_known()}')
+        raise InputError(f"{where}.units", f'unknown unit "{units}"; known: {_known()}')
     firm = _firm(raw, path)
     if firm and asked not in (None, firm.quantity):
-        raise InputError(f'{where}.quantity: "{asked}", but {path} says {firm.quantity} ({firm.by}); leave the key out or correct the file')
+        raise InputError(
+            f"{where}.quantity", f'"{asked}", but {path} says {firm.quantity} ({firm.by}); leave the key out or correct the file'
+        )
     hint = None if raw.stated is None or raw.stated.firm else raw.stated
     if firm is None and asked is None and hint is not None and hint.quantity != "acceleration":
-        raise InputError(_asking(_Claim(hint.quantity, hint.by), where, path, overrule=True))
+        raise InputError(f"{where}.quantity", _asking(_Claim(hint.quantity, hint.by), path, overrule=True))
     if asked is not None:
         found = _Claim(asked, f'quantity = "{asked}"')
     else:
         found = firm or (_Claim(hint.quantity, hint.by) if hint else by_key) or _Claim("acceleration", "")
     if by_key and by_key.quantity != found.quantity:
-        raise InputError(f'{where}.units: "{units}" is a unit of {by_key.quantity}, but {path} is one of {found.quantity} ({found.by})')
+        raise InputError(f"{where}.units", f'"{units}" is a unit of {by_key.quantity}, but {path} is one of {found.quantity} ({found.by})')
     if asked is None and found.quantity != "acceleration":
-        raise InputError(_asking(found, where, path, overrule=False))
+        raise InputError(f"{where}.quantity", _asking(found, path, overrule=False))
     return found.quantity
 
 
@@ -121,7 +124,7 @@ def _firm(raw: RawRecord, path: str) -> _Claim | None:
     heading = _Claim(raw.stated.quantity, raw.stated.by) if raw.stated is not None and raw.stated.firm else None
     if unit and heading and unit.quantity != heading.quantity:
         both = f"of {heading.quantity} by {heading.by}, of {unit.quantity} by {unit.by}"
-        raise InputError(f"{path}: contradicts itself: {both}; correct the file")
+        raise InputError(path, f"contradicts itself: {both}; correct the file")
     return heading or unit
 
 
@@ -130,9 +133,9 @@ def _by_unit(unit: str | None, by: str) -> _Claim | None:
     return _Claim(known[0], by) if known else None
 
 
-def _asking(claim: _Claim, where: str, path: str, overrule: bool) -> str:
+def _asking(claim: _Claim, path: str, overrule: bool) -> str:
     """That the user has to say what the series is."""
-    start = f"{where}.quantity: missing, and {path} is "
+    start = f"missing, and {path} is "
     if not claim.quantity:
         return f'{start}of {claim.by}; say which, "acceleration", "velocity" or "displacement"'
     asks = f'quantity = "{claim.quantity}" differentiates it'
@@ -146,11 +149,11 @@ def _size(raw: RawRecord, quantity: str, units: str | None, where: str, path: st
     given = None if units is None else measured_by(units)
     written = None if raw.unit is None else measured_by(raw.unit)
     if given is not None and written is not None and not np.isclose(given[1], written[1], atol=0.0):
-        raise InputError(f'{where}.units: "{units}", but {path} says "{raw.unit}"; leave the key out or correct the file')
+        raise InputError(f"{where}.units", f'"{units}", but {path} says "{raw.unit}"; leave the key out or correct the file')
     found = given or written
     if found is None:
         says = f'says "{raw.unit}", which is no known unit' if raw.unit else "does not name its unit"
-        raise InputError(f"{where}.units: missing, and {path} {says}; give one of {', '.join(UNITS[quantity])}")
+        raise InputError(f"{where}.units", f"missing, and {path} {says}; give one of {', '.join(UNITS[quantity])}")
     return found[1]
 
 

@@ -157,7 +157,7 @@ def frame_index(results: Results, frame: int) -> int:
         InputError: no such frame.
     """
     if not -results.frames <= frame < results.frames:
-        raise InputError(f"frame {frame}: the result has frames 0 to {results.frames - 1}")
+        raise InputError(f"frame {frame}", f"the result has frames 0 to {results.frames - 1}")
     return frame % results.frames
 
 

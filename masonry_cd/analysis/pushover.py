@@ -156,7 +156,7 @@ def require_pushes(results: Results) -> list[PushCurve]:
     """
     found = [curve for curve in push_curves(results) if curve.kind == "push"]
     if not found:
-        raise InputError('force_displacement: the run has no push; a load of kind "push" with control = "displacement" records one')
+        raise InputError("force_displacement", 'the run has no push; a load of kind "push" with control = "displacement" records one')
     return found
 
 

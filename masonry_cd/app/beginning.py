@@ -24,11 +24,12 @@ def begin(stepper: Stepper, case: Case) -> None:
         InputError: the structure does not come to rest.
     """
     settings = case.scene.run
-    try:
-        if settings.settle:
-            settle(stepper)
-    except InputError as error:
-        raise case.scene.at_fault(_crushed_at_rest(case) or error) from None
+    if settings.settle:
+        with case.scene.locating():
+            try:
+                settle(stepper)
+            except InputError as error:
+                raise _crushed_at_rest(case) or error from None
     if settings.first_velocities is not None:
         stepper.kick(drawn_velocities(stepper.system, settings.first_velocities))
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
@@ -126,12 +127,10 @@ def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: S
         InputError: with file and line of the scene where a key is at fault.
     """
     material = scene.material
-    try:
+    with scene.locating():
         moduli = material.joint_moduli
         assembly = Assembly.from_blocks(blocks, material.friction, material.joint_laws, material, material.rolling_friction, moduli)
         return Structure(blocks, notes, bars, assembly)
-    except InputError as error:
-        raise scene.at_fault(error) from None
 
 
 def build_blocks(scene: Scene) -> list[Block]:
@@ -157,14 +156,12 @@ def make_structures(scene: Scene) -> Made:
     """
     import structures
 
-    try:
+    with scene.locating():
         if not scene.structures:
             return structures.make(scene.structure, scene.material.block_density, scene.folder)
         from structures import site
 
         return site.build(scene.structures, scene.material.block_density, scene.folder)
-    except InputError as error:
-        raise scene.at_fault(error) from None
 
 
 def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part] = ()) -> Case:
@@ -185,7 +182,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     scene.refuse_static()
     structure = structure or structure_of(scene)
     scene, lasting = _timed(scene, structure)
-    try:
+    with scene.locating(), _explained(scene, structure):
         if scene.limit:
             from masonry_cd.app.static_loads import limit_table
 
@@ -202,13 +199,11 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties, own, structure.fills)
         plane = _plane(assembly, loading, run)
         strained = unknowns_of_strain(assembly, plane)
-    except InputError as error:
-        raise scene.at_fault(_and_why(error, scene, structure)) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
         from structures.files.supports import HOW
 
         remedy = f"; {HOW}" if scene.structure.get("kind") == "file" else ""
-        raise InputError(f"{scene.origin.path}: loads: the base is shaken, but no block of the structure is fixed{remedy}")
+        raise InputError(scene.origin.path, f"loads: the base is shaken, but no block of the structure is fixed{remedy}")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
     planar, by_area, spheres = plane is not None, bool(assembly.laws.by_area.any()), bool(assembly.shapes.rounding.any())
@@ -229,22 +224,24 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     if built > REPORTED * assembly.width:
         notes = (*notes, f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
     still = _still_speed(scene.run, joints)
-    try:
+    with scene.locating():
         loading = _until_still(scene, loading, still)
-    except InputError as error:
-        raise scene.at_fault(error) from None
-    try:
+    with scene.locating():
         gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
-    except InputError as error:
-        raise scene.at_fault(error) from None
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
     return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, seconds, gauges)
 
 
-def _and_why(error: InputError, scene: Scene, structure: Structure) -> InputError:
-    """A time step that is refused, with the value that likely made it too long where one is in another unit: a tie 30 m thick."""
-    unusual = structure_doubts(scene, structure.blocks, ("structure", "structures", "material", "loads")) if "run.dt" in str(error) else []
-    return InputError(f"{error}; {unusual[0]}") if unusual else error
+@contextmanager
+def _explained(scene: Scene, structure: Structure) -> Iterator[None]:
+    """Add to a time step that the body refuses the value that likely made it too long, where one is in another unit: a tie 30 m thick."""
+    try:
+        yield
+    except InputError as error:
+        unusual = structure_doubts(scene, structure.blocks, ("structure", "structures", "material", "loads"))
+        if not unusual or not error.place.startswith("run.dt"):
+            raise
+        raise error.each(lambda fault: fault._replace(text=f"{fault.text}; {unusual[0]}")) from None
 
 
 def _guides(loading: Loading, assembly: Assembly) -> tuple[GuideGauge, ...]:
@@ -266,13 +263,9 @@ def _timed(scene: Scene, structure: Structure) -> tuple[Scene, list[str]]:
 
     if scene.run.timed:
         return scene, []
-    try:
+    with scene.locating():
         end, rest = loads.end_of(scene.loads, scene.run.dt, scene.run.gravity, scene.folder, structure.assembly, structure.fills)
         run = scene.run.lasting(end + rest)
-    except InputError as error:
-        raise scene.at_fault(error) from None
-    except ValueError as reason:
-        raise scene.at_fault(InputError(f"run: {reason}")) from None
     after = f" and a rest of {rest:g} s" if rest else ""
     return replace(scene, run=run), [f"run.duration: not given, {run.duration:.4g} s: to the end of the loads{after}"]
 
@@ -287,10 +280,8 @@ def _damped(scene: Scene, assembly: Assembly, plane: Plane | None) -> tuple[Asse
         return assembly, []
     from masonry_cd.analysis.modal.first_period import KEY, damped_at_first_period
 
-    try:
+    with scene.locating():
         damped, period = damped_at_first_period(assembly, None if plane is None else plane.axis)
-    except InputError as error:
-        raise scene.at_fault(error) from None
     share = float(assembly.laws.at_first_period.max())
     return damped, [f"{KEY}: {share:g} of critical at the first elastic period, {period:.4g} s ({1.0 / period:.4g} Hz)"]
 
@@ -320,7 +311,7 @@ def _until_still(scene: Scene, loading: Loading, still: float) -> Loading:
         return loading
     if base_moves_at_end(loading):
         if settings.until_still:
-            raise InputError(f"run.until_still: the base still moves when run.duration, {settings.duration:g} s, ends; make it longer")
+            raise InputError("run.until_still", f"the base still moves when run.duration, {settings.duration:g} s, ends; make it longer")
         return loading
     return with_rest(loading, settings.most_steps - settings.steps, still, max(1, math.ceil(HOLD / settings.dt)))
 

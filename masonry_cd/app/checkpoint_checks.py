@@ -39,14 +39,14 @@ def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], 
     """
     for name, kind in NUMBERS.items():
         if not isinstance(numbers.get(name), kind) or (kind is int and not 0 <= numbers[name] < 2**53):
-            raise InputError(f"{name}: not what a run leaves")
+            raise InputError(name, "not what a run leaves")
     rows = numbers["rows"]
     if not all(isinstance(count, int) and 0 <= count < 2**53 for count in rows.values()):
-        raise InputError("rows: not what a run leaves")
+        raise InputError("rows", "not what a run leaves")
     report = RunReport.read(numbers["report"])
     position = arrays.get("position")
     if position is not None and position.ndim == 2 and len(position) != stepper.assembly.count:
-        raise InputError(f"made by another structure ({len(position)} blocks); resume with the scene of that run")
+        raise InputError("", f"made by another structure ({len(position)} blocks); resume with the scene of that run")
     stored = Stored(arrays)
     stepper.check(stored)
     peaks = stored.part("peaks")
@@ -66,7 +66,7 @@ def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], 
     stored.nothing_else()
     steps = int(arrays["steps"][0])
     if (rows.get("step_time"), rows.get("time"), report.steps) != (steps, numbers["frames"], steps):
-        raise InputError("counts other steps than the results beside it hold: it cannot be resumed")
+        raise InputError("counts other steps than the results beside it hold", "it cannot be resumed")
 
 
 def _check_step_peaks(stored: Stored, stepper: Stepper, joints: int) -> None:

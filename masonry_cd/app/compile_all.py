@@ -33,9 +33,11 @@ def compile_all(scenes: Sequence[Path]) -> None:
         InputError: nothing would be kept, or it would be for another processor than most have; or a scene is wrong.
     """
     if not jit.keeps():
-        raise InputError(f"nothing would be kept: {jit.why_nothing_is_kept()}")
+        raise InputError("", f"nothing would be kept: {jit.why_nothing_is_kept()}")
     if jit.compiled_for() != processor.NAME:
-        raise InputError(f"kernels would be compiled for {jit.compiled_for()}, not for {processor.NAME}, which most processors understand")
+        raise InputError(
+            "", f"kernels would be compiled for {jit.compiled_for()}, not for {processor.NAME}, which most processors understand"
+        )
     for kind in usual_kinds():
         with compiling(kind):
             pass

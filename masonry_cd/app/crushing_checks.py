@@ -18,6 +18,7 @@ def refuse_crushing_in_a_run(material: Material) -> None:
     for pair, law in material.joint_laws.items():
         if law.compressive_strength is not None and law.normal_stiffness is None and material.joint_moduli is None:
             raise InputError(
-                f"{KEY}.{pair}.normal_stiffness: missing beside compressive_strength: in a run a rigid joint does not shorten, "
-                "and cannot crush; masonry-cd limit takes rigid joints that crush"
+                f"{KEY}.{pair}.normal_stiffness",
+                "missing beside compressive_strength: in a run a rigid joint does not shorten, "
+                "and cannot crush; masonry-cd limit takes rigid joints that crush",
             )

@@ -46,6 +46,7 @@ def check_disc_space(folder: Path, needed: float, there: float = 0.0) -> None:
     free = float(shutil.disk_usage(place).free)
     if needed - there > free:
         raise InputError(
-            f"run.frames_per_second: the results would take about {needed / 1e9:.3g} GB, {free / 1e9:.3g} GB are free where {folder} lies; "
-            "fewer frames, larger steps or a shorter run take less"
+            "run.frames_per_second",
+            f"the results would take about {needed / 1e9:.3g} GB, {free / 1e9:.3g} GB are free where {folder} lies; "
+            "fewer frames, larger steps or a shorter run take less",
         )

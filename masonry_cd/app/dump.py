@@ -25,7 +25,7 @@ def parse_steps(words: Sequence[str]) -> tuple[int, ...]:
     found = set()
     for word in (part.strip() for text in words for part in text.split(",")):
         if not word.isascii() or not word.isdigit() or len(word) > 9 or int(word) < 1:
-            raise InputError(f'--dump-problem: "{word}" is no step; the first is 1')
+            raise InputError("--dump-problem", f'"{word}" is no step; the first is 1')
         found.add(int(word))
     return tuple(sorted(found))
 
@@ -46,9 +46,9 @@ class Dump:
         """
         for step in sorted(self._steps):
             if step > last:
-                raise InputError(f"--dump-problem: the run has no step {step}, its last is {last}")
+                raise InputError("--dump-problem", f"the run has no step {step}, its last is {last}")
             if step < first:
-                raise InputError(f"--dump-problem: step {step} lies before step {first}, at which the run is resumed")
+                raise InputError("--dump-problem", f"step {step} lies before step {first}, at which the run is resumed")
 
     def __call__(self, step: int, name: str, problem: FrictionProblem) -> None:
         """Write a problem if it belongs to one of the steps."""

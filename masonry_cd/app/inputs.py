@@ -63,7 +63,7 @@ def require_same(now: Mapping[str, str], then: Mapping[str, str], file: Path) ->
     """
     for name in sorted(now.keys() | then.keys(), key=lambda name: (name in (BLOCKS, LOADS), name)):
         if now.get(name) != then.get(name):
-            raise InputError(f"{file}: {name}: not what it was when the run began; resume with what it was, or --force starts anew")
+            raise InputError(file, f"{name}: not what it was when the run began; resume with what it was, or --force starts anew")
 
 
 def paths_of(value: Any) -> Iterator[str]:
@@ -84,7 +84,7 @@ def _read(path: Path) -> bytes:
     try:
         return read_bytes(path)
     except OSError as failure:
-        raise InputError(f"{path}: cannot be read ({failure.strerror})") from None
+        raise InputError(path, f"cannot be read ({failure.strerror})") from None
 
 
 def _sum(arrays: Iterable[np.ndarray]) -> str:

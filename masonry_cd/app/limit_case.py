@@ -117,7 +117,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
     scene, crossing = at_worst(scene)
     structure = limit_structure(scene)
     asked, assembly, joints, notes = structure.asked, structure.assembly, structure.joints, list(structure.made.notes)
-    try:
+    with scene.locating():
         loads = structure.loads()
         if asked.check is not None:
             suits(loads, scene.run.gravity)
@@ -133,7 +133,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             notes.append(f"{left.words}; {against_undamaged(analysis, whole)}")
         table = asked.curve or (CurveTable() if curve else None)
         if table is not None and asked.begin is not None:
-            raise InputError(NO_CURVE)
+            raise InputError("limit.curve", NO_CURVE)
         if analysis.endless:
             table = None
         followed = None if table is None else follow(table, assembly, joints, loads, how.curve, scene.run.gravity)
@@ -147,8 +147,6 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
         verdict = None if asked.check is None else check.judgement if check is not None else _unchecked(analysis)
         notes += analysis.remarks
         spare = little_left(analysis.problem, assembly, joints, how.analysis) if analysis.stands else None
-    except InputError as error:
-        raise scene.at_fault(error) from None
     notes += doubts(scene, *built)
     loose = loose_contacts(built[0])
     if loose:
@@ -189,7 +187,7 @@ def _analyse(assembly: Assembly, joints: Joints, loads: StaticLoads, options: Op
             return found
         if not found.stands or abs(factor - last) <= SAME_TILT * (1.0 + abs(factor)):
             return analyse(assembly, joints, turned, options) if found.stands and options.starts else found
-    raise InputError(f"limit.tilt: the angle of collapse is not found in {TURNS} rounds; push gives the factor of a body force")
+    raise InputError("limit.tilt", f"the angle of collapse is not found in {TURNS} rounds; push gives the factor of a body force")
 
 
 def _searched_on(analysis: Analysis, assembly: Assembly, joints: Joints, how: Ways) -> Analysis:

@@ -41,12 +41,12 @@ def suits(loads: StaticLoads, gravity: Sequence[float]) -> None:
         InputError: names the key.
     """
     if loads.kind not in ("push", "tilt"):
-        raise InputError(f"limit.check: needs a push or a tilt, not {loads.words}")
+        raise InputError("limit.check", f"needs a push or a tilt, not {loads.words}")
     if loads.kind == "tilt" and not loads.only_gravity:
-        raise InputError("limit.check: needs a push where point loads or ties act: they do not turn with a tilt")
+        raise InputError("limit.check", "needs a push where point loads or ties act: they do not turn with a tilt")
     across = abs(float(np.sum(np.asarray(loads.direction) * np.asarray(gravity))))
     if across > LEVEL * math.hypot(*gravity):
-        raise InputError("limit.check: the push must be level, at right angles to gravity")
+        raise InputError("limit.check", "the push must be level, at right angles to gravity")
 
 
 def check_mechanism(

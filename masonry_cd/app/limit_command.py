@@ -53,9 +53,9 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
     scene = read_scene(path, changes)
     parts = asked.macro_elements or bool(scene.limit.get("mechanism"))
     if asked.run is not None and not parts:
-        raise InputError("--run: stands beside macro-elements only; give --macro-elements")
+        raise InputError("--run", "stands beside macro-elements only; give --macro-elements")
     if asked.run is not None and not (asked.run / "damage.csv").exists():
-        raise InputError(f"--run: {asked.run} has no damage.csv; a run writes it where [report] damage = true")
+        raise InputError("--run", f"{asked.run} has no damage.csv; a run writes it where [report] damage = true")
     whole, found = looked_at(scene, asked.macro_elements, asked.curve)
     written = []
     judged = found.verdict if found is not None else None

@@ -44,12 +44,12 @@ def follow(
         InputError: an unknown control block, loads that the curve cannot follow, or as of :func:`capacity_curve`.
     """
     if table.control is not None and table.control not in assembly.names:
-        raise InputError(f'limit.curve.control: there is no block "{table.control}"')
+        raise InputError("limit.curve.control", f'there is no block "{table.control}"')
     bonded = bool(assembly.laws.apex.any())
     if loads.kind == "tilt" and (not loads.only_gravity or bonded):
-        raise InputError("limit.curve: beside point loads, ties or bond a tilt is no push, and only a push is followed; give limit.push")
+        raise InputError("limit.curve", "beside point loads, ties or bond a tilt is no push, and only a push is followed; give limit.push")
     if table.dynamics and (bonded or len(loads.bars.strength) or loads.constant.any() or len(loads.masses.mass) or loads.direction is None):
-        raise InputError("limit.curve.dynamics: compares dry joints under gravity and a push; there are ties, bond or point loads")
+        raise InputError("limit.curve.dynamics", "compares dry joints under gravity and a push; there are ties, bond or point loads")
     control = None if table.control is None else assembly.names.index(table.control)
     limit = np.inf if table.displacement is None else table.displacement
     curve = capacity_curve(assembly, joints, loads.at(), CurveOptions(options, table.steps, control, limit))

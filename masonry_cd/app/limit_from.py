@@ -26,7 +26,7 @@ from masonry_cd.mechanics.model.polygon import clip_loops, loop_area
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 KEY = "limit.from"
-NO_CURVE = "limit.curve: is followed from the structure as built, not from the state that a run left"
+NO_CURVE = "is followed from the structure as built, not from the state that a run left"
 TOUCHES = 1e-5  # [m] a hinge that turned by 0.01 is 1 mm wide by it; the contacts of a run at rest overlap, or part by a thousandth of it
 OPEN = 0.25  # share of the smallest width: what is farther open at a corner has no joint there
 SAME = 1e-6  # share of the smallest width by which corners of the same block may differ
@@ -57,24 +57,24 @@ def left_state(asked: LimitTable, folder: Path, assembly: Assembly, joints: Join
     """
     assert asked.begin is not None
     if assembly.laws.crushing.any():
-        raise InputError(f"{KEY}: joints that crush are known as built only: a hinge of the state that a run left has no area to crush")
+        raise InputError(KEY, "joints that crush are known as built only: a hinge of the state that a run left has no area to crush")
     if asked.curve is not None:
-        raise InputError(NO_CURVE)
+        raise InputError("limit.curve", NO_CURVE)
     if loads.kind == "tilt" and len(loads.masses.mass):
-        raise InputError(f"{KEY}: masses of point loads are not tilted where a run left them; give limit.push")
+        raise InputError(KEY, "masses of point loads are not tilted where a run left them; give limit.push")
     if asked.check is not None and asked.check.by_displacements:
         raise InputError(
-            "limit.check.displacements: no curve is followed from the state that a run left; false leaves the check by accelerations"
+            "limit.check.displacements", "no curve is followed from the state that a run left; false leaves the check by accelerations"
         )
     place = folder / asked.begin
     file = place / "result.h5" if place.is_dir() or not place.suffix else place
     if not file.exists():
-        raise InputError(f"{KEY}: {file}: no such result file; it takes the folder of a run, from that of the scene on")
+        raise InputError(KEY, f"{file}: no such result file; it takes the folder of a run, from that of the scene on")
     with Results.open(file) as results:
         _refuse_others(results, assembly)
         frame = _frame(results, asked.time)
         if results.gradient(frame) is not None:
-            raise InputError(f"{KEY}: {results.path}: its blocks deform, and limit analysis has rigid ones")
+            raise InputError(KEY, f"{results.path}: its blocks deform, and limit analysis has rigid ones")
         pose = Pose.of(results, solids_of(results.blocks), frame)
     placed = assembly.placed(pose.position, pose.rotation)
     placed = replace(placed, laws=replace(placed.laws, apex=0.0 * placed.laws.apex, tension=0.0 * placed.laws.tension))
@@ -116,10 +116,10 @@ def _refuse_others(results: Results, assembly: Assembly) -> None:
         alike = other is not None and other.fixed == block.fixed and other.vertices.shape == block.vertices.shape
         if not alike or np.abs(other.vertices - block.vertices).max() > SAME * assembly.width:  # type: ignore[union-attr]
             raise InputError(
-                f'{KEY}: {results.path}: a run of another structure: block "{block.name}" of this scene is not in it as it is here'
+                KEY, f'{results.path}: a run of another structure: block "{block.name}" of this scene is not in it as it is here'
             )
     if theirs:
-        raise InputError(f'{KEY}: {results.path}: a run of another structure: this scene has no block "{next(iter(theirs))}"')
+        raise InputError(KEY, f'{results.path}: a run of another structure: this scene has no block "{next(iter(theirs))}"')
 
 
 def _frame(results: Results, time: float | None) -> int:
@@ -132,7 +132,7 @@ def _frame(results: Results, time: float | None) -> int:
         return results.frames - 1
     last = float(results.time[-1])
     if time > last * (1.0 + SAME):
-        raise InputError(f"limit.time: {time:g} s: {results.path} ends at {last:.4g} s")
+        raise InputError("limit.time", f"{time:g} s: {results.path} ends at {last:.4g} s")
     return int(np.argmin(np.abs(results.time - time)))
 
 

@@ -70,7 +70,7 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
     begin = time.perf_counter()
     built = limit_structure(scene)
     asked, assembly, joints = built.asked, built.assembly, built.joints
-    try:
+    with scene.locating():
         _suits(asked, scene)
         named = macro_elements(str(scene.structure.get("kind", "")), built.made.blocks)
         elements = elements_of(asked.mechanism, named, every, assembly)
@@ -84,8 +84,6 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
         )
         parts = _analysed(structure, elements, effort, jobs or cores())
         rows = rows_of(parts, asked.check, scene.folder, (structure.gravity, _ground(assembly)), effort)
-    except InputError as error:
-        raise scene.at_fault(error) from None
     notes = [*built.made.notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
     verdict = None if asked.check is None else judged(rows, parts)
     seconds, modelled = time.perf_counter() - begin, (masses(assembly), *built.made.notes)
@@ -99,15 +97,15 @@ def _suits(asked: LimitTable, scene: Scene) -> None:
         InputError: names the key.
     """
     if not any(scene.run.gravity):
-        raise InputError("limit: macro-elements need gravity, but run.gravity is zero")
+        raise InputError("limit", "macro-elements need gravity, but run.gravity is zero")
     if asked.begin is not None:
-        raise InputError("limit.from: macro-elements are those of the structure as built")
+        raise InputError("limit.from", "macro-elements are those of the structure as built")
     if asked.check is not None and asked.check.limit_state == "SLC":
         raise InputError(
-            "limit.check.limit_state: SLC is checked by displacements only, and of macro-elements the least mechanism alone is followed"
+            "limit.check.limit_state", "SLC is checked by displacements only, and of macro-elements the least mechanism alone is followed"
         )
     if abs(scene.run.gravity[0]) + abs(scene.run.gravity[1]) > 1e-9 * math.hypot(*scene.run.gravity):
-        raise InputError("limit: macro-elements need gravity along -z")
+        raise InputError("limit", "macro-elements need gravity along -z")
 
 
 def _ground(assembly: Assembly) -> float:

@@ -6,7 +6,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.mechanics.model.joints import Joints
@@ -49,10 +48,8 @@ def limit_structure(scene: Scene) -> LimitStructure:
     from masonry_cd.app.static_loads import limit_table
 
     made, material = make_structures(scene), scene.material
-    try:
-        refuse_spheres(made.blocks, "structure: limit analysis")
+    with scene.locating():
+        refuse_spheres(made.blocks, "structure", "limit analysis")
         asked = limit_table(scene.limit)
         assembly = Assembly.from_blocks(made.blocks, material.friction, material.joint_laws)
         return LimitStructure(scene, made, asked, assembly, find_joints(assembly))
-    except InputError as error:
-        raise scene.at_fault(error) from None

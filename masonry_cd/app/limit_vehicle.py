@@ -81,10 +81,8 @@ def at_worst(scene: Scene) -> tuple[Scene, Crossing | None]:
     from masonry_cd.app.limit_structure import limit_structure
 
     structure = limit_structure(middle)
-    try:
+    with scene.locating():
         found = _crossing(middle, structure, number)
-    except InputError as error:
-        raise scene.at_fault(error) from None
     if found is None:
         return _placed(middle, number, _range(structure, number)[0]), None
     return _placed(middle, number, float(found.position[found.worst])), found
@@ -107,7 +105,7 @@ def _vehicle(scene: Scene) -> int | None:
         some = [i for i in live if isinstance(i, int) and 0 <= i < len(kinds) and kinds[i] == "vehicle"]
         free = [i for i in some if "position" not in scene.loads[i]]
         if len(free) > 1:
-            raise InputError(f"limit.live: the worst place of one vehicle is looked for; give loads{free[1:]} a position")
+            raise InputError("limit.live", f"the worst place of one vehicle is looked for; give loads{free[1:]} a position")
         return free[0] if free else (some[0] if some else None)
     vehicles = [i for i, kind in enumerate(kinds) if kind == "vehicle"]
     others = [kind for kind in kinds if kind in ("push", "tilt", "settlement", "spreading")]
@@ -185,7 +183,7 @@ def _factor(scene: Scene, structure: LimitStructure, options: Options) -> float:
     except NoFiniteFactor:
         return math.inf
     except Unbounded as failure:
-        raise InputError(f"limit: no answer: {failure}") from None
+        raise InputError("limit", f"no answer: {failure}") from None
 
 
 def _spans(fill: Fill) -> tuple[tuple[float, float], ...]:

@@ -33,7 +33,7 @@ def elements_of(tables: Sequence[MechanismTable], named: Sequence[MacroElement],
     again = {one.name for one in chosen}
     found = [*(one for one in named if every and one.name not in again), *chosen]
     if not found:
-        raise InputError("limit: the structure has no macro-element; name one in [[limit.mechanism]]")
+        raise InputError("limit", "the structure has no macro-element; name one in [[limit.mechanism]]")
     return found
 
 
@@ -44,13 +44,15 @@ def _chosen(table: MechanismTable, where: str, named: Sequence[MacroElement], as
     if table.part is not None:
         known = {one.name: one for one in named}
         if table.part not in known:
-            raise InputError(f'{where}.part: there is no "{table.part}"{suggest(table.part, known)}; one of {", ".join(known) or "none"}')
+            raise InputError(
+                f"{where}.part", f'there is no "{table.part}"{suggest(table.part, known)}; one of {", ".join(known) or "none"}'
+            )
         made = known[table.part]
     else:
         blocks, words = _blocks(table, where, assembly)
         blocks = blocks[~assembly.fixed[blocks]]
         if not len(blocks):
-            raise InputError(f"{where}: names no block that is free to move: {words}")
+            raise InputError(where, f"names no block that is free to move: {words}")
         made = MacroElement(words, "chosen", blocks, AROUND, (OVERTURNING, VERTICAL_BENDING, HORIZONTAL_BENDING))
     if table.name is not None:
         made = replace(made, name=table.name)
@@ -59,7 +61,7 @@ def _chosen(table: MechanismTable, where: str, named: Sequence[MacroElement], as
     if table.direction is not None:
         x, y, z = table.direction.vector
         if abs(z) > 1e-9:
-            raise InputError(f"{where}.direction: must be level, got {table.direction.label}")
+            raise InputError(f"{where}.direction", f"must be level, got {table.direction.label}")
         made = replace(made, directions=((x, y, 0.0),))
     return made
 
@@ -68,13 +70,13 @@ def _blocks(table: MechanismTable, where: str, assembly: Assembly) -> tuple[np.n
     """Numbers of the blocks of a table by group, names or box, and how it names them."""
     if table.group is not None:
         if table.group not in assembly.groups:
-            raise InputError(f'{where}.group: there is no group "{table.group}"{suggest(table.group, assembly.groups)}')
+            raise InputError(f"{where}.group", f'there is no group "{table.group}"{suggest(table.group, assembly.groups)}')
         return np.flatnonzero(assembly.group_of == assembly.groups.index(table.group)), table.group
     if table.blocks is not None:
         number = {name: b for b, name in enumerate(assembly.names)}
         for name in table.blocks:
             if name not in number:
-                raise InputError(f'{where}.blocks: there is no block "{name}"{suggest(name, assembly.names)}')
+                raise InputError(f"{where}.blocks", f'there is no block "{name}"{suggest(name, assembly.names)}')
         return np.unique([number[name] for name in table.blocks]), f"{table.blocks[0]} and others" if len(
             table.blocks
         ) > 1 else table.blocks[0]

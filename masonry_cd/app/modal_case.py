@@ -95,7 +95,7 @@ def by_group(texts: Sequence[str], key: str) -> float | str | dict[str, float | 
         return _number_or_text(pairs[0][0])
     wrong = next((text for text, (group, equals, value) in zip(texts, pairs, strict=True) if not (group and equals and value)), None)
     if wrong is not None:
-        raise InputError(f"modal.{key}: write one value, or GROUP=VALUE for each group, got {wrong!r}")
+        raise InputError(f"modal.{key}", f"write one value, or GROUP=VALUE for each group, got {wrong!r}")
     return {group: _number_or_text(value) for group, _, value in pairs}
 
 
@@ -146,7 +146,7 @@ def modal_case(
         blocks, title, material = build_blocks(scene), scene.title, scene.material
     else:
         blocks, material = list(source), None
-    refuse_spheres(blocks, "structure: the modal check")
+    refuse_spheres(blocks, "structure", "the modal check")
     asked, stiffness = _of_masonry(asked, blocks, material)
     results = [_result(blocks, method, asked, measured, stiffness) for method in (METHODS if asked.method == "both" else (asked.method,))]
     results = [results[0], *(Result(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
@@ -166,7 +166,7 @@ def _of_masonry(asked: ModalOptions, blocks: Sequence[Block], material: Material
     """
     if asked.young is not None or material is None or material.joint_moduli is None:
         if asked.young is None and not asked.fit:
-            raise InputError("modal: no modulus of elasticity: give young in Pa, name material.masonry, or fit it to measured modes")
+            raise InputError("modal", "no modulus of elasticity: give young in Pa, name material.masonry, or fit it to measured modes")
         return asked, asked.joint_stiffness
     from masonry_cd.mechanics.contact.find_joints import find_joints
     from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
@@ -376,7 +376,7 @@ def _write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     try:
         write_csv(path, rows[0], ([row.get(key, "") for key in rows[0]] for row in rows))
     except OSError as failure:
-        raise InputError(f"{path}: cannot be written, {failure.strerror}") from None
+        raise InputError(path, f"cannot be written, {failure.strerror}") from None
 
 
 def _captions(result: Result) -> list[str]:

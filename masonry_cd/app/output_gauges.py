@@ -39,8 +39,8 @@ def _block(name: str, assembly: Assembly, where: str) -> int:
         if len(group) == 1:
             return group[0]
         if group:
-            raise InputError(f'{where}: "{name}" is a group of {len(group)} blocks; give one of them, "{assembly.names[group[0]]}"')
-        raise InputError(f'{where}: "{name}" is no block{suggest(name, assembly.names)}')
+            raise InputError(where, f'"{name}" is a group of {len(group)} blocks; give one of them, "{assembly.names[group[0]]}"')
+        raise InputError(where, f'"{name}" is no block{suggest(name, assembly.names)}')
     return assembly.names.index(name)
 
 
@@ -53,7 +53,7 @@ def _nearest(place: Sequence[float], assembly: Assembly, where: str) -> int:
         at, low, high = (", ".join(f"{x:.4g}" for x in v) for v in (place, corners.min(axis=0), corners.max(axis=0)))
         near = assembly.names[int(np.argmin(off))]
         raise InputError(
-            f'{where}: ({at}) m lies {off.min():.3g} m off the structure, from ({low}) to ({high}) m; the nearest block is "{near}"'
+            where, f'({at}) m lies {off.min():.3g} m off the structure, from ({low}) to ({high}) m; the nearest block is "{near}"'
         )
     near_enough = np.maximum(off, 0.0) <= max(float(off.min()), 0.0) + TOUCHING * size
     return int(np.flatnonzero(near_enough)[np.argmin(assembly.fixed[near_enough])])
@@ -81,7 +81,7 @@ def _point(table: PointTable, assembly: Assembly, where: str) -> PointGauge:
 
 def _joint(table: JointTable, assembly: Assembly, joints: Joints, where: str) -> JointGauge:
     if not joints.count:
-        raise InputError(f"{where}: the structure has no joints")
+        raise InputError(where, "the structure has no joints")
     if table.blocks is None:
         assert table.place is not None
         _nearest(table.place, assembly, f"{where}.place")
@@ -90,7 +90,7 @@ def _joint(table: JointTable, assembly: Assembly, joints: Joints, where: str) ->
         ends = {_block(name, assembly, f"{where}.blocks") for name in table.blocks}
         found = [j for j in range(joints.count) if {int(joints.block_a[j]), int(joints.block_b[j])} == ends]
         if not found:
-            raise InputError(f'{where}.blocks: no joint is between "{table.blocks[0]}" and "{table.blocks[1]}" as built')
+            raise InputError(f"{where}.blocks", f'no joint is between "{table.blocks[0]}" and "{table.blocks[1]}" as built')
         index = max(found, key=lambda j: float(joints.area[j]))
     pair = f"{assembly.names[int(joints.block_a[index])]} - {assembly.names[int(joints.block_b[index])]}"
     return JointGauge(table.name or pair, index)
@@ -105,9 +105,9 @@ def _crack(table: CrackTable, assembly: Assembly, where: str) -> CrackGauge:
         for i, (block, place) in enumerate(zip(ends, table.points, strict=True)):
             require_on_block(assembly.blocks[block], place, f"{where}.points[{i}]")
     if ends[0] == ends[1]:
-        raise InputError(f'{where}.points: both are on block "{assembly.names[ends[0]]}"; blocks = ["...", "..."] names two')
+        raise InputError(f"{where}.points", f'both are on block "{assembly.names[ends[0]]}"; blocks = ["...", "..."] names two')
     if float(np.sqrt(((points[1] - points[0]) ** 2).sum())) <= TOUCHING:
-        raise InputError(f"{where}.points: both ends are at one point, the gauge has no direction")
+        raise InputError(f"{where}.points", "both ends are at one point, the gauge has no direction")
     name = table.name or f"{assembly.names[ends[0]]} to {assembly.names[ends[1]]}"
     first, second = (tuple(map(float, place)) for place in points)
     return CrackGauge(name, (ends[0], ends[1]), (first, second))
@@ -116,5 +116,5 @@ def _crack(table: CrackTable, assembly: Assembly, where: str) -> CrackGauge:
 def _support(table: SupportTable, assembly: Assembly, where: str) -> SupportGauge:
     block = _block(table.block, assembly, f"{where}.block")
     if not assembly.fixed[block]:
-        raise InputError(f'{where}.block: "{table.block}" is not fixed; [[output.joint]] has the forces between free blocks')
+        raise InputError(f"{where}.block", f'"{table.block}" is not fixed; [[output.joint]] has the forces between free blocks')
     return SupportGauge(table.name or table.block, block)

@@ -29,7 +29,6 @@ from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.step_costs import StepCosts, motion_classes
 from masonry_cd.app.summary import as_json, run_summary, run_warnings, write_json
 from masonry_cd.foundation.atomic import part_of
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.lock import locked
 from masonry_cd.io.meshes import Meshes
@@ -226,10 +225,8 @@ def _fits(case: Case, stepper: Stepper, folder: Path, resume: bool) -> None:
     settings, file, meshes = case.scene.run, folder / RESULTS, Meshes.of(case.assembly, stepper.system.strains)
     of_meshes, frames = 0 if meshes is None else meshes.numbers, case.steps // settings.frame_every + 2
     needed = result_bytes(case.assembly, case.joints, frames, case.steps, case.scene.stress, of_meshes)
-    try:
+    with case.scene.locating():
         check_disc_space(folder, needed, float(file.stat().st_size) if resume and file.exists() else 0.0)
-    except InputError as error:
-        raise case.scene.at_fault(error) from None
 
 
 def _clear(folder: Path) -> None:

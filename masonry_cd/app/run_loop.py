@@ -183,7 +183,7 @@ class _Loop:
         try:
             check_content(arrays, numbers, self.stepper, len(self.recorder.peaks.opening), self.recorder.stress is not None)
         except InputError as reason:
-            raise InputError(f"{path}: {reason}") from None
+            raise reason.under(path) from None
         self.stepper.restore(arrays)
         if self.pace is not None:
             self.pace.restore(part("pace", arrays))

@@ -78,16 +78,16 @@ class RunReport:
         """
         own = cls()
         if not isinstance(table, dict) or table.keys() != vars(own).keys():
-            raise InputError("report: not that of a run")
+            raise InputError("report", "not that of a run")
         for name, value in vars(own).items():
             given = list(table[name].values()) if isinstance(value, dict) and isinstance(table[name], dict) else [table[name]]
             kinds = (bool,) if isinstance(value, bool) else (str,) if isinstance(value, str) else (int, float)
             if isinstance(value, dict) and not isinstance(table[name], dict):
-                raise InputError(f"report.{name}: no table")
+                raise InputError(f"report.{name}", "no table")
             if any(not isinstance(one, kinds) or (isinstance(one, bool) and bool not in kinds) for one in given):
-                raise InputError(f"report.{name}: not of its kind")
+                raise InputError(f"report.{name}", "not of its kind")
             if isinstance(value, int) and not isinstance(value, bool) and not (isinstance(table[name], int) and abs(table[name]) < 2**53):
-                raise InputError(f"report.{name}: no whole number")
+                raise InputError(f"report.{name}", "no whole number")
         return cls(**table)
 
     @property

@@ -20,7 +20,8 @@ A number is in the SI unit of its key; a text may state another, "30 mm" (:mod:`
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -30,7 +31,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.output_table import OutputTable
 from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, override, parse_toml, place_of, read_text
-from masonry_cd.foundation.errors import InputError, InputErrors, parse_table, suggest
+from masonry_cd.foundation.errors import Fault, Faults, InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Table
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
@@ -116,6 +117,21 @@ class Origin:
         inside = [change for change in self.changes if is_within(change.partition("=")[0], key)]
         return place_of(self.text, key, self.path) + "".join(f" with --set {_brief(change)}" for change in inside)
 
+    @contextmanager
+    def locating(self, tables: Collection[str] | None = None) -> Iterator[None]:
+        """Give the faults of the body the file and line of their keys; ``tables``: only those of keys in tables of these names."""
+        try:
+            yield
+        except InputError as error:
+            raise error.each(lambda fault: self._located(fault, tables)) from None
+
+    def _located(self, fault: Fault, tables: Collection[str] | None) -> Fault:
+        """A fault with the file and line of its key, unless it has them already."""
+        key = fault.place.split(" ")[0]
+        if fault.source or (tables is not None and re.split(r"[.\[]", key)[0] not in tables):
+            return fault
+        return fault._replace(source=self.of(key))
+
 
 def _brief(change: str) -> str:
     """A change as it was typed, a long one by its key."""
@@ -166,15 +182,11 @@ class Scene:
             InputError: there is none.
         """
         if self.static:
-            raise InputError(f"{self.origin.path}: run: missing: a run needs dt and duration; masonry-cd limit takes this scene as it is")
+            raise InputError(self.origin.path, "run: missing: a run needs dt and duration; masonry-cd limit takes this scene as it is")
 
-    def at_fault(self, error: InputError) -> InputError:
-        """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
-        if isinstance(error, InputErrors):
-            return InputErrors([str(self.at_fault(InputError(line))) for line in error.lines])
-        message = str(error)
-        key = re.match(r"((?:structure|material|loads|run|report|limit|assess|output|title|quiet_checks)[^\s:]*)(?::| )", message)
-        return InputError(f"{self.origin.of(key.group(1))}: {message}") if key else error
+    def locating(self) -> AbstractContextManager[None]:
+        """Give the faults of the body that lie in keys of this scene their file and line."""
+        return self.origin.locating(SceneTables.model_fields)
 
 
 def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
@@ -224,31 +236,36 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
     Raises:
         InputError: an unknown or missing key, a value out of range; names file, line and key.
     """
-    try:
+    with origin.locating():
         top = parse_table(SceneTables, tables, "")
         _check_structures(top)
         if top.run is None and not top.limit:
-            raise InputError("run: missing")
+            raise InputError("run", "missing")
         _check_quiet(tables, top.quiet_checks)
-        return Scene(
-            title=top.title or path.stem,
-            structure=top.structure or {},
-            structures=tuple(top.structures),
-            material=parse_table(Material, top.material, "material"),
-            loads=tuple(top.loads),
-            run=parse_table(Run, STATIC if top.run is None else top.run, "run"),
-            report=parse_table(Report, top.report, "report"),
-            text=text,
-            path=path,
-            origin=origin,
-            limit=top.limit,
-            assess=parse_table(AssessTable, top.assess, "assess"),
-            quiet_checks=tuple(top.quiet_checks),
-            output=parse_table(OutputTable, top.output, "output"),
-            static=top.run is None,
-        )
-    except InputError as error:
-        raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None
+        faults, read = Faults(), dict[str, Any]()
+        for name, model, table in (
+            ("material", Material, top.material),
+            ("run", Run, STATIC if top.run is None else top.run),
+            ("report", Report, top.report),
+            ("assess", AssessTable, top.assess),
+            ("output", OutputTable, top.output),
+        ):
+            with faults.of():
+                read[name] = parse_table(model, table, name)
+        faults.refuse()
+    return Scene(
+        title=top.title or path.stem,
+        structure=top.structure or {},
+        structures=tuple(top.structures),
+        loads=tuple(top.loads),
+        text=text,
+        path=path,
+        origin=origin,
+        limit=top.limit,
+        quiet_checks=tuple(top.quiet_checks),
+        static=top.run is None,
+        **read,
+    )
 
 
 def _check_quiet(tables: Mapping[str, Any], quiet: Sequence[str]) -> None:
@@ -260,7 +277,7 @@ def _check_quiet(tables: Mapping[str, Any], quiet: Sequence[str]) -> None:
     keys = [key for key, _ in keys_of(tables)] if quiet else []
     for name in quiet:
         if not any(is_within(key, name) for key in keys):
-            raise InputError(f'quiet_checks: "{name}" is no key of the scene{suggest(name, keys)}')
+            raise InputError("quiet_checks", f'"{name}" is no key of the scene{suggest(name, keys)}')
 
 
 def _check_structures(top: SceneTables) -> None:
@@ -270,9 +287,9 @@ def _check_structures(top: SceneTables) -> None:
         InputError: names the key.
     """
     if top.structure is None and not top.structures:
-        raise InputError("structure: missing")
+        raise InputError("structure", "missing")
     if top.structure is not None and top.structures:
-        raise InputError("structures: there is a [structure] as well; where there are several, each is headed [[structures]]")
+        raise InputError("structures", "there is a [structure] as well; where there are several, each is headed [[structures]]")
     every = top.structures or [top.structure or {}]
     if not {"density", "masonry"} & top.material.keys() and any(table.get("kind") != "file" for table in every):
-        raise InputError("material.density: missing")  # only blocks of a file may bring their own
+        raise InputError("material.density", "missing")  # only blocks of a file may bring their own

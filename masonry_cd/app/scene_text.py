@@ -25,22 +25,23 @@ SLIPS = (  # common ones in the value of a key, and their remedies
     (r'"[^"]*\\', "a path is written with /, or in single quotes"),
     (r"(?!true|false)[A-Za-z_]", 'a text stands in quotes: "x"'),
 )
+WRITE = "write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3"
 
 
 def read_text(path: Path) -> str:
     """The text of a file, or one line on why there is none."""
     if _has_bytes(str(path.absolute())):  # results keep the name as text
-        raise InputError(f"{path}: its name, or a folder of it, holds bytes that are no text in UTF-8; rename it")
+        raise InputError(path, "its name, or a folder of it, holds bytes that are no text in UTF-8; rename it")
     try:
         return files.read_text(path, encoding="utf-8-sig")  # some editors begin a file with a mark of its encoding
     except FileNotFoundError:
-        raise InputError(f"{path}: no such scene file") from None
+        raise InputError(path, "no such scene file") from None
     except IsADirectoryError:
-        raise InputError(f"{path}: is a folder, not a scene file") from None
+        raise InputError(path, "is a folder, not a scene file") from None
     except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file in UTF-8") from None
+        raise InputError(path, "not a text file in UTF-8") from None
     except OSError as failure:
-        raise InputError(f"{path}: {failure.strerror}") from None
+        raise InputError(path, str(failure.strerror)) from None
 
 
 def parse_toml(text: str, path: Path) -> dict[str, Any]:
@@ -51,7 +52,7 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
         message = re.match(r"(.*?) \(at (?:line (\d+), column \d+|end of document)\)", str(failure))
         what, line = (message.group(1), message.group(2)) if message else (str(failure), None)
         hint = _hint(text.splitlines()[int(line) - 1]) if line and not what.startswith("Cannot") else ""
-        raise InputError(f"{path}:{line or text.count(chr(10)) + 1}: not valid TOML: {what[0].lower()}{what[1:]}{hint}") from None
+        raise InputError(f"{path}:{line or text.count(chr(10)) + 1}", f"not valid TOML: {what[0].lower()}{what[1:]}{hint}") from None
 
 
 def _hint(line: str) -> str:
@@ -68,7 +69,7 @@ def _shallow(tables: dict[str, Any], where: str) -> dict[str, Any]:
             item for value in level for item in (value.values() if isinstance(value, dict) else value) if isinstance(item, dict | list)
         ]
     if level:
-        raise InputError(f"{where}: {TOO_DEEP}")
+        raise InputError(where, TOO_DEEP)
     return tables
 
 
@@ -79,21 +80,22 @@ def _load_toml(text: str, where: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError:
         raise
     except ValueError:  # of a number that Python does not convert
-        raise InputError(f"{where}: a number of more than {sys.get_int_max_str_digits()} digits") from None
+        raise InputError(where, f"a number of more than {sys.get_int_max_str_digits()} digits") from None
     except RecursionError:
-        raise InputError(f"{where}: {TOO_DEEP}") from None
+        raise InputError(where, TOO_DEEP) from None
 
 
 def override(tables: dict[str, Any], change: str) -> None:
     """Apply one ``key=value`` to the tables, in place."""
     key, equals, value = (part.strip() for part in change.partition("="))
+    _refuse_bytes(change)
+    if not equals:
+        raise InputError(f"--set {change}", WRITE)
+    given = _toml_value(key, value)
     try:
-        if not equals:
-            raise InputError("write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
-        _refuse_bytes(change)
-        assign(tables, key, _toml_value(key, value))
+        assign(tables, key, given)
     except InputError as error:
-        raise error if str(error).startswith("--set") else InputError(f"--set {change}: {error}") from None
+        raise error.under(f"--set {change}") from None
 
 
 def assign(tables: dict[str, Any], key: str, value: Any) -> None:
@@ -106,9 +108,9 @@ def assign(tables: dict[str, Any], key: str, value: Any) -> None:
         int(index) if index else (quoted or bare) for index, quoted, bare in re.findall(r'\[(\d+)\]|"([^"]+)"|([^.\[\]"]+)', key)
     ]
     if not parts or isinstance(parts[-1], int):
-        raise InputError("write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
+        raise InputError("", WRITE)
     if len(parts) > DEEPEST:
-        raise InputError(f"a key of {len(parts)} parts: {TOO_DEEP}")
+        raise InputError("", f"a key of {len(parts)} parts: {TOO_DEEP}")
     here: Any = tables
     for part, following in pairwise(parts):
         if isinstance(part, str) and isinstance(here, dict):
@@ -116,9 +118,9 @@ def assign(tables: dict[str, Any], key: str, value: Any) -> None:
         elif isinstance(part, int) and isinstance(here, list) and part < len(here):
             here = here[part]
         else:
-            raise InputError(f"there is no {key[: key.rfind('.')]} in the scene")
+            raise InputError("", f"there is no {key[: key.rfind('.')]} in the scene")
     if not isinstance(here, dict):
-        raise InputError(f"{key[: key.rfind('.')]} is no table; a list is addressed as loads[0].amplitude")
+        raise InputError(key[: key.rfind(".")], "is no table; a list is addressed as loads[0].amplitude")
     here[str(parts[-1])] = value
 
 
@@ -130,7 +132,7 @@ def parse_change(change: str) -> tuple[str, Any]:
     """
     key, equals, value = (part.strip() for part in change.partition("="))
     if not key or not equals:
-        raise InputError(f"--set {change}: write key=value")
+        raise InputError(f"--set {change}", "write key=value")
     _refuse_bytes(change)
     return key, _toml_value(key, value)
 
@@ -143,7 +145,7 @@ def _has_bytes(text: str) -> bool:
 def _refuse_bytes(change: str) -> None:
     """Refuse a change that no file could keep."""
     if _has_bytes(change):
-        raise InputError(f"--set {change}: holds bytes that are no text in UTF-8")
+        raise InputError(f"--set {change}", "holds bytes that are no text in UTF-8")
 
 
 def _toml_value(key: str, value: str) -> Any:

@@ -39,11 +39,11 @@ def solve_file(
         InputError: see :func:`read_problem`; an unknown solver, an impossible tolerance, an output that is no .npz.
     """
     if solver not in SOLVERS:
-        raise InputError(f'solver "{solver}": unknown{suggest(solver, SOLVERS)}; known are {", ".join(SOLVERS)}')
+        raise InputError(f'solver "{solver}"', f"unknown{suggest(solver, SOLVERS)}; known are {', '.join(SOLVERS)}")
     if not 0.0 < tolerance < 1.0:
-        raise InputError(f"tolerance: should be between 0 and 1, got {tolerance:g}")
+        raise InputError("tolerance", f"should be between 0 and 1, got {tolerance:g}")
     if output is not None and Path(output).suffix != ".npz":
-        raise InputError(f"{output}: the solution is written to a file of its own, SOLUTION.npz")
+        raise InputError(output, "the solution is written to a file of its own, SOLUTION.npz")
     problem = read_problem(path)
     if output is not None:
         Path(output).parent.mkdir(parents=True, exist_ok=True)

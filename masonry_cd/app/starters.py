@@ -75,7 +75,7 @@ def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
     from structures import KINDS
 
     if kind not in KINDS:
-        raise InputError(f'"{kind}": no such kind of structure{suggest(kind, KINDS)}; kinds: {", ".join(KINDS)}')
+        raise InputError(f'"{kind}"', f"no such kind of structure{suggest(kind, KINDS)}; kinds: {', '.join(KINDS)}")
     texts = {path: starter(kind, path), path.with_name(SCHEMA): schema_text()}
     if kind == "file":
         texts[path.with_name(FIRST[kind]["path"])] = _blocks()
@@ -83,9 +83,9 @@ def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
         texts[path.with_name(FIRST[kind]["path"])] = GEO
     for file in texts:
         if file.is_dir():
-            raise InputError(f"{file}: is a folder; -o names a file")
+            raise InputError(file, "is a folder; -o names a file")
         if file.exists() and not force and not _is_schema(file):
-            raise InputError(f"{file}: is there already; -o names another file, or --force overwrites it")
+            raise InputError(file, "is there already; -o names another file, or --force overwrites it")
     path.parent.mkdir(parents=True, exist_ok=True)
     for file, text in texts.items():
         file.write_text(text, encoding="utf-8")

@@ -169,7 +169,9 @@ def static_loads(
     for key, some in (("live", {**points, **wheels}), ("masses", points)):
         for i in getattr(limit, key):
             if i not in some:
-                raise InputError(f"limit.{key}: loads[{i}] is no load of kind point{' or vehicle' if key == 'live' else ''} of this scene")
+                raise InputError(
+                    f"limit.{key}", f"loads[{i}] is no load of kind point{' or vehicle' if key == 'live' else ''} of this scene"
+                )
     kind, direction, words, support, at = _pattern(asked, limit, down, grid)
     masses = _masses({i: points[i] for i in limit.masses}, direction, down)
     weight += masses.under(down, assembly.count)
@@ -216,10 +218,10 @@ def _masses(points: Mapping[int, PointLoad], direction: Direction | None, down: 
     if not points:
         return PointMasses.none()
     if direction is None:
-        raise InputError("limit.masses: a push or a tilt moves masses; live loads and supports that move do not")
+        raise InputError("limit.masses", "a push or a tilt moves masses; live loads and supports that move do not")
     for i, load in points.items():
         if float(load.force @ down) < (1.0 - LEVEL) * math.hypot(*load.force) * math.hypot(*down) or not load.force.any():
-            raise InputError(f"limit.masses: loads[{i}] is no weight: its force {load.force.tolist()} does not act along gravity")
+            raise InputError("limit.masses", f"loads[{i}] is no weight: its force {load.force.tolist()} does not act along gravity")
     each = list(points.values())
     mass = np.array([math.hypot(*load.force) for load in each]) / math.hypot(*down)
     return PointMasses(np.array([load.block for load in each]), np.array([load.arm for load in each]), mass)
@@ -253,10 +255,10 @@ def _pattern(
     kinds = (PushTable, TiltTable, SettlementTable, SpreadingTable)
     there = [(i, table) for i, table in enumerate(asked) if isinstance(table, kinds) and not _by_displacement(table)]
     if not there:
-        raise InputError('limit: no load to multiply; give one in [limit], e.g. push = "x", or a load of kind push or tilt')
+        raise InputError("limit", 'no load to multiply; give one in [limit], e.g. push = "x", or a load of kind push or tilt')
     if len(there) > 1:
         which = ", ".join(f"loads[{i}] ({table.kind})" for i, table in there)
-        raise InputError(f"limit: {which} are several patterns, a limit analysis takes one; name it in [limit]")
+        raise InputError("limit", f"{which} are several patterns, a limit analysis takes one; name it in [limit]")
     ((at, table),) = there
     if isinstance(table, PushTable):
         return _body_force("push", table.direction, down, f"loads[{at}].direction", at)
@@ -277,9 +279,9 @@ def _body_force(
     """A push or a tilt."""
     size = math.hypot(*down)
     if size == 0.0:
-        raise InputError(f"{where}: needs gravity, but run.gravity is zero")
+        raise InputError(where, "needs gravity, but run.gravity is zero")
     if kind == "tilt" and abs(float(np.sum(down * direction.vector))) > LEVEL * size:
-        raise InputError(f"{where}: must be level, at right angles to gravity")
+        raise InputError(where, "must be level, at right angles to gravity")
     return kind, direction, f"{kind} {'towards' if kind == 'tilt' else 'along'} {direction.label}", None, at
 
 

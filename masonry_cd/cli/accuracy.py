@@ -73,7 +73,7 @@ def _measurement(ensemble: int | None, workers: int, output: Path) -> tuple[Call
 
     if ensemble is None:
         if workers > 1:
-            raise InputError("--workers: is for --ensemble; times of single runs are taken one after the other")
+            raise InputError("--workers", "is for --ensemble; times of single runs are taken one after the other")
         return accuracy_case.accuracy_case, accuracy_case.OUTPUTS
     from masonry_cd.studies import accuracy_ensemble_case
 

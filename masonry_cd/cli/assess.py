@@ -82,7 +82,7 @@ def write_and_tell(output: Path, quiet: bool) -> None:
 
     found = write_assessment(output)
     if not found.base.done:
-        raise InputError(lines_of(found)[0])
+        raise InputError("", lines_of(found)[0])
     if not quiet:
         typer.echo(f"{text_table(found)}\n\n" + "\n".join(lines_of(found)))
         typer.echo(f"results: {', '.join(str(output / name) for name in FILES)}")

@@ -120,7 +120,7 @@ def _formats(asked: list[str] | None) -> tuple[str, ...]:
 
     for name in asked or ():
         if name not in BLOCKS:
-            raise InputError(f'--format: "{name}" is none; formats: {", ".join(BLOCKS)}')
+            raise InputError("--format", f'"{name}" is none; formats: {", ".join(BLOCKS)}')
     return tuple(dict.fromkeys(asked or ("json",)))
 
 
@@ -132,7 +132,7 @@ def _repairs(asked: list[str] | None) -> list[str]:
     for repair in asked or ():
         what, _, width = repair.partition("=")
         if what not in ("shells", "gaps") or (what == "gaps") != bool(width):
-            raise InputError(f'--repair: "{repair}" is none; shells, or gaps=WIDTH with the widest gap to close [m]')
+            raise InputError("--repair", f'"{repair}" is none; shells, or gaps=WIDTH with the widest gap to close [m]')
         changes.append("structure.repair=true" if what == "shells" else f"structure.gaps={width}")
     return changes
 

@@ -52,9 +52,9 @@ def record(
             typer.echo("\n".join(f"{name:9} {about}; {by}" for name, about, by in known()))
             return
         if file is None:
-            raise InputError("FILE: missing; --formats lists the formats that are read")
+            raise InputError("FILE", "missing; --formats lists the formats that are read")
         if not os.path.exists(file):  # Path.exists raises where a name is too long
-            raise InputError(f"{file}: no such record")
+            raise InputError(file, "no such record")
         measures = of_one_component(measure, "--measure")
         keys = dict(parse_change(change) for change in set_ or ())
         processed = file_picture(file, output, **keys)

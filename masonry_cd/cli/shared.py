@@ -46,7 +46,7 @@ def exclude(first: tuple[str, object], second: tuple[str, object]) -> None:
     from masonry_cd.foundation.errors import InputError
 
     if first[1] and second[1]:
-        raise InputError(f"{first[0]} and {second[0]} exclude each other: leave one out")
+        raise InputError(f"{first[0]} and {second[0]} exclude each other", "leave one out")
 
 
 def silent(line: str = "", **_: object) -> None:

@@ -62,7 +62,7 @@ def study(
         run = made.maker.study.tables.run
         limits = made.maker.study.tables.asks == "limit"
         if report and limits:
-            raise InputError("--report: a study of limit analyses has limits.csv and no fits")
+            raise InputError("--report", "a study of limit analyses has limits.csv and no fits")
         if report:
             _write_report(output, quiet)
             return

@@ -44,7 +44,7 @@ def page_of(folder: Path) -> Path:
     from reports.outputs import PAGE
 
     if not folder.is_dir():
-        raise InputError(f"{folder}: is a file; a folder of a run is needed" if folder.exists() else f"{folder}: no such folder")
+        raise InputError(folder, "is a file; a folder of a run is needed" if folder.exists() else "no such folder")
     of_study = (folder / "study.json").is_file()
     page = folder / (STUDY_PAGE if of_study else PAGE)
     if not page.is_file():
@@ -54,7 +54,7 @@ def page_of(folder: Path) -> Path:
             remedy = f"masonry-cd report {folder} --html makes it"
         else:
             remedy = "nor a result.h5 to make it from"
-        raise InputError(f"{folder}: holds no {page.name}; {remedy}")
+        raise InputError(folder, f"holds no {page.name}; {remedy}")
     return page
 
 

@@ -83,7 +83,7 @@ class Stored:
 
     def refuse(self, name: str, why: str) -> None:
         """Raise an InputError that names an array."""
-        raise InputError(f"{self._where}{name}: {why}")
+        raise InputError(f"{self._where}{name}", str(why))
 
     def _of(self, name: str, shape: tuple[int | None, ...], kind: type) -> np.ndarray:
         """An array of a type and a shape."""

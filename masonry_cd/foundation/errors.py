@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import copy
 import difflib
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Self, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -21,29 +24,102 @@ MOST_LINES = 30  # of what is wrong with one thing
 LINE = 900  # most characters of a message; its beginning says where, its end what would do
 
 
+class Fault(NamedTuple):
+    """One thing that is wrong with what the user gave."""
+
+    place: str  # path of the key as the user writes it, file with its line, block or option; empty where the text says it all
+    text: str  # what is wrong, what is allowed, what to write instead
+    source: str = ""  # file and line in which the place is given
+
+    def __str__(self) -> str:
+        return one_line(": ".join(part for part in (self.source, self.place, self.text) if part))
+
+    def under(self, place: object) -> Fault:
+        """The fault of a part, reported of the whole at ``place``; as it is where that is empty."""
+        return Fault(str(place), f"{self.place}: {self.text}" if self.place else self.text, self.source) if place else self
+
+
 class InputError(ValueError):
-    """Something the user gave is wrong. The message is one line; the command line prints it and exits with 2."""
+    """Something the user gave is wrong. The command line prints a line for each of its ``faults`` and exits with 2."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(one_line(message))
+    faults: tuple[Fault, ...]
 
+    def __init__(self, place: object, text: str) -> None:
+        super().__init__(place, text)
+        self.faults = (Fault(str(place), text),)
 
-class InputErrors(InputError):
-    """All that is wrong with something, a line each; ``lines`` are those that are shown."""
+    @classmethod
+    def of(cls, faults: Iterable[Fault]) -> InputError:
+        """All of some faults, of which there is one at the least."""
+        every = tuple(faults)
+        error = InputError(every[0].place, every[0].text)
+        error.faults = every
+        return error
 
-    def __init__(self, messages: Sequence[str]) -> None:
-        lines = [one_line(message) for message in dict.fromkeys(messages)]
+    @property
+    def place(self) -> str:
+        """The place of the first fault."""
+        return self.faults[0].place
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """A line for each fault, up to ``MOST_LINES`` of them, each once."""
+        lines = [*dict.fromkeys(str(fault) for fault in self.faults)]
         more = len(lines) - MOST_LINES
-        self.lines = (*lines[:MOST_LINES], f"and {more} more faults") if more > 0 else tuple(lines)
-        ValueError.__init__(self, "\n".join(self.lines))
+        return (*lines[:MOST_LINES], f"and {more} more faults") if more > 0 else tuple(lines)
+
+    def each(self, change: Callable[[Fault], Fault]) -> Self:
+        """An error of the same class whose faults are changed."""
+        error = copy.copy(self)
+        error.faults = tuple(change(fault) for fault in self.faults)
+        return error
+
+    def under(self, place: object) -> Self:
+        """The error of a part, reported of the whole at ``place``."""
+        return self.each(lambda fault: fault.under(place))
+
+    def unsourced(self) -> Self:
+        """The error without file and line, as part of another one."""
+        return self.each(lambda fault: fault._replace(source=""))
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines)
 
 
 class WrongKeys(InputError):
-    """Keys of a table that are wrong: the message is the first of ``lines``, ``places`` say where in the table each of them lies."""
+    """Keys of a table that are wrong: ``paths`` say where in the table each of the faults lies."""
 
-    def __init__(self, faults: Sequence[tuple[Path, str]]) -> None:
-        super().__init__(faults[0][1])
-        self.places, self.lines = tuple(place for place, _ in faults), tuple(one_line(line) for _, line in faults)
+    def __init__(self, paths: Sequence[Path], faults: Sequence[Fault]) -> None:
+        ValueError.__init__(self, paths, faults)
+        self.paths, self.faults = tuple(paths), tuple(faults)
+
+
+@dataclass
+class Faults:
+    """A collector of all that is wrong with one kind of input, which is refused at once."""
+
+    found: list[Fault] = field(default_factory=list)
+
+    def add(self, place: object, text: str) -> None:
+        """Note a fault."""
+        self.found.append(Fault(str(place), text))
+
+    @contextmanager
+    def of(self, place: object = "") -> Iterator[None]:
+        """Collect what is wrong in the body, reported at ``place`` unless that is empty."""
+        try:
+            yield
+        except InputError as error:
+            self.found += error.under(place).faults
+
+    def refuse(self) -> None:
+        """Raise all faults as one error, where there are any.
+
+        Raises:
+            InputError: all of them.
+        """
+        if self.found:
+            raise InputError.of(self.found)
 
 
 def one_line(message: str) -> str:
@@ -90,7 +166,8 @@ def parse_table(model: type[Model], table: Mapping[str, Any], where: str) -> Mod
     try:
         return model.model_validate(table)
     except ValidationError as failure:
-        raise WrongKeys(_lines(failure, model, table, where)) from None
+        found = _faults(failure, model, table, where)
+        raise WrongKeys(list(found), list(found.values())) from None
 
 
 def table_in_si(models: Sequence[type[BaseModel]], table: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -102,7 +179,7 @@ def table_in_si(models: Sequence[type[BaseModel]], table: Mapping[str, Any], whe
     try:
         return in_si(models, table)
     except UnitError as fault:
-        raise WrongKeys([(tuple(fault.parts), f"{_path(where, fault.parts)}: {fault}")]) from None
+        raise WrongKeys([tuple(fault.parts)], [Fault(_path(where, fault.parts), str(fault))]) from None
 
 
 def values_in_si(value: Any, unit: Callable[[], str], where: str) -> Any:
@@ -114,15 +191,15 @@ def values_in_si(value: Any, unit: Callable[[], str], where: str) -> Any:
     try:
         return read_values(value, unit)
     except UnitError as fault:
-        raise InputError(f"{_path(where, fault.parts)}: {fault}") from None
+        raise InputError(_path(where, fault.parts), str(fault)) from None
 
 
-def _lines(failure: ValidationError, model: type[BaseModel], table: Mapping[str, Any], where: str) -> list[tuple[Path, str]]:
-    """Pydantic's report as a line for each key, with its place; misspelt keys come first, since they explain missing ones.
+def _faults(failure: ValidationError, model: type[BaseModel], table: Mapping[str, Any], where: str) -> dict[Path, Fault]:
+    """Pydantic's report as a fault for each key, by its path in the table; misspelt keys come first, since they explain missing ones.
 
     Of a value that may have several forms the first counts, and of a value with wrong ones in it these.
     """
-    found, forms = dict[Path, str](), dict[Path, str | int]()
+    found, forms = dict[Path, Fault](), dict[Path, str | int]()
     misspelt = {error["loc"][:-1] for error in failure.errors() if error["type"] == "extra_forbidden"}
     for error in sorted(failure.errors(), key=lambda e: e["type"] != "extra_forbidden"):
         if error["type"] == "missing" and error["loc"][:-1] in misspelt:
@@ -130,8 +207,17 @@ def _lines(failure: ValidationError, model: type[BaseModel], table: Mapping[str,
         place, own = _in_table(table, error["loc"], error["type"] == "missing")
         if all(forms.setdefault(at, form) == form for at, form in own.items()):
             shown = [part for part in error["loc"] if part not in own.values() or "[" not in str(part)]
-            found.setdefault(place, _line(error, model, _path(where, shown)))
-    return [(place, line) for place, line in found.items() if not any(place == other[: len(place)] for other in found if other != place)]
+            found.setdefault(place, Fault(_path(where, shown), _text(error, model)))
+    innermost = [place for place in found if not any(place == other[: len(place)] for other in found if other != place)]
+    first = {_of_array(place): place for place in reversed(innermost)}  # one fault for an array of numbers
+    return {place: found[place] for place in innermost if first[_of_array(place)] == place}
+
+
+def _of_array(place: Path) -> Path:
+    """The path without the places in the array of values in which it ends."""
+    while place and isinstance(place[-1], int):
+        place = place[:-1]
+    return place
 
 
 def _in_table(table: Any, parts: Path, missing: bool) -> tuple[Path, dict[Path, str | int]]:
@@ -149,19 +235,19 @@ def _in_table(table: Any, parts: Path, missing: bool) -> tuple[Path, dict[Path, 
     return place, forms
 
 
-def _line(error: Mapping[str, Any], model: type[BaseModel], key: str) -> str:
-    """What pydantic says of a key, in a line."""
+def _text(error: Mapping[str, Any], model: type[BaseModel]) -> str:
+    """Pydantic's words on a key, with the keys that are known or the value that is given."""
     if error["type"] == "extra_forbidden":
         known = _keys(model, error["loc"][:-1])
         hint = suggest(str(error["loc"][-1]), known)
-        return f"{key}: unknown key{hint or '; known keys: ' + ', '.join(known)}"
+        return f"unknown key{hint or '; known keys: ' + ', '.join(known)}"
     if error["type"] == "missing":
-        return f"{key}: missing"
+        return "missing"
     message = error["msg"].removeprefix("Value error, ")
     given = error.get("input")
     unit = unit_at((model,), error["loc"]) if error["type"].startswith(("greater", "less")) else ""  # of the bound, too
     shown = f", got {_cut(repr(given), QUOTED)} {unit}".rstrip() if isinstance(given, (str, int, float, bool)) else ""
-    return f"{key}: {message[0].lower()}{message[1:]}{shown}"
+    return f"{message[0].lower()}{message[1:]}{shown}"
 
 
 def _path(where: str, parts: Sequence[str | int]) -> str:

@@ -47,13 +47,13 @@ def require(what: str, *modules: str, without: str = "") -> None:
     """
     for module in modules:
         if find_spec(module) is None:
-            raise InputError(_line(what, module) + without)
+            raise InputError("", _line(what, module) + without)
 
 
 def missing(failure: ModuleNotFoundError) -> InputError | None:
     """What to tell the user of a module that is not there; None of one that no extra brings: that is a fault."""
     module = (failure.name or "").partition(".")[0]
-    return InputError(_line("this", module)) if module in EXTRA_OF else None
+    return InputError("", _line("this", module)) if module in EXTRA_OF else None
 
 
 def _line(what: str, module: str) -> str:

@@ -42,7 +42,7 @@ def size_of_regular(path: Path, called: str = "") -> int:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(found.st_mode):
         kind = next((word for test, word in KINDS if test(found.st_mode)), "something else")
-        raise InputError(f"{called or path}: is {kind}; a file is needed")
+        raise InputError(called or path, f"is {kind}; a file is needed")
     return found.st_size
 
 
@@ -68,7 +68,7 @@ def read_bytes(path: Path, called: str = "") -> bytes:
     """
     size = size_of_regular(path, called)
     if size > MOST:
-        raise InputError(f"{called or path}: of {size / 1e9:.3g} GB, at most {MOST / 1e9:g} GB are read")
+        raise InputError(called or path, f"of {size / 1e9:.3g} GB, at most {MOST / 1e9:g} GB are read")
     if size == 0:
         return b""
     with path.open("rb") as file:

@@ -32,7 +32,7 @@ def gmsh_session() -> Iterator[Any]:
         reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
         from masonry_cd.foundation.errors import InputError
 
-        raise InputError(f"gmsh does not start ({reason}); on Debian and Ubuntu: apt-get install {PACKAGES}") from None
+        raise InputError(f"gmsh does not start ({reason}); on Debian and Ubuntu", f"apt-get install {PACKAGES}") from None
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.model.add("structure")

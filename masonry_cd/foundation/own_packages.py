@@ -22,10 +22,10 @@ def require_own_packages() -> None:
     for name in PACKAGES:
         place = _place(name)
         if place is None:
-            raise InputError(f'the package "{name}" of masonry_cd is missing in {HOME}: install masonry-cd anew')
+            raise InputError(f'the package "{name}" of masonry_cd is missing in {HOME}', "install masonry-cd anew")
         if place.resolve() not in (HOME / name / "__init__.py", HOME / name):
             remedy = f"rename it, or run from another folder, so that Python finds {HOME / name}"
-            raise InputError(f'{place} hides the package "{name}" of masonry_cd: {remedy}')
+            raise InputError(f'{place} hides the package "{name}" of masonry_cd', str(remedy))
 
 
 def _place(name: str) -> Path | None:

@@ -77,7 +77,7 @@ def load(group: str, name: str) -> Any:
     try:
         return entry.load()
     except Exception as failure:  # whatever foreign code raises
-        raise InputError(f'plug-in "{name}" of {_package(entry)} cannot be used: {_in_a_line(failure)}') from None
+        raise InputError(f'plug-in "{name}" of {_package(entry)} cannot be used', f"{_in_a_line(failure)}") from None
 
 
 def find(group: str, name: str, key: str, known: Mapping[str, Any], folder: Path | None = None) -> Any:
@@ -100,14 +100,14 @@ def find(group: str, name: str, key: str, known: Mapping[str, Any], folder: Path
         return known[name]
     if name not in entries(group):
         every = [*known, *names(group)]
-        raise InputError(f'{key}: unknown {key.rpartition(".")[2]} "{name}"{suggest(name, every)}; one of {", ".join(every)}')
+        raise InputError(key, f'unknown {key.rpartition(".")[2]} "{name}"{suggest(name, every)}; one of {", ".join(every)}')
     return load(group, name)
 
 
 def _of_file(path: Path, name: str, key: str) -> Any:
     """What a Python file defines."""
     if not is_file(path):
-        raise InputError(f'{key}: no file "{path}"')
+        raise InputError(key, f'no file "{path}"')
     require_trust(key, path.name, PROGRAM)
     spec = importlib.util.spec_from_file_location(f"masonry_cd_own_{path.stem}", path)
     assert spec is not None and spec.loader is not None
@@ -115,9 +115,9 @@ def _of_file(path: Path, name: str, key: str) -> Any:
     try:
         spec.loader.exec_module(module)
     except Exception as failure:
-        raise InputError(f"{key}: {path.name} cannot be used: {_in_a_line(failure)}") from None
+        raise InputError(key, f"{path.name} cannot be used: {_in_a_line(failure)}") from None
     if not hasattr(module, name):
-        raise InputError(f'{key}: {path.name} defines no "{name}"')
+        raise InputError(key, f'{path.name} defines no "{name}"')
     return getattr(module, name)
 
 

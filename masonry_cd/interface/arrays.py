@@ -50,7 +50,7 @@ def into_files(tables: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     out = dict(tables)
     structure, loads = tables.get("structure"), tables.get("loads")
     for i in _among_several(tables):
-        raise InputError(f"structures[{i}].{BLOCKS}: blocks as arrays are those of one structure; here path names a block file")
+        raise InputError(f"structures[{i}].{BLOCKS}", "blocks as arrays are those of one structure; here path names a block file")
     if _is_list(structure):
         structure = {BLOCKS: structure}
     if isinstance(structure, Mapping) and BLOCKS in structure:
@@ -78,9 +78,9 @@ def _structure(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
     rest = {key: value for key, value in table.items() if key not in (BLOCKS, FIXED)}
     if rest.get("kind", "file") != "file" or "path" in rest:
-        raise InputError('structure.blocks: blocks as arrays are a structure of kind "file" without a path')
+        raise InputError("structure.blocks", 'blocks as arrays are a structure of kind "file" without a path')
     if not _is_list(table[BLOCKS]) or not len(table[BLOCKS]):
-        raise InputError("structure.blocks: a list of blocks is needed, each (vertices, faces), a dict or a Block")
+        raise InputError("structure.blocks", "a list of blocks is needed, each (vertices, faces), a dict or a Block")
     blocks = [_block(given, i) for i, given in enumerate(table[BLOCKS])]
     rules = parse_table(Supports, {FIXED: table.get(FIXED, ())}, "structure").fixed
     blockfile.write(folder / BLOCK_FILE, with_supports(blocks, rules, "structure.fixed"))
@@ -106,19 +106,19 @@ def _block(given: Any, index: int) -> Block:
     elif (shell := shell_of(given)) is not None:
         table = shell
     else:
-        raise InputError(f"structure.blocks[{index}]: (vertices, faces), a dict or a Block is needed, got a {type(given).__name__}")
+        raise InputError(f"structure.blocks[{index}]", f"(vertices, faces), a dict or a Block is needed, got a {type(given).__name__}")
     name = str(table.get("name") or f"b{index}")
     where = f'structure.blocks: block "{name}"'
     for key in table:
         if key not in FIELDS:
-            raise InputError(f"{where}: {key}: unknown key{suggest(str(key), FIELDS)}; known keys: {', '.join(FIELDS)}")
+            raise InputError(where, f"{key}: unknown key{suggest(str(key), FIELDS)}; known keys: {', '.join(FIELDS)}")
     is_round = any(key in table for key in ROUND)
     for key in ROUND if is_round else SHELL:
         if key not in table:
-            raise InputError(f"{where}: {key}: missing")
+            raise InputError(where, f"{key}: missing")
     for key in SHELL if is_round else ():
         if key in table:
-            raise InputError(f"{where}: {key}: a sphere, which has centre and radius, has none")
+            raise InputError(where, f"{key}: a sphere, which has centre and radius, has none")
     fixed, density = bool(table.get("fixed", False)), table.get("density")
     common: dict[str, Any] = {
         "name": name,
@@ -161,7 +161,7 @@ def _faces(given: Any, where: str) -> tuple[tuple[int, ...], ...]:
     try:
         loops = tuple(tuple(_whole(index) for index in loop) for loop in given)
     except (TypeError, ValueError):
-        raise InputError(f"{where}: faces: loops of whole numbers are needed, [[0, 1, 2], ...], counted from zero") from None
+        raise InputError(where, "faces: loops of whole numbers are needed, [[0, 1, 2], ...], counted from zero") from None
     return loops
 
 
@@ -179,19 +179,19 @@ def _load(table: Any, where: str, folder: Path) -> list[Any]:
         return [table]
     missing = next((key for key in MOTION if key not in table), None)
     if missing is not None:
-        raise InputError(f"{where}.{missing}: missing; a motion by arrays has time and acceleration")
+        raise InputError(f"{where}.{missing}", "missing; a motion by arrays has time and acceleration")
     rest = {key: value for key, value in table.items() if key not in MOTION}
     if rest.get("kind", "record") != "record":
-        raise InputError(f'{where}.kind: a motion by arrays is a "record", not "{rest["kind"]}"')
+        raise InputError(f"{where}.kind", f'a motion by arrays is a "record", not "{rest["kind"]}"')
     other = next((key for key in ("path", "column", "units", "time_step", "format") if key in rest), None)
     if other is not None:
-        raise InputError(f"{where}.{other}: belongs to a record in a file; time is in s, acceleration in m/s2")
+        raise InputError(f"{where}.{other}", "belongs to a record in a file; time is in s, acceleration in m/s2")
     time, acceleration = _motion(table, where)
     components = acceleration.shape[1]
     for key in ("direction", "target_pga") if components > 1 else ():
         if key in rest:
             raise InputError(
-                f"{where}.{key}: of a motion of one component; this one has {components}, along {', '.join(AXES[:components])}"
+                f"{where}.{key}", f"of a motion of one component; this one has {components}, along {', '.join(AXES[:components])}"
             )
     names = AXES[:components] if components > 1 else ("a",)
     path = _write_motion(folder, names, time, acceleration)
@@ -210,10 +210,10 @@ def _motion(table: Mapping[str, Any], where: str) -> tuple[np.ndarray, np.ndarra
     given = np.asarray(table["acceleration"], dtype=object)
     acceleration = numbers(table["acceleration"], f"{where}.acceleration", (-1,) * max(1, min(2, given.ndim))).reshape(len(given), -1)
     if not 1 <= acceleration.shape[1] <= len(AXES):
-        raise InputError(f"{where}.acceleration: one to three components are needed, (N,) or (N, 3), got {acceleration.shape}")
+        raise InputError(f"{where}.acceleration", f"one to three components are needed, (N,) or (N, 3), got {acceleration.shape}")
     time = numbers(table["time"], f"{where}.time", (-1,))
     if len(time) != len(acceleration):
-        raise InputError(f"{where}.time: {len(time)} times for {len(acceleration)} accelerations")
+        raise InputError(f"{where}.time", f"{len(time)} times for {len(acceleration)} accelerations")
     return time, acceleration
 
 

@@ -100,7 +100,7 @@ class Assessment:
         from reports.assess.picture import PICTURE, tornado
 
         if not self._found.base.done:
-            raise InputError(self.lines[0])
+            raise InputError("", self.lines[0])
         tornado(self._found, self.folder / PICTURE)
         with images.open(self.folder / PICTURE) as picture:
             picture.load()
@@ -165,7 +165,7 @@ def assess(
     from reports.assess.outputs import write_assessment
 
     if workers is not None and workers < 1:
-        raise InputError(f"workers: should be 1 or more, got {workers}")
+        raise InputError("workers", f"should be 1 or more, got {workers}")
     asked = scene(source)
     keeper = TemporaryFolder() if folder is None else None
     place = keeper.path if keeper is not None else Path(str(folder))

@@ -32,7 +32,7 @@ def to_compas(blocks: Sequence[Block]) -> list[dict[str, Any]]:
 
 def _mesh(block: Block) -> dict[str, Any]:
     if block.radius:
-        raise InputError(f'to_compas: block "{block.name}" is a sphere, which is no mesh')
+        raise InputError("to_compas", f'block "{block.name}" is a sphere, which is no mesh')
     data = {
         "attributes": {"name": block.name, "group": block.group, "density": block.density, SUPPORT: block.fixed},
         "default_vertex_attributes": {"x": 0.0, "y": 0.0, "z": 0.0},
@@ -66,7 +66,7 @@ def from_compas(source: Any) -> list[dict[str, Any]]:
         try:
             source = json.loads(read_text(Path(source)))
         except ValueError as failure:
-            raise InputError(f"{where}: no JSON: {failure}") from None
+            raise InputError(where, f"no JSON: {failure}") from None
     found: list[dict[str, Any]] = []
     names: set[str] = set()
     for i, (data, support) in enumerate(_meshes(source, False)):
@@ -76,7 +76,7 @@ def from_compas(source: Any) -> list[dict[str, Any]]:
         names.add(block["name"])
         found.append(block)
     if not found:
-        raise InputError(f"{where}: no mesh of COMPAS is in it")
+        raise InputError(where, "no mesh of COMPAS is in it")
     return found
 
 
@@ -107,7 +107,7 @@ def _block(data: Mapping[str, Any], support: bool, index: int, where: str) -> di
         place = {key: i for i, key in enumerate(corners)}
         faces = [[place[str(vertex)] for vertex in loop] for loop in data["face"].values()]
     except (KeyError, TypeError, ValueError) as reason:
-        raise InputError(f'{where}: mesh {index}, "{name}": its vertices and faces do not fit together ({reason!r})') from None
+        raise InputError(where, f'mesh {index}, "{name}": its vertices and faces do not fit together ({reason!r})') from None
     made: dict[str, Any] = {"name": name, "vertices": list(corners.values()), "faces": faces, "fixed": support}
     for key, kind in (("group", str), ("density", float)):
         if attributes.get(key) is not None:

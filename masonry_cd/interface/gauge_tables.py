@@ -26,7 +26,7 @@ def push_table(results: Results, push: str | None) -> DataFrame:
     names = [curve.name for curve in curves]
     if push and push not in names:
         there = ", ".join(names) or "none"
-        raise InputError(f'force_displacement: "{push}" is no push or prop{suggest(push, names)}; there are {there}')
+        raise InputError("force_displacement", f'"{push}" is no push or prop{suggest(push, names)}; there are {there}')
     curve = curves[names.index(push) if push else 0]
     columns = {name: getattr(curve, name) for name in ("displacement", "force", "moment", "inertia")}
     return frame_of(columns, curve.time, "time", numbers=curve.numbers())
@@ -40,7 +40,7 @@ def gauge_table(results: Results, name: str) -> DataFrame:
     """
     by_name = {own: columns for kind in histories_of(results).values() for own, columns in kind.items()}
     if name not in by_name:
-        raise InputError(f'gauge: "{name}" is none{suggest(name, by_name)}; there are {", ".join(by_name)}')
+        raise InputError("gauge", f'"{name}" is none{suggest(name, by_name)}; there are {", ".join(by_name)}')
     columns = dict(by_name[name])
     time = columns.pop("time")
     frame = frame_of(columns, time, "time")

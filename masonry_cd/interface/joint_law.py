@@ -60,7 +60,7 @@ def law_of(given: JointLaw | str) -> JointLaw:
     """
     found = find("joint_laws", given, "law", {}) if isinstance(given, str) else given
     if not isinstance(found, JointLaw):
-        raise InputError(f"law: a JointLaw is needed, or the name of one that a package adds; got a {type(found).__name__}")
+        raise InputError("law", f"a JointLaw is needed, or the name of one that a package adds; got a {type(found).__name__}")
     return found
 
 
@@ -75,10 +75,10 @@ class BoundLaw:
 
     def __init__(self, law: JointLaw, joints: Joints, assembly: Assembly, longest: float) -> None:
         if not callable(law.function) or not law.stiffness > 0.0 or law.history < 0:
-            raise InputError("law: a function, a stiffness above zero [Pa/m] and a history of 0 numbers or more are needed")
+            raise InputError("law", "a function, a stiffness above zero [Pa/m] and a history of 0 numbers or more are needed")
         chosen = np.arange(joints.count) if law.joints is None else np.unique(np.asarray(law.joints, dtype=np.int64))
         if len(chosen) and not 0 <= chosen.min() <= chosen.max() < joints.count:
-            raise InputError(f"law.joints: there are joints 0 to {joints.count - 1}")
+            raise InputError("law.joints", f"there are joints 0 to {joints.count - 1}")
         self._law, self._fixed = law, assembly.fixed
         self._place(joints, chosen, assembly)
         self.history = np.zeros((len(self._area), law.history))
@@ -112,7 +112,7 @@ class BoundLaw:
         omega = float(np.sqrt(2.0 * total[~assembly.fixed].max(initial=0.0)))
         if omega * longest > 2.0:
             raise InputError(
-                f"law: run.dt {longest:g} s is too long for a stiffness of {self._law.stiffness:g} Pa/m; {2.0 / omega:.2g} s will do"
+                "law", f"run.dt {longest:g} s is too long for a stiffness of {self._law.stiffness:g} Pa/m; {2.0 / omega:.2g} s will do"
             )
 
     def pushes(self, now: Now) -> Pushes:
@@ -128,7 +128,7 @@ class BoundLaw:
         stress, self._trial = np.zeros((len(self._area), 3)), self.history.copy()
         self._law.function(np.ascontiguousarray(apart[:, 0]), np.ascontiguousarray(apart[:, 1:]), self._trial, now.step, stress)
         if not np.isfinite(stress).all():
-            raise InputError(f"law: at {now.time:g} s its stresses are not finite")
+            raise InputError("law", f"at {now.time:g} s its stresses are not finite")
         force = -self._area[:, None] * np.einsum("ka,kai->ki", stress, axes)
         middle = 0.5 * (at_a + at_b)
         block, arms = np.concatenate([self._b, self._a]), np.concatenate([middle - now.position[self._b], middle - now.position[self._a]])

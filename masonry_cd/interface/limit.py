@@ -117,7 +117,7 @@ class LimitAnalysis:
             InputError: the structure does not stand.
         """
         if not self.stands:
-            raise InputError("limit analysis: the structure does not stand: there are no forces to draw")
+            raise InputError("limit analysis", "the structure does not stand: there are no forces to draw")
         return self._picture("thrust.png", view)
 
     def capacity_curve(self, view: str = "auto") -> Image:
@@ -127,7 +127,7 @@ class LimitAnalysis:
             InputError: the scene has no table ``[limit.curve]``.
         """
         if self._case.curve is None:
-            raise InputError("limit analysis: no curve was followed: give the scene a table [limit.curve]")
+            raise InputError("limit analysis", "no curve was followed: give the scene a table [limit.curve]")
         return self._picture("capacity.png", view)
 
     def write(self, folder: str | os.PathLike[str], *, force: bool = False) -> Page:

@@ -24,11 +24,11 @@ def numbers(given: Any, where: str, shape: tuple[int, ...] | None = None) -> np.
     try:
         array = np.array(given, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(f"{where}: an array of numbers is needed") from None
+        raise InputError(where, "an array of numbers is needed") from None
     if shape is not None and (array.ndim != len(shape) or any(n >= 0 and n != m for n, m in zip(shape, array.shape, strict=True))):
         wanted = f"({', '.join('N' if n < 0 else str(n) for n in shape)}{',' if len(shape) == 1 else ''})"
-        raise InputError(f"{where}: an array of shape {wanted} is needed, got {array.shape}")
+        raise InputError(where, f"an array of shape {wanted} is needed, got {array.shape}")
     if not np.isfinite(array).all():
         at = f" at {np.argwhere(~np.isfinite(array))[0].tolist()}" if array.ndim else ""
-        raise InputError(f"{where}: not finite{at}")
+        raise InputError(where, f"not finite{at}")
     return array

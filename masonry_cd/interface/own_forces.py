@@ -71,12 +71,12 @@ class History:
         if self._function is not None:
             return
         if not isinstance(given, Sequence) or isinstance(given, str | bytes) or len(given) != 2:
-            raise InputError(f"{where}: a function of time is needed, or a pair of arrays (times, values)")
+            raise InputError(where, "a function of time is needed, or a pair of arrays (times, values)")
         self._time, values = (numbers(item, where) for item in given)
         if self._time.ndim != 1 or values.ndim != 2 or values.shape[1] not in sizes or len(values) != len(self._time) or not len(values):
-            raise InputError(f"{where}: times (N,) and values (N, {self._wanted}) are needed, got {self._time.shape} and {values.shape}")
+            raise InputError(where, f"times (N,) and values (N, {self._wanted}) are needed, got {self._time.shape} and {values.shape}")
         if (np.diff(self._time) <= 0.0).any():
-            raise InputError(f"{where}: its times do not increase")
+            raise InputError(where, "its times do not increase")
         self._values = values
 
     @property
@@ -93,7 +93,7 @@ class History:
             return np.array([np.interp(time, self._time, column) for column in self._values.T])
         found = numbers(self._function(time), f"{self._where}: at {time:g} s")
         if found.ndim != 1 or len(found) not in self._sizes:
-            raise InputError(f"{self._where}: at {time:g} s an array of shape {found.shape}, ({self._wanted},) is needed")
+            raise InputError(self._where, f"at {time:g} s an array of shape {found.shape}, ({self._wanted},) is needed")
         return found
 
 
@@ -191,8 +191,9 @@ class OwnForces:
         every = [item.pushes(now) for item in self.own]
         if self.axis >= 0 and any(_across(found, self.axis) for item, found in zip(self.own, every, strict=True) if not keeps_plane(item)):
             raise InputError(
-                f"forces: at {now.time:g} s one acts along {'xyz'[self.axis]}, across the plane in which this scene moves; "
-                "run.planar = false has it move in space"
+                "forces",
+                f"at {now.time:g} s one acts along {'xyz'[self.axis]}, across the plane in which this scene moves; "
+                "run.planar = false has it move in space",
             )
         return every
 
@@ -266,7 +267,7 @@ def own_forces(given: Any, assembly: Assembly) -> Pushing:
         return BlockHistories(given, assembly)
     if callable(given):
         return Field(given, assembly)
-    raise InputError(f"forces: a function or a dict by block is needed, got a {type(given).__name__}")
+    raise InputError("forces", f"a function or a dict by block is needed, got a {type(given).__name__}")
 
 
 def block_named(name: object, names: Sequence[str], where: str) -> int:
@@ -276,7 +277,7 @@ def block_named(name: object, names: Sequence[str], where: str) -> int:
         InputError: there is none of the name.
     """
     if name not in names:
-        raise InputError(f'{where}: no block is named "{name}"{suggest(str(name), names)}')
+        raise InputError(where, f'no block is named "{name}"{suggest(str(name), names)}')
     return names.index(str(name))
 
 
@@ -288,5 +289,5 @@ def free_block(name: object, assembly: Assembly, where: str) -> int:
     """
     block = block_named(name, assembly.names, where)
     if assembly.fixed[block]:
-        raise InputError(f'{where}: "{name}" is a support, which moves as its loads and "motions" say')
+        raise InputError(where, f'"{name}" is a support, which moves as its loads and "motions" say')
     return block

@@ -246,10 +246,10 @@ class Run(RunExports):
             InputError: no such measure, or one that the run did not write.
         """
         if measure not in MEASURES:
-            raise InputError(f'joint_history: "{measure}" is none{suggest(measure, MEASURES)}; measures: {", ".join(MEASURES)}')
+            raise InputError("joint_history", f'"{measure}" is none{suggest(measure, MEASURES)}; measures: {", ".join(MEASURES)}')
         with self.results() as found:
             if not found.has_joint_history(measure):
-                raise InputError(f"joint_history: the run has written no {measure}")
+                raise InputError("joint_history", f"the run has written no {measure}")
             values = found.joint_history(measure)
         return frame_of(dict(enumerate(values.T)), self.time, "time", unit=MEASURES[measure])
 

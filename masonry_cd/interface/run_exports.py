@@ -59,7 +59,7 @@ class RunExports:
         with self.results() as found:
             frame = frame_at(found, time) % found.frames
             if not found.has_joint_history("force"):
-                raise InputError(f"joint_forces: {OLD}")
+                raise InputError("joint_forces", f"{OLD}")
             names = np.array([block.name for block in found.blocks], dtype=object)
             columns = {
                 "block_a": names[found.joints.block_a],
@@ -78,7 +78,7 @@ class RunExports:
         with self.results() as found:
             frame, every = frame_at(found, time) % found.frames, found.reaction
             if every is None:
-                raise InputError(f"reactions: {OLD}")
+                raise InputError("reactions", f"{OLD}")
             names = [block.name for block in found.blocks if block.fixed]
             return frame_of(columns_of(REACTIONS, every[frame]), names, "block", time=float(found.time[frame]))
 
@@ -168,16 +168,16 @@ class RunExports:
         from obspy import Stream, Trace, UTCDateTime
 
         if quantity not in QUANTITIES:
-            raise InputError(f'to_traces: "{quantity}" is none; quantities: {", ".join(QUANTITIES)}')
+            raise InputError("to_traces", f'"{quantity}" is none; quantities: {", ".join(QUANTITIES)}')
         with self.results() as found:
             names = [item.name for item in found.blocks]
             if block not in names:
-                raise InputError(f'to_traces: no block is named "{block}"')
+                raise InputError("to_traces", f'no block is named "{block}"')
             index, time = names.index(block), np.asarray(found.time)
             step = float(np.diff(time).mean()) if len(time) > 1 else 0.0
             even = len(time) > 1 and np.abs(np.diff(time)[:-1] - np.diff(time)[0]).max(initial=0.0) < 1e-6 * step
             if not even:
-                raise InputError("to_traces: the frames of this run are not evenly spaced in time")
+                raise InputError("to_traces", "the frames of this run are not evenly spaced in time")
             whole = len(time) if abs(time[-1] - time[-2] - (time[1] - time[0])) < 1e-6 * step else len(time) - 1
             if quantity == "velocity":
                 values = np.asarray(found.velocity[:whole, index, :3], dtype=float)

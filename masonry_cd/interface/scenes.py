@@ -154,11 +154,11 @@ class Scene:
         path = Path(path)
         relative = sorted(name for name in self._named() if not Path(name).is_absolute())
         if self._files is None and relative and path.absolute().parent != self._checked.folder.absolute():
-            raise InputError(f"{path}: the scene names {relative[0]}, which is relative to {self._checked.folder}: write it there")
+            raise InputError(path, f"the scene names {relative[0]}, which is relative to {self._checked.folder}: write it there")
         contents = {path: self.text.encode()} | {path.with_name(name): (self._checked.folder / name).read_bytes() for name in self._own()}
         for file, content in contents.items():
             if not force and file.exists() and (file.is_dir() or file.read_bytes() != content):
-                raise InputError(f"{file}: is there already, with another content; choose another folder, or force=True overwrites it")
+                raise InputError(file, "is there already, with another content; choose another folder, or force=True overwrites it")
         path.parent.mkdir(parents=True, exist_ok=True)
         for file, content in contents.items():
             file.write_bytes(content)
@@ -238,7 +238,7 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
     if source is None or isinstance(source, Mapping):
         return _made(source or {}, changes, tables, None)
     if not isinstance(source, str | os.PathLike):
-        raise InputError(f"scene: a file, a dict or tables by keyword are needed, got a {type(source).__name__}")
+        raise InputError("scene", f"a file, a dict or tables by keyword are needed, got a {type(source).__name__}")
     path = Path(source)
     of_file = _Origin(read_text(path), path, "")
     if hold_arrays(tables):

@@ -114,7 +114,7 @@ class Simulation:
             RunStopped: a velocity is not finite.
         """
         if count < 1:
-            raise InputError(f"step: at least one step is made, not {count}")
+            raise InputError("step", f"at least one step is made, not {count}")
         for _ in range(count):
             self._refuse_at_end("step")
             self._make_step()
@@ -129,7 +129,7 @@ class Simulation:
             RunStopped: a velocity is not finite.
         """
         if until is not None and not until >= self.time - 1e-9:
-            raise InputError(f"run: until {until:g} s is over, it is {self.time:g} s")
+            raise InputError("run", f"until {until:g} s is over, it is {self.time:g} s")
         ticks = math.inf if until is None else math.ceil(until / self._stepper.settings.dt - 1e-6)
         self._asked_to_stop = ""
         while not self.done and not self._asked_to_stop and self._stepper.motion.ticks < ticks:
@@ -149,7 +149,7 @@ class Simulation:
             InputError: no such event.
         """
         if event not in EVENTS:
-            raise InputError(f'on: "{event}" is no event{suggest(event, EVENTS)}; events: {", ".join(EVENTS)}')
+            raise InputError("on", f'"{event}" is no event{suggest(event, EVENTS)}; events: {", ".join(EVENTS)}')
         self._events.add(event, function)
         self._touched = True
         return function
@@ -171,7 +171,7 @@ class Simulation:
         from masonry_cd.interface.running import recorded
 
         if self.steps or self._busy:
-            raise InputError("record: writes a run from its beginning, and this simulation has made steps; a new one has not")
+            raise InputError("record", "writes a run from its beginning, and this simulation has made steps; a new one has not")
         self._asked_to_stop = ""
         own = Own(self._stepper, self._recorded_step, BY_PYTHON if self._touched else "")
         return recorded(self._case, self.scene, folder, own, progress, force)
@@ -184,7 +184,7 @@ class Simulation:
 
     def _make_step(self) -> None:
         if self._busy:
-            raise InputError("step: this simulation is in the middle of one; a function that it calls cannot step it")
+            raise InputError("step", "this simulation is in the middle of one; a function that it calls cannot step it")
         self._follow(self._advance.step())
 
     def _follow(self, made: Advanced) -> None:
@@ -315,12 +315,12 @@ class Simulation:
         self._refuse_when_busy("restore")
         arrays, numbers_there = checkpoint.load(Path(path))
         if numbers_there.get("simulation") != self.scene.text:
-            raise InputError(f"{path}: no checkpoint of a simulation of this scene")
+            raise InputError(path, "no checkpoint of a simulation of this scene")
         own = {name: array for name, array in arrays.items() if not name.startswith(("pace/", "rest/", "law/"))}
         try:
             self._stepper.check(Stored(own))
         except InputError as reason:
-            raise InputError(f"{path}: {reason}") from None
+            raise reason.under(path) from None
         self._stepper.restore(own)
         for i, law in enumerate(self._laws):
             law.history = arrays[f"law/{i}"].copy() if f"law/{i}" in arrays else np.zeros_like(law.history)
@@ -335,11 +335,11 @@ class Simulation:
 
     def _refuse_at_end(self, what: str) -> None:
         if self.done:
-            raise InputError(f"{what}: the scene has ended, at {self.time:g} s; a longer run.duration continues it")
+            raise InputError(what, f"the scene has ended, at {self.time:g} s; a longer run.duration continues it")
 
     def _refuse_when_busy(self, what: str) -> None:
         if self._busy:
-            raise InputError(f"{what}: this simulation is in the middle of a step; between steps it can be asked for")
+            raise InputError(what, "this simulation is in the middle of a step; between steps it can be asked for")
 
     def _fresh_advance(self) -> Advance:
         case: Case = self._case

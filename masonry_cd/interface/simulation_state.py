@@ -84,7 +84,7 @@ class SimulationState:
         row = self.index(block)
         short = name == "velocity" and found.shape == (3,)
         if found.shape != now[row].shape and not short:
-            raise InputError(f'state.{name}: of block "{block}" {now.shape[1]} numbers are needed, got an array of shape {found.shape}')
+            raise InputError(f"state.{name}", f'of block "{block}" {now.shape[1]} numbers are needed, got an array of shape {found.shape}')
         out: np.ndarray = now.copy()
         out[row, : len(found)] = found
         return _read_only(out)
@@ -110,12 +110,12 @@ def checked_state(wanted: Any, stepper: Stepper) -> State:
         InputError: names the array, and the block where one is at fault.
     """
     if not isinstance(wanted, SimulationState):
-        raise InputError(f"state: one of this simulation is needed, changed; got a {type(wanted).__name__}")
+        raise InputError("state", f"one of this simulation is needed, changed; got a {type(wanted).__name__}")
     now, assembly, plane = stepper.state, stepper.assembly, stepper.plane
     if wanted.names != assembly.names:
-        raise InputError("state: is that of other blocks")
+        raise InputError("state", "is that of other blocks")
     if wanted.time != now.time:
-        raise InputError(f"state: is of {wanted.time:g} s, and it is {now.time:g} s; copy or save a simulation to come back to a time")
+        raise InputError("state", f"is of {wanted.time:g} s, and it is {now.time:g} s; copy or save a simulation to come back to a time")
     position, velocity = wanted.position.copy(), wanted.velocity.copy()
     orientation = _unit(wanted.orientation, now.orientation, assembly.names)
     for name, array, there in (("position", position, now.position), ("orientation", orientation, now.orientation)):
@@ -142,7 +142,7 @@ def require_apart(stepper: Stepper, before: Motion) -> None:
     found = deepest_overlap(stepper.friction_problem())
     if found.depth > max(there, 0.0) + OVERLAP * stepper.width:
         a, b = (stepper.assembly.names[block] for block in found.blocks)
-        raise InputError(f'state.position: blocks "{a}" and "{b}" would overlap by {found.depth:.3g} m')
+        raise InputError("state.position", f'blocks "{a}" and "{b}" would overlap by {found.depth:.3g} m')
 
 
 def _unit(wanted: np.ndarray, now: np.ndarray, names: Sequence[str]) -> np.ndarray:
@@ -154,7 +154,7 @@ def _unit(wanted: np.ndarray, now: np.ndarray, names: Sequence[str]) -> np.ndarr
 
 def _refuse(where: str, bad: np.ndarray, names: Sequence[str], what: str) -> None:
     if bad.any():
-        raise InputError(f'{where}: block "{names[int(np.argmax(bad))]}" {what}')
+        raise InputError(where, f'block "{names[int(np.argmax(bad))]}" {what}')
 
 
 def _read_only(array: np.ndarray) -> np.ndarray:

@@ -40,7 +40,7 @@ class Structure(Sequence[Block]):
         if not isinstance(name, str):
             return self.blocks.index(name, start, len(self.blocks) if stop is None else stop)
         if name not in self.names:
-            raise InputError(f'no block is named "{name}"{suggest(name, self.names)}; the first are {", ".join(self.names[:5])}')
+            raise InputError("", f'no block is named "{name}"{suggest(name, self.names)}; the first are {", ".join(self.names[:5])}')
         return self.names.index(name)
 
     @cached_property

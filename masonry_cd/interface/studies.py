@@ -94,7 +94,7 @@ class Study:
             InputError: the study has no run with joints, or a file of them is broken.
         """
         if self._joints is None:
-            raise InputError(f"{self.folder}: no run of the study is done whose joints are known")
+            raise InputError(self.folder, "no run of the study is done whose joints are known")
         columns = self._joints.table
         joints = np.arange(len(columns["block_a"]))
         return _with_units(frame_of(columns, joints, "joint"), {"median_opening": "m"})
@@ -133,9 +133,9 @@ class Study:
         """
         names = self._found.text("run")
         if name not in names:
-            raise InputError(f'run: the study has no run "{name}"{suggest(name, names)}')
+            raise InputError("run", f'the study has no run "{name}"{suggest(name, names)}')
         if not (self.folder / "runs" / name / RESULTS).is_file():
-            raise InputError(f'run: "{name}" was not kept; a study with run = {{keep = "all"}} keeps the folders of its runs')
+            raise InputError("run", f'"{name}" was not kept; a study with run = {{keep = "all"}} keeps the folders of its runs')
         return Run(self.folder / "runs" / name, self.keeper)
 
     @cached_property
@@ -212,9 +212,9 @@ def study(
     from masonry_cd.studies.study.study_case import Options, study_case
 
     if (workers is not None) + (scheduler is not None) + (slurm is not None) > 1:
-        raise InputError("workers, scheduler and slurm exclude each other: give one of them")
+        raise InputError("workers, scheduler and slurm exclude each other", "give one of them")
     if workers is not None and workers < 1:
-        raise InputError(f"workers: should be 1 or more, got {workers}")
+        raise InputError("workers", f"should be 1 or more, got {workers}")
     keeper = TemporaryFolder() if folder is None else None
     place = keeper.path if keeper is not None else Path(str(folder))
     plan = _plan(source, place, force)
@@ -249,7 +249,7 @@ def _plan(source: str | os.PathLike[str] | Mapping[str, Any], folder: Path, forc
 
         return plan_of_tables(source, folder, force)
     if not isinstance(source, str | os.PathLike):
-        raise InputError(f"study: a file or a dict of its tables is needed, got a {type(source).__name__}")
+        raise InputError("study", f"a file or a dict of its tables is needed, got a {type(source).__name__}")
     from masonry_cd.studies.study.study_case import plan_of
 
     return plan_of(Path(source))

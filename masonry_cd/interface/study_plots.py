@@ -81,7 +81,7 @@ class StudyPlots:
                 with Results.open(file) as found:
                     curves.append((name, *require_pushes(found)[0].means[:2]))
         if not curves:
-            raise InputError('force_displacement: no run was kept; a study with run = {keep = "all"} keeps the folders of its runs')
+            raise InputError("force_displacement", 'no run was kept; a study with run = {keep = "all"} keeps the folders of its runs')
         return shown(curves_figure(curves, [] if measured is None else read_measured(Path(measured))))
 
     def probability(self, of: str = "opened", level: float | None = None) -> Image:
@@ -95,7 +95,7 @@ class StudyPlots:
             InputError: no such map.
         """
         if of not in SHARES:
-            raise InputError(f'probability: "{of}" is none{suggest(of, SHARES)}; one of {", ".join(SHARES)}')
+            raise InputError("probability", f'"{of}" is none{suggest(of, SHARES)}; one of {", ".join(SHARES)}')
         return self._map(f"probability_{of}" + (f"_at_{level:g}" if level is not None else ""))
 
     def median_opening(self) -> Image:
@@ -115,7 +115,7 @@ class StudyPlots:
 
         known = diagrams(self._study, self._fits(), self._correlations())
         if f"{name}.png" not in known:
-            raise InputError(f"{name}: not of this study; it has {_names(known)}")
+            raise InputError(name, f"not of this study; it has {_names(known)}")
         with TemporaryDirectory() as folder:
             path = Path(folder) / f"{name}.png"
             known[path.name](path)
@@ -128,7 +128,7 @@ class StudyPlots:
         found = self._joints()
         known = found.maps(every_level=True) if found is not None else {}
         if found is None or f"{name}.png" not in known:
-            raise InputError(f"{name}: no joint of this study shows it; there are {_names(known)}")
+            raise InputError(name, f"no joint of this study shows it; there are {_names(known)}")
         with TemporaryDirectory() as folder:
             path = Path(folder) / f"{name}.png"
             found.draw([replace(known[path.name], path=path)])

@@ -30,7 +30,7 @@ def plan_of_tables(tables: Mapping[str, Any], folder: Path, force: bool) -> Plan
         InputError: anything wrong with the study or its scene; another study in the folder.
     """
     if "scene" not in tables:
-        raise InputError(f"{CALLED}: scene: missing")
+        raise InputError(CALLED, "scene: missing")
     asked = scene(tables["scene"])
     inside, arrays = asked.portable()
     given = {name: value for name, value in tables.items() if name != "scene"}

@@ -28,18 +28,18 @@ def from_traces(traces: Any, axes: Mapping[str, str] | None = None, scale: float
     single = hasattr(traces, "stats")
     every = [traces] if single else list(traces) if isinstance(traces, Iterable) else []
     if not every or not all(hasattr(trace, "stats") and hasattr(trace, "data") for trace in every):
-        raise InputError("from_traces: a Trace of obspy or a Stream of some is needed")
+        raise InputError("from_traces", "a Trace of obspy or a Stream of some is needed")
     samples = [_samples(trace) for trace in every]
     grids = {
         (len(data), float(trace.stats.delta), str(getattr(trace.stats, "starttime", "")))
         for data, trace in zip(samples, every, strict=True)
     }
     if len(grids) > 1:
-        raise InputError("from_traces: the traces begin at other times, or have other steps or lengths; trim and resample them first")
+        raise InputError("from_traces", "the traces begin at other times, or have other steps or lengths; trim and resample them first")
     time = float(every[0].stats.delta) * np.arange(len(samples[0]))
     if len(every) == 1:
         if "direction" not in keys:
-            raise InputError('from_traces: direction: missing; a single trace acts along "x", "y", "z" or a vector')
+            raise InputError("from_traces", 'direction: missing; a single trace acts along "x", "y", "z" or a vector')
         acceleration = scale * samples[0]
     else:
         acceleration = np.zeros((len(time), 3))
@@ -47,7 +47,7 @@ def from_traces(traces: Any, axes: Mapping[str, str] | None = None, scale: float
         for data, trace in zip(samples, every, strict=True):
             axis = _axis(str(trace.stats.channel), axes)
             if axis in taken:
-                raise InputError(f"from_traces: {taken[axis]} and {trace.stats.channel} are both along {'xyz'[axis]}")
+                raise InputError("from_traces", f"{taken[axis]} and {trace.stats.channel} are both along {'xyz'[axis]}")
             taken[axis], acceleration[:, axis] = str(trace.stats.channel), scale * data
     return {"kind": "record", "time": time, "acceleration": acceleration, **keys}
 
@@ -55,7 +55,7 @@ def from_traces(traces: Any, axes: Mapping[str, str] | None = None, scale: float
 def _samples(trace: Any) -> np.ndarray:
     """Of one trace, without gaps."""
     if np.ma.isMaskedArray(trace.data) and np.ma.getmaskarray(trace.data).any():
-        raise InputError(f"from_traces: {getattr(trace.stats, 'channel', 'a trace')} has gaps")
+        raise InputError("from_traces", f"{getattr(trace.stats, 'channel', 'a trace')} has gaps")
     return np.asarray(trace.data, dtype=float)
 
 
@@ -64,9 +64,9 @@ def _axis(channel: str, axes: Mapping[str, str] | None) -> int:
     if axes is not None:
         name = str(axes.get(channel, ""))
         if name not in ("x", "y", "z"):
-            raise InputError(f'from_traces: axes: channel {channel} is along x, y or z, not "{name}"')
+            raise InputError("from_traces", f'axes: channel {channel} is along x, y or z, not "{name}"')
         return "xyz".index(name)
     found = AXES.get(channel[-1:].upper())
     if found is None:
-        raise InputError(f'from_traces: the axis of channel {channel} is not known; axes={{"{channel}": "x"}} says it')
+        raise InputError("from_traces", f'the axis of channel {channel} is not known; axes={{"{channel}": "x"}} says it')
     return found

@@ -62,7 +62,7 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         InputError: there is none, or another version of the program wrote it.
     """
     if not path.exists():
-        raise InputError(f"{path}: {NOTHING}")
+        raise InputError(path, f"{NOTHING}")
     try:
         if not size_of_regular(path):
             raise EOFError("the file is empty")
@@ -71,16 +71,16 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
             text = str(stored["numbers"])
             numbers, checksum = json.loads(text), str(stored["checksum"]) if "checksum" in stored.files else None
     except Exception as reason:  # damaged bytes make the readers of zip files, arrays and JSON raise whatever they like
-        raise Damaged(f"{path}: not a readable checkpoint: {_in_a_line(reason)}") from None
+        raise Damaged(path, f"not a readable checkpoint: {_in_a_line(reason)}") from None
     if not isinstance(numbers, dict):
-        raise Damaged(f"{path}: not a readable checkpoint: it holds no table of numbers")
+        raise Damaged(path, "not a readable checkpoint: it holds no table of numbers")
     if (form := numbers.get("format")) != FORMAT:
         which = "a newer" if isinstance(form, int) and form > FORMAT else "an older" if isinstance(form, int) else "another"
         raise InputError(
-            f"{path}: of format {form!r}, written by {which} version of masonry_cd, which alone can go on from it; --force starts anew"
+            path, f"of format {form!r}, written by {which} version of masonry_cd, which alone can go on from it; --force starts anew"
         )
     if checksum != _checksum(arrays, text):
-        raise Damaged(f"{path}: not a readable checkpoint: its checksum is not that of its content")
+        raise Damaged(path, "not a readable checkpoint: its checksum is not that of its content")
     return arrays, numbers
 
 
@@ -95,30 +95,25 @@ def mend(path: Path, check: Check = lambda arrays, numbers: None) -> str:
         InputError: none that can be read and that passes the check. Then nothing is changed.
     """
     require(path)
-    older, refused = before(path), ""
+    older, refused = before(path), list[InputError]()
     for file in (path, older):
         if file.exists():
             try:
                 check(*load(file))
             except InputError as reason:
-                refused = refused or _named(file, reason)
+                named = reason.place.startswith(f"{file.parent}{os.sep}")
+                refused.append(reason if named else reason.under(f"{file}: not a checkpoint from which this run can continue"))
             else:
                 if file == older:
                     older.replace(path)
-                return f"{refused}; going on from the one before it" if refused else ""
-    raise InputError(refused)
-
-
-def _named(file: Path, reason: InputError) -> str:
-    """What is wrong, with the file before it that has it."""
-    said = str(reason)
-    return said if said.startswith(f"{file.parent}{os.sep}") else f"{file}: not a checkpoint that this run can go on from: {said}"
+                return f"{refused[0]}; going on from the one before it" if refused else ""
+    raise refused[0]
 
 
 def require(path: Path) -> None:
     """Raise an InputError where there is no checkpoint."""
     if not path.exists() and not before(path).exists():
-        raise InputError(f"{path}: {NOTHING}")
+        raise InputError(path, f"{NOTHING}")
 
 
 def _checksum(arrays: Mapping[str, np.ndarray], text: str) -> str:

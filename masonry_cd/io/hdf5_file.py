@@ -62,7 +62,7 @@ class _Source(io.RawIOBase):
             return head, False  # HDF5 itself says what it is, or is not
         signature, version, offsets, lengths, marks, base, extension, end, root, checksum = SUPERBLOCK.unpack(head)
         if checksum != lookup3(head[:-4]):
-            raise InputError(f"{self._path}: damaged at its very beginning: it cannot be read")
+            raise InputError(self._path, "damaged at its very beginning: it cannot be read")
         if not marks and end > self._size:
             raise Cut
         mended = SUPERBLOCK.pack(signature, version, offsets, lengths, 0, base, extension, self._size, root, 0)[:-4]
@@ -116,13 +116,13 @@ def open_to_read(path: Path) -> tuple[h5py.File, bool]:
         source = _Source(path)
         return h5py.File(source, "r"), source.written
     except Cut:
-        raise InputError(f"{path}: cut off: parts of the file are missing, as after a copy that broke") from None
+        raise InputError(path, "cut off: parts of the file are missing, as after a copy that broke") from None
     except IsADirectoryError:
-        raise InputError(f"{path}: is a folder, no file") from None
+        raise InputError(path, "is a folder, no file") from None
     except (OSError, EOFError, RuntimeError, ValueError, KeyError) as reason:
         if isinstance(reason, InputError | PermissionError):
             raise
-        raise InputError(f"{path}: not a readable HDF5 file, or cut off before its first frame") from None
+        raise InputError(path, "not a readable HDF5 file, or cut off before its first frame") from None
 
 
 class Sink(io.FileIO):

@@ -31,7 +31,7 @@ def locked(folder: Path) -> Iterator[None]:
         holder = _read(file)
         if holder and _lives(holder):
             where = f"process {holder['pid']} on {holder['host']}"
-            raise InputError(f"{folder}: another run writes there ({where}); where that is wrong, remove {file}")
+            raise InputError(folder, f"another run writes there ({where}); where that is wrong, remove {file}")
         with replacing(file) as part:
             part.write_text(json.dumps(own) + "\n", encoding="utf-8")
     try:

@@ -50,12 +50,12 @@ def read_problem(path: Path | str) -> Problem:
     """
     path = Path(path)
     if not is_file(path):
-        raise InputError(f"{path}: {'is a folder, not a friction problem' if path.is_dir() else 'no such file'}")
+        raise InputError(path, f"{'is a folder, not a friction problem' if path.is_dir() else 'no such file'}")
     if path.suffix == ".npz":
         return _read_npz(path)
     if path.suffix in HDF5:
         return _read_fclib(path)
-    raise InputError(f'{path}: unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
+    raise InputError(path, f'unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
 
 
 def write_problem(path: Path | str, problem: Problem, title: str = "") -> None:
@@ -70,7 +70,7 @@ def write_problem(path: Path | str, problem: Problem, title: str = "") -> None:
     elif path.suffix in HDF5:
         _write_fclib(path, problem, title)
     else:
-        raise InputError(f'{path}: unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
+        raise InputError(path, f'unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
 
 
 def _read_npz(path: Path) -> Problem:
@@ -91,9 +91,7 @@ def _read_contactbench(path: Path, arrays: Mapping[str, np.ndarray]) -> LocalPro
     """Read a problem of ContactBench: c = G r + g, dense, with rows (t1, t2, n) per contact."""
     q, mu, w = (_vector(path, arrays, name) for name in ("g", "mus", "G"))
     if len(q) != 3 * len(mu) or len(w) != len(q) ** 2:
-        raise InputError(
-            f"{path}: {len(w)} entries of G and {len(q)} of g do not fit {len(mu)} of mus: 9 for each pair, 3 for each contact"
-        )
+        raise InputError(path, f"{len(w)} entries of G and {len(q)} of g do not fit {len(mu)} of mus: 9 for each pair, 3 for each contact")
     order = np.roll(np.arange(len(q)).reshape(-1, 3), 1, axis=1).ravel()
     return _local(path, sparse.csr_matrix(w.reshape(len(q), -1)[order][:, order]), q[order], mu)
 
@@ -119,7 +117,7 @@ def _compressed(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> spar
     rows, last = len(indptr) - 1, int(indices.max(initial=-1)) + 1
     ordered = rows >= 0 and indptr[0] == 0 and indptr[-1] == len(data) and (np.diff(indptr) >= 0).all()
     if not ordered or len(indices) != len(data) or (indices < 0).any():
-        raise InputError(f"{path}: {name}_indptr and {name}_indices do not describe {name}_data as compressed rows")
+        raise InputError(path, f"{name}_indptr and {name}_indices do not describe {name}_data as compressed rows")
     columns = 3 * len(arrays["mu"]) if name == "H" else max(rows, last)
     if name == "H" and "w" in arrays:
         columns = len(arrays["w"])
@@ -129,10 +127,10 @@ def _compressed(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> spar
 def _vector(path: Path, arrays: Mapping[str, np.ndarray], name: str, whole: bool = False) -> np.ndarray:
     """A one-dimensional array of finite numbers that can be squared, or of ``whole`` ones."""
     if name not in arrays:
-        raise InputError(f"{path}: {name} is missing{suggest(name, arrays)}; it holds {', '.join(arrays) or 'nothing'}")
+        raise InputError(path, f"{name} is missing{suggest(name, arrays)}; it holds {', '.join(arrays) or 'nothing'}")
     out = np.asarray(arrays[name]).ravel()
     if out.dtype.kind not in "fiu":
-        raise InputError(f"{path}: {name} should hold real numbers, not {out.dtype.name}")
+        raise InputError(path, f"{name} should hold real numbers, not {out.dtype.name}")
     numbers = out.astype(np.float64)
     for wrong, what in (
         (~np.isfinite(numbers), "is not a finite number"),
@@ -140,7 +138,7 @@ def _vector(path: Path, arrays: Mapping[str, np.ndarray], name: str, whole: bool
         ((numbers != np.floor(numbers)) & whole, "is no whole number"),
     ):
         if wrong.any():
-            raise InputError(f"{path}: {name}[{int(np.argmax(wrong))}] {what}")
+            raise InputError(path, f"{name}[{int(np.argmax(wrong))}] {what}")
     return out.astype(np.int64) if whole else numbers
 
 
@@ -153,7 +151,7 @@ def _read_fclib(path: Path) -> Problem:
         form = next((name for name in FORMS if isinstance(file.get(name), h5py.Group)), None)
         if form is None:
             _refuse_other_kinds(path, file)
-            raise InputError(f"{path}: an HDF5 file, but no FCLIB one: it has neither fclib_local nor fclib_global")
+            raise InputError(path, "an HDF5 file, but no FCLIB one: it has neither fclib_local nor fclib_global")
         group, (equalities, matrices, vectors) = file[form], FORMS[form]
         _refuse_equalities(path, group, equalities)
         whole = datasets(group)
@@ -171,13 +169,13 @@ def _refuse_other_kinds(path: Path, file: h5py.File) -> None:
     for name in file:
         if name.startswith("fclib_") and isinstance(file[name], h5py.Group):
             what = "contacts that resist rolling" if name.endswith("_rolling") else "problems of this kind"
-            raise InputError(f"{path}: {name}: {what} are not supported; {' and '.join(FORMS)} are")
+            raise InputError(path, f"{name}: {what} are not supported; {' and '.join(FORMS)} are")
 
 
 def _of_dimension(path: Path, found: Mapping[str, np.ndarray], problem: Problem) -> Problem:
     """The problem, if it has as many rows per contact as the file says."""
     if "spacedim" in found and problem.contacts and (said := _count(path, found, "spacedim")) != problem.dimension:
-        raise InputError(f"{path}: spacedim is {said}, but its arrays hold {problem.dimension} rows per contact")
+        raise InputError(path, f"spacedim is {said}, but its arrays hold {problem.dimension} rows per contact")
     return problem
 
 
@@ -185,14 +183,14 @@ def _refuse_equalities(path: Path, group: h5py.Group, names: tuple[str, ...]) ->
     """Problems with equality constraints are not supported."""
     for name in names:
         if name in group:
-            raise InputError(f"{path}: {group.name[1:]}/{name}: equality constraints are not supported")
+            raise InputError(path, f"{group.name[1:]}/{name}: equality constraints are not supported")
 
 
 def _count(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> int:
     """One whole number."""
     found = _vector(path, arrays, name, whole=True)
     if len(found) != 1:
-        raise InputError(f"{path}: {name} should be one number, it holds {len(found)}")
+        raise InputError(path, f"{name} should be one number, it holds {len(found)}")
     return int(found[0])
 
 
@@ -205,13 +203,13 @@ def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix
     """One of the matrices of a problem: triplets, compressed columns or compressed rows."""
     where = f"{group.name[1:]}/{name}"
     if name not in group:
-        raise InputError(f"{path}: {where} is missing")
+        raise InputError(path, f"{where} is missing")
     arrays = datasets(group[name], f"{where}/")
     rows, columns, nz = (_count(path, arrays, f"{where}/{key}") for key in ("m", "n", "nz"))
     i, p = (_vector(path, arrays, f"{where}/{key}", whole=True) for key in ("i", "p"))
     x = _vector(path, arrays, f"{where}/x")
     if nz > min(len(i), len(p), len(x)):
-        raise InputError(f"{path}: {where}/nz counts {nz} entries, more than i, p and x hold")
+        raise InputError(path, f"{where}/nz counts {nz} entries, more than i, p and x hold")
     try:
         if nz >= 0:
             return sparse.coo_matrix((x[:nz], (i[:nz], p[:nz])), (rows, columns)).tocsr()
@@ -221,14 +219,14 @@ def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix
         compressed.check_format(full_check=True)
         return compressed.tocsr()
     except ValueError as failure:
-        raise InputError(f"{path}: {where}: {failure}") from None
+        raise InputError(path, f"{where}: {failure}") from None
 
 
 def _write_fclib(path: Path, problem: Problem, title: str) -> None:
     """Write a problem over bodies as a global problem, one in the impulses as a local problem."""
     if isinstance(problem, FrictionProblem):
         if problem.compliance.any():
-            raise InputError(f"{path}: a global FCLIB problem has no place for elastic contacts; write .npz, or the local problem")
+            raise InputError(path, "a global FCLIB problem has no place for elastic contacts; write .npz, or the local problem")
         mass, h, f, w = _global_form(problem)
         kind, matrices, vectors = "fclib_global", {"M": mass, "H": h}, {"f": f, "w": w}
     else:
@@ -264,7 +262,7 @@ def _local(path: Path, w: sparse.csr_matrix, q: np.ndarray, mu: np.ndarray) -> L
     """Check a local problem."""
     m = _rows_per_contact(path, "q", q, mu)
     if w.shape != (len(q), len(q)):
-        raise InputError(f"{path}: W is {w.shape[0]} x {w.shape[1]}, q has {len(q)} entries")
+        raise InputError(path, f"W is {w.shape[0]} x {w.shape[1]}, q has {len(q)} entries")
     problem = LocalProblem(w, q.reshape(-1, m), mu)
     if len(mu):
         _check_definite(path, problem)
@@ -274,12 +272,12 @@ def _local(path: Path, w: sparse.csr_matrix, q: np.ndarray, mu: np.ndarray) -> L
 def _rows_per_contact(path: Path, name: str, vector: np.ndarray, mu: np.ndarray) -> int:
     """2 or 3, from the lengths of mu and of a vector over the contacts."""
     if (mu < 0).any():
-        raise InputError(f"{path}: mu[{int(np.argmax(mu < 0))}] is negative")
+        raise InputError(path, f"mu[{int(np.argmax(mu < 0))}] is negative")
     if len(mu) == 0 and len(vector) == 0:
         return 3
     m = len(vector) // max(len(mu), 1)
     if m not in (2, 3) or m * len(mu) != len(vector):
-        raise InputError(f"{path}: {name} has {len(vector)} entries, for {len(mu)} contacts it should have 3 (planar: 2) each")
+        raise InputError(path, f"{name} has {len(vector)} entries, for {len(mu)} contacts it should have 3 (planar: 2) each")
     return m
 
 
@@ -287,16 +285,16 @@ def _check_definite(path: Path, problem: LocalProblem) -> None:
     """W should be symmetric and positive semidefinite up to what published problems show."""
     w = problem.w
     if not abs(w).max() > 0:
-        raise InputError(f"{path}: W is zero")
+        raise InputError(path, "W is zero")
     _check_symmetric(path, "W", w)
     shift = INDEFINITE * w.diagonal().max()
     if not shift > 0.0:
-        raise InputError(f"{path}: W is indefinite: no entry of its diagonal is positive")
+        raise InputError(path, "W is indefinite: no entry of its diagonal is positive")
     given = problem.arrays()
     pattern = pattern_of(problem.contacts, given.bodies, given.coupling)
     coupling, scale = in_places(given.coupling, pattern), problem.scales()[pattern.order]
     if not is_definite(coupling, pattern.place[:, None], scale, shift, pattern.symbolic, size_tuple(problem.dimension)):
-        raise InputError(f"{path}: W is indefinite: it has eigenvalues below -{shift:.1e}")
+        raise InputError(path, f"W is indefinite: it has eigenvalues below -{shift:.1e}")
 
 
 def _check_symmetric(path: Path, name: str, matrix: sparse.csr_matrix) -> None:
@@ -305,7 +303,7 @@ def _check_symmetric(path: Path, name: str, matrix: sparse.csr_matrix) -> None:
     skew = abs(matrix - matrix.T).max() if matrix.nnz else 0.0
     if skew > UNSYMMETRIC * largest:
         said = f"by {skew / largest:.1e} of its largest entry, at most {UNSYMMETRIC:g} is taken for rounding"
-        raise InputError(f"{path}: {name} is unsymmetric {said}")
+        raise InputError(path, f"{name} is unsymmetric {said}")
 
 
 def _global(
@@ -315,19 +313,19 @@ def _global(
     m = _rows_per_contact(path, "w", w, mu)
     if mass.shape != (len(f), len(f)) or h.shape != (len(f), len(w)):
         sizes = f"M {mass.shape[0]} x {mass.shape[1]}, H {h.shape[0]} x {h.shape[1]}, f {len(f)}, w {len(w)}"
-        raise InputError(f"{path}: shapes disagree: {sizes}")
+        raise InputError(path, f"shapes disagree: {sizes}")
     _check_symmetric(path, "M", mass)
     if len(compliance) != len(w):
-        raise InputError(f"{path}: C has {len(compliance)} entries, w has {len(w)}")
+        raise InputError(path, f"C has {len(compliance)} entries, w has {len(w)}")
     if (compliance < 0).any():
-        raise InputError(f"{path}: C[{int(np.argmax(compliance < 0))}] is negative")
+        raise InputError(path, f"C[{int(np.argmax(compliance < 0))}] is negative")
     bodies = _as_bodies(mass, h, f, w.reshape(-1, m), mu, compliance.reshape(-1, m))
     if bodies is not None:
         return bodies
     try:
         delassus, q = _eliminate(mass, h, f)
     except RuntimeError:
-        raise InputError(f"{path}: M is singular") from None
+        raise InputError(path, "M is singular") from None
     return _local(path, delassus + sparse.diags(compliance), q + w, mu)
 
 

@@ -51,7 +51,7 @@ def check_constants(file: h5py.File, path: Path) -> None:
     """
     for name in ("time", *(f"blocks/{name}" for name in BLOCK_ARRAYS), *(f"joints/{name}" for name in JOINT_CONSTANTS)):
         if name not in file:
-            raise InputError(f"{path}: not the result of a run, or one that ended before its first frame (it has no {name})")
+            raise InputError(path, f"not the result of a run, or one that ended before its first frame (it has no {name})")
     blocks = {name: _read(file, path, f"blocks/{name}", BLOCKS.get(name, REAL)) for name in BLOCK_ARRAYS}
     joints = {name: _read(file, path, f"joints/{name}", JOINTS.get(name, REAL)) for name in JOINT_CONSTANTS}
     count, pairs = len(blocks["name"]), len(joints["area"])
@@ -90,14 +90,14 @@ def _check_radii(path: Path, radii: np.ndarray, vertex_start: np.ndarray, blocks
     _shape(path, "blocks/radius", radii, (blocks,))
     _shape(path, "blocks/vertex_start", vertex_start, (blocks + 1,))
     if not ((radii >= 0.0) & (radii < np.inf)).all() or (np.diff(vertex_start)[radii > 0.0] != 1).any():
-        raise InputError(f"{path}: blocks/radius is not that of spheres")
+        raise InputError(path, "blocks/radius is not that of spheres")
 
 
 def _check_support(path: Path, support: np.ndarray, fixed: np.ndarray) -> None:
     """Check the number of the support to which displacements are relative, -1 for none."""
     _shape(path, "blocks/support", support, (1,))
     if not -1 <= support[0] < len(fixed) or (support[0] >= 0 and not fixed[support[0]]):
-        raise InputError(f"{path}: blocks/support is no support")
+        raise InputError(path, "blocks/support is no support")
 
 
 def _check_meshes(file: h5py.File, path: Path, blocks: int) -> None:
@@ -113,7 +113,7 @@ def _check_meshes(file: h5py.File, path: Path, blocks: int) -> None:
     _indices(path, "meshes/elements", elements.ravel(), nodes)
     for name in (NODE_DISPLACEMENT, ELEMENT_STRESS):
         if name not in file:
-            raise InputError(f"{path}: damaged: {name} is missing")
+            raise InputError(path, f"damaged: {name} is missing")
 
 
 def _check_step_peaks(file: h5py.File, path: Path, blocks: int, joints: int) -> None:
@@ -125,7 +125,7 @@ def _check_step_peaks(file: h5py.File, path: Path, blocks: int, joints: int) -> 
         _shape(path, f"peaks/{name}", found[name], shape)
     checksum = file.get("segments/step_peaks")
     if not isinstance(checksum, h5py.Dataset) or checksum.shape != (1,) or checksum.dtype.kind not in WHOLE:
-        raise InputError(f"{path}: segments/step_peaks is not what a run writes ({KINDS[WHOLE]})")
+        raise InputError(path, f"segments/step_peaks is not what a run writes ({KINDS[WHOLE]})")
 
 
 def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int]) -> None:
@@ -142,10 +142,10 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int]) -> None:
         if name in file:
             dataset = file[name]
             if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kind or dataset.shape[1:] != row:
-                raise InputError(f"{path}: {name} is not what a run writes ({_described(kind, ('rows', *row))})")
+                raise InputError(path, f"{name} is not what a run writes ({_described(kind, ('rows', *row))})")
     for name in rows:
         if not isinstance(file.get(name), h5py.Dataset):
-            raise InputError(f"{path}: damaged: {name} is missing")
+            raise InputError(path, f"damaged: {name} is missing")
     for group in ("solver", "energy"):
         for name in file.get(group, ()):
             _scalars(file, path, f"{group}/{name}")
@@ -171,7 +171,7 @@ def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
     try:
         file.visititems(visit)
     except READ_ERRORS:
-        raise InputError(f"{path}: damaged: not all of it can be read") from None
+        raise InputError(path, "damaged: not all of it can be read") from None
     return found
 
 
@@ -196,9 +196,9 @@ def _read(file: h5py.File, path: Path, name: str, kind: str) -> np.ndarray:
     """A dataset that was written once, read."""
     dataset = file.get(name)
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kind or dataset.ndim < 1:
-        raise InputError(f"{path}: {name} is not what a run writes ({KINDS[kind]})")
+        raise InputError(path, f"{name} is not what a run writes ({KINDS[kind]})")
     if dataset.nbytes > dataset.id.get_storage_size() or dataset.external or dataset.is_virtual:
-        raise InputError(f"{path}: {name} is larger than what the file holds of it")
+        raise InputError(path, f"{name} is larger than what the file holds of it")
     return np.asarray(dataset[...])
 
 
@@ -206,26 +206,26 @@ def _scalars(file: h5py.File, path: Path, name: str) -> None:
     """Check a number per step."""
     dataset = file[name]
     if not isinstance(dataset, h5py.Dataset) or dataset.ndim != 1 or dataset.dtype.kind not in REAL + WHOLE:
-        raise InputError(f"{path}: {name} is not what a run writes (a number per step)")
+        raise InputError(path, f"{name} is not what a run writes (a number per step)")
 
 
 def _shape(path: Path, name: str, array: np.ndarray, shape: tuple[int, ...]) -> None:
     """Check a shape."""
     if array.shape != shape:
-        raise InputError(f"{path}: {name} should have the shape {shape}, not {array.shape}")
+        raise InputError(path, f"{name} should have the shape {shape}, not {array.shape}")
 
 
 def _starts(path: Path, name: str, starts: np.ndarray, count: int, end: int) -> None:
     """Check where each of ``count`` lists begins in an array of ``end`` entries, and that the last ends with it."""
     _shape(path, name, starts, (count + 1,))
     if starts[0] != 0 or starts[-1] != end or (np.diff(starts.astype(np.int64)) < 0).any():
-        raise InputError(f"{path}: {name} does not divide its {end} entries")
+        raise InputError(path, f"{name} does not divide its {end} entries")
 
 
 def _indices(path: Path, name: str, indices: np.ndarray, count: int | np.ndarray) -> None:
     """Check indices into something of so many entries."""
     if indices.ndim != 1 or (indices < 0).any() or (indices >= count).any():
-        raise InputError(f"{path}: {name} points beyond what there is")
+        raise InputError(path, f"{name} points beyond what there is")
 
 
 def _described(kind: str, shape: tuple[object, ...]) -> str:

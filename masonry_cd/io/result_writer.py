@@ -281,7 +281,7 @@ def require_rows(results: Results, rows: Mapping[str, int], mark: str | None) ->
     """
     segments = results.segments_up_to(rows)
     if mark is not None and _mark(results.file, rows) != mark:
-        raise InputError(f"{results.path}: the checkpoint beside it belongs to other results: it cannot be resumed")
+        raise InputError(results.path, "the checkpoint beside it belongs to other results: it cannot be resumed")
     return segments
 
 

@@ -57,14 +57,14 @@ class Results:
         self.file, self.path = file, path
         self.format = int(file.attrs.get("format", 0))  # 0: from before there were checksums
         if self.format > FORMAT:
-            raise InputError(f"{path}: of format {self.format}, which a newer masonry_cd wrote; this one reads formats up to {FORMAT}")
+            raise InputError(path, f"of format {self.format}, which a newer masonry_cd wrote; this one reads formats up to {FORMAT}")
         self.words: tuple[str, ...] = ()  # what is damaged, a line each
         check_constants(file, path)
         self._segments = Segments(file, unfinished, sums) if self.format else None
         self._peaks_hold = self.format == 0 or checksum_of_peaks(file) == int(file["segments/peaks"][0])
         self._step_peaks_hold = "peaks" in file and checksum_of_step_peaks(file) == int(file["segments/step_peaks"][0])
         if self.format and checksum_of_constants(file) != file.attrs["constant"]:
-            raise InputError(f"{path}: damaged: its blocks, its joints or its scene are not those that were written")
+            raise InputError(path, "damaged: its blocks, its joints or its scene are not those that were written")
         self._rows = rows_that_read(file, path) if self._segments is None else self._segments.last
         check_growing(file, path, self._rows)
         self._say_what_is_damaged(unfinished)
@@ -74,7 +74,7 @@ class Results:
         damaged = self._segments is not None and self._segments.damaged
         if not self.frames:
             what = "damaged from its first frame on" if damaged else "not the result of a run, or one that ended before its first frame"
-            raise InputError(f"{self.path}: {what}")
+            raise InputError(self.path, str(what))
         lines = []
         if damaged:
             lines.append(f"{self.path}: damaged; what follows {self.time[-1]:.6g} s is left out ({self.frames} frames hold)")
@@ -97,7 +97,7 @@ class Results:
         """
         path = Path(path)
         if not path.exists():
-            raise InputError(f"{path}: no such result file")
+            raise InputError(path, "no such result file")
         file, unfinished = open_to_read(path)
         try:
             return cls(file, path, unfinished, sums)
@@ -106,7 +106,7 @@ class Results:
             raise
         except (*READ_ERRORS, IndexError, AttributeError) as reason:
             file.close()
-            raise InputError(f"{path}: damaged: {_in_a_line(reason)}") from None
+            raise InputError(path, f"damaged: {_in_a_line(reason)}") from None
 
     def __enter__(self) -> Results:
         return self
@@ -126,10 +126,10 @@ class Results:
         """
         if self._segments is None or any(self.rows(name) < count for name, count in rows.items()):
             damage = " (what follows is damaged)" if self.words else ""
-            raise InputError(f"{self.path}: holds less than its checkpoint says{damage}: it cannot be resumed")
+            raise InputError(self.path, f"holds less than its checkpoint says{damage}: it cannot be resumed")
         found = self._segments.ending_at(rows)
         if found is None:
-            raise InputError(f"{self.path}: the checkpoint beside it belongs to other results: it cannot be resumed")
+            raise InputError(self.path, "the checkpoint beside it belongs to other results: it cannot be resumed")
         return found
 
     @cached_property

@@ -51,10 +51,10 @@ def read_summary(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError, RecursionError):
         found = None
     if not isinstance(found, dict):
-        raise InputError(f"{path}: not a summary, or one that was cut off")
+        raise InputError(path, "not a summary, or one that was cut off")
     form = found.get("format", 0)
     if _is_number(form) and form > FORMAT:
-        raise Newer(f"{path}: of format {form}, which a newer masonry_cd wrote; this one reads formats up to {FORMAT}")
+        raise Newer(path, f"of format {form}, which a newer masonry_cd wrote; this one reads formats up to {FORMAT}")
     expected: dict[str, type] = {**dict.fromkeys(TABLES, dict), **dict.fromkeys(NUMBERS, float), **dict.fromkeys(TEXTS, str)}
     _check(path, found, expected, "")
     for table, keys in OF_TABLES.items():
@@ -67,7 +67,7 @@ def _check(path: Path, table: dict[str, Any], keys: dict[str, type], above: str)
     for key, kind in keys.items():
         value = table.get(key)
         if value is not None and not (_is_number(value) if kind is float else isinstance(value, kind)):
-            raise InputError(f"{path}: {above}{key} is not what a run writes: not a summary, or a damaged one")
+            raise InputError(path, f"{above}{key} is not what a run writes: not a summary, or a damaged one")
 
 
 def _is_number(value: object) -> bool:

@@ -41,7 +41,7 @@ def accuracy_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
         InputError: a bad file, scene or option; nothing is written then.
     """
     if not is_file(source):
-        raise InputError(f"{source}: no such file")
+        raise InputError(source, "no such file")
     measured = _scene(source, asked, overrides, say) if source.suffix == ".toml" else _problem(source, asked, overrides, say)
     return _write(measured, folder)
 
@@ -50,7 +50,7 @@ def _problem(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], s
     """Measure the solvers on a problem file."""
     for option, given in (("--dts", asked["dts"]), ("--duration", asked["duration"]), ("--seeds", asked["seeds"]), ("--set", overrides)):
         if given:
-            raise InputError(f"{option}: {source.name} is a friction problem; time steps, seeds and changes are for a scene")
+            raise InputError(option, f"{source.name} is a friction problem; time steps, seeds and changes are for a scene")
     solvers, tolerances = solvers_asked(asked["solvers"]), tolerances_asked(asked["tolerances"])
     from masonry_cd.io.problem_files import read_problem
     from masonry_cd.studies.accuracy import PROBLEM_TOLERANCES, solver_rows, solvers_for
@@ -81,7 +81,7 @@ def _scene(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], say
     changes = [*overrides, *([] if asked["duration"] is None else [f"run.duration={asked['duration']!r}"])]
     scene = read_scene(source, changes)
     if scene.run.adaptive:
-        raise InputError(f'{source}: run.dt is "auto", and accuracy compares fixed time steps; give it a scene with a number there')
+        raise InputError(source, 'run.dt is "auto", and accuracy compares fixed time steps; give it a scene with a number there')
     solvers, tolerances = solvers_asked(asked["solvers"]) or (scene.run.solver,), tolerances_asked(asked["tolerances"])
     from masonry_cd.studies.accuracy import DT_FACTORS, SCENE_TOLERANCES, run_rows
     from masonry_cd.studies.accuracy_seeds import seed_lines, seed_warnings, study_seeds
@@ -147,7 +147,7 @@ def solvers_asked(text: str | None) -> tuple[str, ...] | None:
     names = [word.strip() for word in text.split(",")]
     for name in names:
         if name not in SOLVERS:
-            raise InputError(f'--solvers: "{name}" is unknown{suggest(name, SOLVERS)}; known are {", ".join(SOLVERS)}')
+            raise InputError("--solvers", f'"{name}" is unknown{suggest(name, SOLVERS)}; known are {", ".join(SOLVERS)}')
     return tuple(dict.fromkeys(names))
 
 
@@ -169,9 +169,9 @@ def numbers_asked(text: str | None, option: str, below: float) -> tuple[float, .
         try:
             value = float(word)
         except ValueError:
-            raise InputError(f'{option}: "{word.strip()}" is no number; write 1e-4,1e-6') from None
+            raise InputError(option, f'"{word.strip()}" is no number; write 1e-4,1e-6') from None
         if not 0.0 < value < below:
-            raise InputError(f"{option}: {value:g} should be between 0 and {below:g}")
+            raise InputError(option, f"{value:g} should be between 0 and {below:g}")
         found.add(value)
     return tuple(sorted(found, reverse=True))
 

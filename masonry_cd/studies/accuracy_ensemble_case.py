@@ -60,16 +60,16 @@ def ensemble_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
         InputError: a bad scene or option; nothing is written then.
     """
     if not is_file(source):
-        raise InputError(f"{source}: no such file")
+        raise InputError(source, "no such file")
     if source.suffix != ".toml":
-        raise InputError(f"--ensemble: {source.name} is a friction problem; ensembles are of a scene")
+        raise InputError("--ensemble", f"{source.name} is a friction problem; ensembles are of a scene")
     if asked["ensemble"] < LEAST:
-        raise InputError(f"--ensemble: {asked['ensemble']} members show no bias, however large; at least {LEAST} do")
+        raise InputError("--ensemble", f"{asked['ensemble']} members show no bias, however large; at least {LEAST} do")
     changes = [*overrides, *([] if asked["duration"] is None else [f"run.duration={asked['duration']!r}"])]
     scene = read_scene(source, changes)
     dts = numbers_asked(asked["dts"], "--dts", 0.1)
     if dts is None and scene.run.adaptive:
-        raise InputError(f'{source}: run.dt is "auto"; name the time steps to compare by --dts')
+        raise InputError(source, 'run.dt is "auto"; name the time steps to compare by --dts')
     solvers = solvers_asked(asked["solvers"]) or (scene.run.solver,)
     settings = settings_of(solvers, dts or (scene.run.dt,), tolerances_asked(asked["tolerances"]) or TOLERANCES)
     for setting in settings:  # what is wrong with one of them is reported before any runs

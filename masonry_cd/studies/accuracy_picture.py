@@ -173,4 +173,4 @@ def _save(figure: Any, path: Path) -> None:
         with replacing(path) as part:
             figure.savefig(part)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+        raise InputError(path, f"cannot be written: {error.strerror}") from None

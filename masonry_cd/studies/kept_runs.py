@@ -63,7 +63,7 @@ class KeptRuns:
                     print(json.dumps([runs[run], self._rows[runs[run]]]), file=file, flush=True)
                     ended(runs[run], self._rows[runs[run]], -left)
             except BrokenProcessPool:
-                raise InputError(f"a process of the runs died, perhaps for want of memory; those in {self._file} are kept") from None
+                raise InputError("", f"a process of the runs died, perhaps for want of memory; those in {self._file} are kept") from None
             finally:
                 pool.shutdown(wait=False, cancel_futures=True)
         return {name: self._rows[name] for name in asked}
@@ -81,7 +81,7 @@ class KeptRuns:
         first, *lines = read_text(self._file).splitlines() or [""]
         if first != json.dumps(self._identity):
             of = "of another scene, or of one that was changed, or of another version of the program"
-            raise InputError(f"{self._file}: {of}; choose another folder, or --force to begin anew")
+            raise InputError(self._file, f"{of}; choose another folder, or --force to begin anew")
         return dict(found for line in lines if (found := _parsed(line)) is not None)
 
 

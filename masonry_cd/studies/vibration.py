@@ -95,8 +95,8 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
     scene = read_scene(scene_path, changes)
     scene.refuse_static()
     blocks = build_blocks(scene)
-    try:
-        refuse_spheres(blocks, "structure: the modal check")
+    with scene.locating():
+        refuse_spheres(blocks, "structure", "the modal check")
         material = scene.material
         assembly = Assembly.from_blocks(blocks, material.friction, material.joint_laws, moduli=material.joint_moduli)
         companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
@@ -108,8 +108,6 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
         if asked.sweep:
             swept = _swept(assembly, scene, companion, asked)
             found |= swept | {"lines": [*found["lines"], _sweep_line(swept)]}
-    except InputError as error:
-        raise scene.at_fault(error) from None
     folder.mkdir(parents=True, exist_ok=True)
     for name in OUTPUTS:
         (folder / name).unlink(missing_ok=True)
@@ -130,13 +128,13 @@ def linear_modes(assembly: Assembly, count: int) -> Companion:
         InputError: a joint without stiffness, blocks that deform, or a block tied to no support.
     """
     if assembly.deformation is not None:
-        raise InputError('material.deformable: these modes are those of rigid blocks on elastic joints; set it to "rigid" for them')
+        raise InputError("material.deformable", 'these modes are those of rigid blocks on elastic joints; set it to "rigid" for them')
     joints, group = find_joints(assembly), assembly.group_of
     normal, tangential = stiffness_of_joints(assembly, joints)
     rigid = np.flatnonzero(normal == 0.0)
     if len(rigid):
         a, b = (assembly.groups[int(group[side[rigid[0]]])] for side in (joints.block_a, joints.block_b))
-        raise InputError(f"material.joints: joints {a}-{b} are rigid, a vibration needs elastic ones: give normal_stiffness, or masonry")
+        raise InputError("material.joints", f"joints {a}-{b} are rigid, a vibration needs elastic ones: give normal_stiffness, or masonry")
     free = np.flatnonzero(~assembly.fixed)
     found = joint_modes(assembly.blocks, np.ones(assembly.count), 0.0, min(count, 6 * len(free)), stiffness=(normal, tangential))
     field = found["field"]
@@ -246,7 +244,7 @@ def _gravity(settings: Run) -> float:
     """
     size = float(np.linalg.norm(settings.gravity))
     if size == 0.0:
-        raise InputError("run.gravity: a vibration needs the weight that presses the joints together")
+        raise InputError("run.gravity", "a vibration needs the weight that presses the joints together")
     return size
 
 

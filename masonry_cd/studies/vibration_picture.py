@@ -55,4 +55,4 @@ def sweep_picture(found: Mapping[str, Any], path: Path) -> None:
         with replacing(path) as part:
             figure.savefig(part)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+        raise InputError(path, f"cannot be written: {error.strerror}") from None

@@ -68,10 +68,10 @@ def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comp
         InputError: fewer than two folders, one given twice, or one that holds no run.
     """
     if len(folders) < 2:
-        raise InputError("compare: name two folders of runs at least")
+        raise InputError("compare", "name two folders of runs at least")
     twice = [folder for k, folder in enumerate(folders) if folder.resolve() in [other.resolve() for other in folders[:k]]]
     if twice:
-        raise InputError(f"compare: {twice[0]} is named twice")
+        raise InputError("compare", f"{twice[0]} is named twice")
     settings: Report | None = None
     runs: list[Run] = []
     words: list[str] = []

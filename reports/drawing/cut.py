@@ -61,9 +61,9 @@ def cut_named(text: str, solids: Solids, view: View) -> Cut:
     if value is None:
         value = (low + high) / 2.0
     if not low < value < high:
-        raise InputError(f"cut: {axis} = {value:g} m does not pass through the structure, which spans {low:.4g} to {high:.4g} m")
+        raise InputError("cut", f"{axis} = {value:g} m does not pass through the structure, which spans {low:.4g} to {high:.4g} m")
     if abs(view.towards[k]) < EDGE_ON:
-        raise InputError(f"cut: the {view.name} view sees the plane {axis} = {value:g} m edge-on; {FACING[axis]} and isometric show it")
+        raise InputError("cut", f"the {view.name} view sees the plane {axis} = {value:g} m edge-on; {FACING[axis]} and isometric show it")
     normal = np.zeros(3)
     normal[k] = -np.sign(view.towards[k])
     return Cut(axis, float(value), normal)
@@ -84,8 +84,10 @@ def plane_of(text: str) -> tuple[str, float | None]:
         try:
             return axis, number_in(place, "m")
         except UnitError as fault:
-            raise InputError(f'cut: "{text}" is no plane: {fault}') from None
-    raise InputError(f'cut: "{text}" is no plane; write x, y or z for the middle, or y=1.5 for a place, in m or with its unit, "y=150 cm"')
+            raise InputError("cut", f'"{text}" is no plane: {fault}') from None
+    raise InputError(
+        "cut", f'"{text}" is no plane; write x, y or z for the middle, or y=1.5 for a place, in m or with its unit, "y=150 cm"'
+    )
 
 
 def clipped(surface: Surface, cut: Cut) -> Surface:

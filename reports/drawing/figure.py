@@ -135,7 +135,7 @@ def save(figure: Any, path: Path, title: str = "") -> Path:
         with matplotlib.rc_context(FIXED_TEXTS), replacing(path) as part:
             figure.savefig(part, format=form, metadata=undated | ({"Title": title} if title else {}))
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+        raise InputError(path, f"cannot be written: {error.strerror}") from None
     return path
 
 

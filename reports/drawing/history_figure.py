@@ -27,9 +27,9 @@ def history_figure(results: Results, names: Sequence[str] = (), axis: str = "") 
     known = [block.name for block in results.blocks]
     unknown = next((name for name in names if name not in known), None)
     if unknown is not None:
-        raise InputError(f'no block is named "{unknown}"{suggest(unknown, known)}; the first are {", ".join(known[:5])}')
+        raise InputError("", f'no block is named "{unknown}"{suggest(unknown, known)}; the first are {", ".join(known[:5])}')
     if axis and axis not in tuple(AXES):
-        raise InputError(f'axis: "{axis}" is none; x, y or z')
+        raise InputError("axis", f'"{axis}" is none; x, y or z')
     chosen = [known.index(name) for name in names] or [run.highest]
     moved = np.stack([run.moved(block) for block in chosen], axis=1)  # (F, n, 3) relative to the base [m]
     held = results.support  # whose velocity is that of the base [m/s]

@@ -19,9 +19,11 @@ from reports.drawing.scene import Scene, cut_layers, joint_layers, placed, tie_l
 SAMPLES = 2  # of a picture, in each direction
 LIGHTS = (((-0.5, 0.6, 0.9), 0.50), ((0.9, 0.1, 0.5), 0.16), ((0.0, 0.0, 1.0), 0.12))  # towards the light (right, up, viewer), strength
 AMBIENT = 0.45
-NO_CONTEXT = (
-    "pictures: no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1 (or go without: report.crack_map = false)"
-)
+NO_CONTEXT = "no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1 (or go without: report.crack_map = false)"
+
+
+class NoContext(InputError):
+    """VTK cannot draw without a display here."""
 
 
 def render(scene: Scene, pixels: tuple[int, int], samples: int = SAMPLES) -> np.ndarray:
@@ -67,7 +69,7 @@ class Canvas:
         self._plotter.render()  # once, with all layers: a screenshot alone renders the first time only
         image = self._plotter.screenshot(None, return_img=True)
         if image is None or image.shape[:2] != (self._size[1], self._size[0]):
-            raise InputError(NO_CONTEXT)
+            raise NoContext("pictures", NO_CONTEXT)
         if self._samples == 1:
             return np.array(image[..., :3])
         fine = image[..., :3].reshape(self._pixels[1], self._samples, self._pixels[0], self._samples, 3)
@@ -88,11 +90,11 @@ def require_context() -> None:
         from vtkmodules.vtkCommonCore import vtkLogger
         from vtkmodules.vtkRenderingCore import vtkRenderWindow
     except ImportError:
-        raise InputError(NO_CONTEXT) from None
+        raise NoContext("pictures", NO_CONTEXT) from None
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # it warns of each kind of window that it tries in vain
     kind = vtkRenderWindow().GetClassName()
     if kind == "vtkRenderWindow" or (kind == "vtkOSOpenGLRenderWindow" and find_library("OSMesa") is None):
-        raise InputError(NO_CONTEXT)
+        raise NoContext("pictures", NO_CONTEXT)
 
 
 def _light(plotter: Any, view: View) -> None:

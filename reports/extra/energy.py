@@ -44,7 +44,7 @@ def energy_figure(results: Results) -> Any:
     """
     time, energy = energies(results)
     if not len(time):
-        raise InputError(f"{results.path}: the run made no step: there is no energy to draw")
+        raise InputError(results.path, "the run made no step: there is no energy to draw")
     works, goes = _present(energy, WORKS), _present(energy, GOES)
     size = max(float(np.abs(energy[key]).max()) for key in (*works, *goes))
     factor, unit = next((row for row in UNITS if size * row[0] >= 1.0), UNITS[-1])

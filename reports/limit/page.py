@@ -238,6 +238,6 @@ def damage_by_group(folder: Path) -> dict[str, str]:
     """
     path = folder / "damage.csv"
     if not path.exists():
-        raise InputError(f"--run: {folder} has no damage.csv; masonry-cd report {folder} writes it where [report] damage = true")
+        raise InputError("--run", f"{folder} has no damage.csv; masonry-cd report {folder} writes it where [report] damage = true")
     with path.open(newline="", encoding="utf-8") as file:
         return {row["part"]: " ".join(filter(None, (row.get("grade", ""), row.get("mechanism", "")))) for row in csv.DictReader(file)}

@@ -39,9 +39,9 @@ class MapStyle:
 
     def __post_init__(self) -> None:
         if self.scale is not None and not (np.isfinite(self.scale) and self.scale > 0):
-            raise InputError(f"scale: must be positive, got {self.scale!r}")
+            raise InputError("scale", f"must be positive, got {self.scale!r}")
         if not self.largest > max(self.thresholds.opened, self.thresholds.slid):
-            raise InputError(f"largest: must lie above the thresholds, got {self.largest!r}")
+            raise InputError("largest", f"must lie above the thresholds, got {self.largest!r}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,7 +37,7 @@ def frames_at(results: Results, times: Sequence[float]) -> list[int]:
     margin = _margin(have)
     for time in times:
         if not (np.isfinite(time) and have[0] - margin <= time <= have[-1] + margin):
-            raise InputError(f"time {time:g} s lies outside the run, which has frames from {have[0]:g} to {have[-1]:g} s")
+            raise InputError("", f"time {time:g} s lies outside the run, which has frames from {have[0]:g} to {have[-1]:g} s")
     return [int(np.argmin(np.abs(have - time))) for time in times]
 
 
@@ -83,7 +83,7 @@ def animation(
     from PIL import Image
 
     if results.frames < 2:
-        raise InputError("animation: the result has a single frame")
+        raise InputError("animation", "the result has a single frame")
     frames = np.unique(np.linspace(0, results.frames - 1, min(results.frames, most)).round().astype(int)).tolist()
     framed = framing(results, frames, style or MapStyle())
     images: list[Any] = []
@@ -104,7 +104,7 @@ def animation(
         with replacing(path) as part:
             flat[0].save(part, save_all=True, append_images=flat[1:], duration=shown, loop=0, optimize=False)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+        raise InputError(path, f"cannot be written: {error.strerror}") from None
     return len(images)
 
 

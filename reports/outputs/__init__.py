@@ -46,12 +46,12 @@ def check(settings: Report, blocks: Sequence[Block], end: float, spacing: float)
     read_grades(settings.grades)
     beyond = next((time for time in settings.times if time > end + slack(spacing)), None)
     if beyond is not None:
-        raise InputError(f"report.times: {beyond:g} s lies beyond the run, which ends at {end:g} s")
+        raise InputError("report.times", f"{beyond:g} s lies beyond the run, which ends at {end:g} s")
     if settings.cut:
         try:
             view_and_cut(Solids.from_blocks(blocks), style_of(settings))
         except InputError as error:
-            raise InputError(f"report.{error}") from None
+            raise error.each(lambda fault: fault._replace(place=f"report.{fault.place}")) from None
 
 
 def check_again(settings: Report, results: Results) -> None:
@@ -75,7 +75,7 @@ def parse_times(results: Results, text: str) -> list[float]:
         try:
             times.append(float(word))
         except ValueError:
-            raise InputError(f'--times: "{word.strip()}" is no number; write seconds, 1,2.5,4') from None
+            raise InputError("--times", f'"{word.strip()}" is no number; write seconds, 1,2.5,4') from None
     frames_at(results, times)
     return times
 

@@ -31,16 +31,18 @@ def write_pdf(page: Path, path: Path) -> None:
     """
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     if browser is None:
-        raise InputError("--pdf: no Chromium here to print with (Debian: apt-get install chromium); or print report.html from any browser")
+        raise InputError(
+            "--pdf", "no Chromium here to print with (Debian: apt-get install chromium); or print report.html from any browser"
+        )
     part_of(path).unlink(missing_ok=True)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         command = [browser, *FLAGS, f"--user-data-dir={profile}", f"--print-to-pdf={part_of(path).resolve()}", page.resolve().as_uri()]
         try:
             subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=PATIENCE, check=False)
         except subprocess.TimeoutExpired:
-            raise InputError(f"--pdf: {browser} did not end within {PATIENCE:g} s") from None
+            raise InputError("--pdf", f"{browser} did not end within {PATIENCE:g} s") from None
     if not part_of(path).exists():
-        raise InputError(f"--pdf: {browser} printed nothing")
+        raise InputError("--pdf", f"{browser} printed nothing")
     part_of(path).replace(path)
 
 

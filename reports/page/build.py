@@ -59,7 +59,7 @@ def write_page(
     """
     thresholds, summary = thresholds or Thresholds(), summary or {}
     if scale is not None and not (np.isfinite(scale) and scale > 0):
-        raise InputError(f"scale: must be positive, got {scale!r}")
+        raise InputError("scale", f"must be positive, got {scale!r}")
     tolerance = _tolerance(results, summary)
     missed, steps, missed_times = series.steps_missed(results, tolerance)
     carried = sections.carried_tables(results, joint_damage(results, thresholds), parts)

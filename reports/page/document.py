@@ -73,7 +73,7 @@ def write_document(path: Path, template: str, **values: Any) -> None:
         with replacing(path) as part:
             part.write_text(page, encoding="utf-8")
     except OSError as failure:
-        raise InputError(f"{path}: cannot be written, {failure.strerror}") from None
+        raise InputError(path, f"cannot be written, {failure.strerror}") from None
 
 
 def script_of(package: str, *names: str) -> str:

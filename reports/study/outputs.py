@@ -23,8 +23,8 @@ from masonry_cd.analysis.outputs import STUDY_PAGE, numbers_in
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted
+from reports.drawing.render import NoContext
 from reports.page.document import Badge, Head, pictures, rows_of_many, script_of, write_document
 from reports.study.joint_maps import draw_joint_maps
 from reports.study.pictures import METHODS, cloud_picture, fragility_picture, ida_picture, spread_picture, stripes_picture, tornado_picture
@@ -92,9 +92,7 @@ def write_study(folder: Path) -> dict[str, Any]:
         out.pictures.append(folder / name)
     try:
         out.add(*draw_joint_maps(study))
-    except InputError as failure:
-        if "OpenGL" not in str(failure):
-            raise
+    except NoContext as failure:
         out.warnings.append(str(failure))
     found = verdict_of(study, fits.fits)
     write_page(study, fits.fits, out, found)

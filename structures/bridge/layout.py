@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from masonry_cd.foundation.errors import InputError, InputErrors
+from masonry_cd.foundation.errors import Fault, InputError
 from structures.bridge.profile import Profile, profile_of, rise_of, voussoirs_of
 from structures.bridge.table import BridgeTable, SpanTable, SupportTable
 
@@ -84,17 +84,17 @@ def layout_of(keys: BridgeTable) -> Layout:
     """Put the spans on their supports.
 
     Raises:
-        InputErrors: all measures that do not fit together, a line each.
+        InputError: all measures that do not fit together, a line each.
     """
     of_spans = [_of_span(span, f"structure.spans[{i}]") for i, span in enumerate(keys.spans)]
     faults = [*(line for lines in of_spans for line in lines), *_of_counts(keys), *_overlaps(keys.spans, _lefts(keys))]
     if faults:
         sound = [(i, profile_of(keys.spans[i], 0.0)) for i, lines in enumerate(of_spans) if not lines and keys.deck is not None]
-        raise InputErrors(faults + _below(keys, keys.deck or 0.0, sound) + _of_walls(keys))
+        raise InputError.of(faults + _below(keys, keys.deck or 0.0, sound) + _of_walls(keys))
     made = laid_out(keys)
     faults = [*_of_seats(made), *_of_deck(made), *_of_walls(keys)]
     if faults:
-        raise InputErrors(faults)
+        raise InputError.of(faults)
     return made
 
 
@@ -104,45 +104,48 @@ def laid_out(keys: BridgeTable) -> Layout:
     return Layout(keys, tuple(profiles), tuple(_supports(keys, profiles)), _deck(keys, profiles))
 
 
-def _of_span(span: SpanTable, where: str) -> list[str]:
+def _of_span(span: SpanTable, where: str) -> list[Fault]:
     """What is wrong with one span."""
-    half, rise, found = 0.5 * span.span, span.rise, list[str]()
+    half, rise, found = 0.5 * span.span, span.rise, list[Fault]()
     named = f"of a {span.shape} span" if span.shape != "elliptical" else "of an elliptical span"
     if rise is None and span.shape in ("segmental", "elliptical"):
-        found.append(f"{where}.rise: missing; a {span.shape} span is given by its span and its rise")
+        found.append(Fault(f"{where}.rise", f"missing; a {span.shape} span is given by its span and its rise"))
     if rise is not None and span.shape in ("segmental", "elliptical") and rise > half * (1.0 + SAME):
-        found.append(f"{where}.rise: {named} must be at most half the span, {half:g} m, got {rise:g}; a pointed one rises more")
+        found.append(Fault(f"{where}.rise", f"{named} must be at most half the span, {half:g} m, got {rise:g}; a pointed one rises more"))
     if rise is not None and span.shape == "semicircular" and abs(rise - half) > 1e-6 * half:
-        found.append(f"{where}.rise: {named} is half the span, {half:g} m, got {rise:g}; leave it out, or make it segmental")
+        found.append(Fault(f"{where}.rise", f"{named} is half the span, {half:g} m, got {rise:g}; leave it out, or make it segmental"))
     if span.shape == "pointed" and (rise is None or rise <= half):
-        found.append(f"{where}.rise: {named} must exceed half the span, {half:g} m, got {'none' if rise is None else f'{rise:g}'}")
+        found.append(
+            Fault(f"{where}.rise", f"{named} must exceed half the span, {half:g} m, got {'none' if rise is None else f'{rise:g}'}")
+        )
     thickest = max(span.thickness, span.thickness_springing or 0.0)
     if thickest >= half:
-        found.append(f"{where}.thickness: must be below half the span, {half:g} m, got {thickest:g}")
+        found.append(Fault(f"{where}.thickness", f"must be below half the span, {half:g} m, got {thickest:g}"))
     if rise is not None and rise < 0.02 * span.span:
-        found.append(f"{where}.rise: must be at least a fiftieth of the span, {0.02 * span.span:g} m, got {rise:g}")
+        found.append(Fault(f"{where}.rise", f"must be at least a fiftieth of the span, {0.02 * span.span:g} m, got {rise:g}"))
     if span.shape == "pointed" and span.voussoirs is not None and span.voussoirs % 2:
-        found.append(f"{where}.voussoirs: {named} must be even, it has a joint at its apex; got {span.voussoirs}")
+        found.append(Fault(f"{where}.voussoirs", f"{named} must be even, it has a joint at its apex; got {span.voussoirs}"))
     if not found and rise_of(span) and voussoirs_of(span) * span.rings > 8000:
-        found.append(f"{where}.rings: {span.rings} of {voussoirs_of(span)} voussoirs are too many")
+        found.append(Fault(f"{where}.rings", f"{span.rings} of {voussoirs_of(span)} voussoirs are too many"))
     try:
         if not found:
             profile_of(span, 0.0)
-    except InputError as fault:
-        found.append(str(fault).replace("structure.", f"{where}.", 1))
+    except InputError as error:
+        found += [fault._replace(place=fault.place.replace("structure", where, 1)) for fault in error.faults]
     return found
 
 
-def _of_counts(keys: BridgeTable) -> list[str]:
+def _of_counts(keys: BridgeTable) -> list[Fault]:
     """Supports that are too few or too many, and two ways to say one thing."""
-    between, found = len(keys.spans) - 1, list[str]()
+    between, found = len(keys.spans) - 1, list[Fault]()
     if len(keys.piers) not in ({0, 1} if between == 0 else {1, between}):
-        found.append(f"structure.piers: one for all, or one between each two of {len(keys.spans)} spans, {between}; got {len(keys.piers)}")
+        wanted = f"one for all, or one between each two of {len(keys.spans)} spans, {between}"
+        found.append(Fault("structure.piers", f"{wanted}; got {len(keys.piers)}"))
     if keys.cover is not None and keys.deck is not None:
-        found.append("structure.deck: give the level of the road or the cover over the highest crown, not both")
+        found.append(Fault("structure.deck", "give the level of the road or the cover over the highest crown, not both"))
     gone, active = keys.fill.gone_at, keys.fill.active_at
     if gone is not None and gone <= active:
-        found.append(f"structure.fill.gone_at: must exceed active_at, {active:g}, got {gone:g}")
+        found.append(Fault("structure.fill.gone_at", f"must exceed active_at, {active:g}, got {gone:g}"))
     return found
 
 
@@ -161,15 +164,18 @@ def _lefts(keys: BridgeTable) -> list[float]:
     return lefts
 
 
-def _overlaps(spans: Sequence[SpanTable], lefts: Sequence[float]) -> list[str]:
+def _overlaps(spans: Sequence[SpanTable], lefts: Sequence[float]) -> list[Fault]:
     """Spans that begin where others have not ended."""
-    found = []
+    found = list[Fault]()
     for i in range(1, len(spans)):
         end = max(lefts[j] + spans[j].span for j in range(i))
         if lefts[i] < end + SAME:
             found.append(
-                f"structure.spans[{i}].start: span {i + 1} begins at x = {lefts[i]:g} m, where a span before it reaches to x = {end:g} m: "
-                "they overlap, or leave no pier"
+                Fault(
+                    f"structure.spans[{i}].start",
+                    f"span {i + 1} begins at x = {lefts[i]:g} m, where a span before it reaches to x = {end:g} m: "
+                    "they overlap, or leave no pier",
+                )
             )
     return found
 
@@ -192,9 +198,9 @@ def _deck(keys: BridgeTable, profiles: Sequence[Profile]) -> float:
     return highest + (COVER if keys.cover is None else keys.cover) if keys.deck is None else keys.deck
 
 
-def _of_seats(made: Layout) -> list[str]:
+def _of_seats(made: Layout) -> list[Fault]:
     """Supports that are too narrow for what stands on them, or too low for the step between two springings."""
-    found = []
+    found = list[Fault]()
     for i, support in enumerate(made.supports):
         first, last = support.seats
         if first[0] > last[0] + SAME or (support.split in (support.left, support.right) and last[0] - first[0] < SAME):
@@ -205,50 +211,58 @@ def _of_seats(made: Layout) -> list[str]:
                 else "structure.abutments"
             )
             found.append(
-                f"{where}.width: {support.name}, from x = {support.left:g} to {support.right:g} m, must be wider than {least:.4g} m for "
-                "the springings that it bears"
+                Fault(
+                    f"{where}.width",
+                    f"{support.name}, from x = {support.left:g} to {support.right:g} m, must be wider than {least:.4g} m for "
+                    "the springings that it bears",
+                )
             )
         if support.before and support.after:
             step = abs(float(support.before.intrados[-1, 1] - support.after.intrados[0, 1]))
             if step > SAME and step > support.keys.height * 10.0:
-                found.append(f"structure.spans[{i}].springing: {step:g} m from that of the span before it, more than {support.name} bears")
+                found.append(
+                    Fault(f"structure.spans[{i}].springing", f"{step:g} m from that of the span before it, more than {support.name} bears")
+                )
     return found
 
 
-def _of_deck(made: Layout) -> list[str]:
+def _of_deck(made: Layout) -> list[Fault]:
     """A road below an extrados, or below where one springs."""
     found = _below(made.keys, made.deck, list(enumerate(made.profiles)))
     highest = max(float(end[1]) for support in made.supports for end in support.seats)
     if not found and made.deck <= highest:
         key = "cover" if made.keys.deck is None else "deck"
-        found.append(f"structure.{key}: the fill ends at {made.deck:g} m, below the springings at {highest:.4g} m")
+        found.append(Fault(f"structure.{key}", f"the fill ends at {made.deck:g} m, below the springings at {highest:.4g} m"))
     return found
 
 
-def _below(keys: BridgeTable, deck: float, profiles: Sequence[tuple[int, Profile]]) -> list[str]:
+def _below(keys: BridgeTable, deck: float, profiles: Sequence[tuple[int, Profile]]) -> list[Fault]:
     """A road below the extrados of spans, by their numbers."""
-    key, lefts, found = "cover" if keys.deck is None else "deck", _lefts(keys), list[str]()
+    key, lefts, found = "cover" if keys.deck is None else "deck", _lefts(keys), list[Fault]()
     for i, profile in profiles:
         if deck < profile.crown + LEAST_COVER:
             highest = float(profile.extrados[int(np.argmax(profile.extrados[:, 1])), 0])
             place = lefts[i] + highest - float(profile.intrados[0, 0])
             found.append(
-                f"structure.{key}: the fill ends at {deck:g} m, which must be {LEAST_COVER:g} m or more above the extrados "
-                f"of span {i + 1}, {profile.crown:.4g} m at x = {place:.4g} m"
+                Fault(
+                    f"structure.{key}",
+                    f"the fill ends at {deck:g} m, which must be {LEAST_COVER:g} m or more above the extrados "
+                    f"of span {i + 1}, {profile.crown:.4g} m at x = {place:.4g} m",
+                )
             )
     return found
 
 
-def _of_walls(keys: BridgeTable) -> list[str]:
+def _of_walls(keys: BridgeTable) -> list[Fault]:
     """Walls that leave no road between them."""
     walls = keys.walls
     if walls is None:
         return []
-    found = []
+    found = list[Fault]()
     if 2.0 * walls.thickness >= keys.width:
-        found.append(f"structure.walls.thickness: two of {walls.thickness:g} m leave no road on a width of {keys.width:g} m")
+        found.append(Fault("structure.walls.thickness", f"two of {walls.thickness:g} m leave no road on a width of {keys.width:g} m"))
     if walls.parapet_thickness is not None and walls.parapet_height is None:
-        found.append("structure.walls.parapet_height: missing; it makes the parapets whose thickness is given")
+        found.append(Fault("structure.walls.parapet_height", "missing; it makes the parapets whose thickness is given"))
     if walls.parapet_thickness is not None and walls.parapet_thickness > walls.thickness:
-        found.append(f"structure.walls.parapet_thickness: must be at most that of the walls, {walls.thickness:g} m")
+        found.append(Fault("structure.walls.parapet_thickness", f"must be at most that of the walls, {walls.thickness:g} m"))
     return found

@@ -76,7 +76,7 @@ def blocks_of(table: BuildingTable, density: float, faults: Faults) -> tuple[lis
         made = [*blocks, *vaulted, *roof]
         return welded(made) if made else []
 
-    if faults.lines:
+    if faults.found:
         if len(walls.layings) < len(walls.plan.legs):
             faults.left_out[ANYTHING] = True
         raise Incomplete(faults, built)
@@ -95,7 +95,7 @@ def prepared(table: BuildingTable, faults: Faults, rows: Sequence[columns.Row] =
     """
     legs = _legs(table.walls, [], faults)
     if not table.walls and not faults.lacks():
-        faults.lines.append("structure.walls: missing; every wall is a table of its own, headed [[structure.walls]], or comes from a plan")
+        faults.add("structure.walls", "missing; every wall is a table of its own, headed [[structure.walls]], or comes from a plan")
     more = added(table, legs, rows, faults)
     legs += _legs(more, table.walls, faults)
     table = table.model_copy(update={"walls": (*table.walls, *more)})
@@ -117,7 +117,7 @@ def _legs(walls: Sequence[BuildingWallTable], before: Sequence[BuildingWallTable
         if keys.name in faults.left_out:
             continue
         if keys.masonry is not None and keys.masonry not in KINDS:
-            faults.lines.append(f'wall {keys.name}: masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
+            faults.add(f"wall {keys.name}", f'masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
         with faults.of(f"wall {keys.name}", keys.name, keys.group or keys.name, bears=True):
             if keys.name in names:
                 raise ValueError("another wall has this name, too")
@@ -133,14 +133,14 @@ def _joined(legs: list[Leg], table: BuildingTable, faults: Faults) -> Plan:
     few = sum(len(leg.facets) for leg in legs) <= MOST_FACETS
     standing = {leg.wall for leg in legs}
     for k, keys in [*enumerate(table.walls)] * 2 if few else ():  # the first facets move the places of the second
-        if wrong.lines and k in standing and any(isinstance(piece, ArcTable) for piece in keys.axis):
+        if wrong.found and k in standing and any(isinstance(piece, ArcTable) for piece in keys.axis):
             left = Faults(left_out=faults.left_out)
             own = legs_of(k, keys, junctions.along(legs, k))
             bent = [*(leg for leg in legs if leg.wall < k), *own, *(leg for leg in legs if leg.wall > k)]
             again = junctions.find(bent, table, left)
-            if len(left.lines) < len(wrong.lines):
+            if len(left.found) < len(wrong.found):
                 legs, found, wrong = bent, again, left
-    faults.lines += wrong.lines
+    faults.found += wrong.found
     return Plan(legs, found)
 
 
@@ -190,10 +190,10 @@ def _check_courses(plan: Plan, layings: Sequence[Laying], faults: Faults) -> Non
         for pair in junction.pairs:
             a, b = (arm.leg for arm in pair.arms)
             if layings[a].course != layings[b].course and pair.bond not in ("butt", 0.0):
-                faults.lines.append(
-                    f"walls {plan.legs[a].keys.name} and {plan.legs[b].keys.name} at {junctions.place(pair.point)}: courses of "
-                    f"{layings[a].course:g} and {layings[b].course:g} m do not interlock; give both one course_height, or a junction with "
-                    'bond = "butt"'
+                faults.add(
+                    f"walls {plan.legs[a].keys.name} and {plan.legs[b].keys.name} at {junctions.place(pair.point)}",
+                    f"courses of {layings[a].course:g} and {layings[b].course:g} m do not interlock; give both one course_height, or a "
+                    'junction with bond = "butt"',
                 )
 
 
@@ -221,7 +221,7 @@ def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> N
             for leg in plan.legs:
                 overlap = min(top, max(z for _, z in leg.tops)) - max(foot, leg.base)
                 if overlap > SAME and vaults.footprint(plan, leg).intersection(shape).area > LEAST_SEAT * shape.area:
-                    faults.lines.append(f"columns {row.name}: the one at {vaults.place(at)} stands in wall {leg.keys.name}")
+                    faults.add(f"columns {row.name}", f"the one at {vaults.place(at)} stands in wall {leg.keys.name}")
 
 
 def _all_blocks(walls: Walls, laid: Sequence[Stone], density: float) -> list[Block]:

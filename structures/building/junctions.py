@@ -134,9 +134,10 @@ def _meet(
         if shared > 1e-6:
             centre = one.intersection(other).centroid
             angle = math.degrees(math.asin(abs(sine)))
-            faults.lines.append(
-                f"{names}: their strips overlap at {place(np.array([centre.x, centre.y]))}, at an angle of {angle:.0f} degrees; none "
-                f"is possible below {math.degrees(LEAST_ANGLE):.0f}: let one end on the face of the other, or draw them as one wall"
+            faults.add(
+                names,
+                f"their strips overlap at {place(np.array([centre.x, centre.y]))}, at an angle of {angle:.0f} degrees; none "
+                f"is possible below {math.degrees(LEAST_ANGLE):.0f}: let one end on the face of the other, or draw them as one wall",
             )
         return None
     s, t = facet.crossing(across)
@@ -146,7 +147,7 @@ def _meet(
         arm = _arm(ends[k][0], number, f, at, _reach(ends[k], ends[1 - k]))
         if isinstance(arm, str):
             if shared > 1e-6:
-                faults.lines.append(f"{names} at {place(point)}: {arm}")
+                faults.add(f"{names} at {place(point)}", arm)
             return None
         arms.append(arm)
     return Pair((arms[0], arms[1]), point, _parallelogram(leg, facet, others, across, point, sine))
@@ -209,8 +210,10 @@ def _bonds(legs: Sequence[Leg], pairs: Sequence[Pair], table: BuildingTable, fau
         whole = 1 if pair.arms[0].end and not pair.arms[1].end else 0  # of a T, the one that goes on
         found.append((given[key][0], int(key != (a, b))) if key else (table.junction, whole))
     for names, (_, where) in given.items():
-        if names not in used and not any(line.startswith(f"walls {a} and {b}") for a, b in (names, names[::-1]) for line in faults.lines):
-            faults.lines.append(f"{where}: walls {names[0]} and {names[1]} do not meet")
+        if names not in used and not any(
+            fault.place.startswith(f"walls {a} and {b}") for a, b in (names, names[::-1]) for fault in faults.found
+        ):
+            faults.add(where, f"walls {names[0]} and {names[1]} do not meet")
     return found
 
 

@@ -86,14 +86,14 @@ def check(plan: Plan, layings: Sequence[Laying], found: Frames, faults: Faults) 
     for (k, f), some in found.items():
         facet, sound = plan.legs[k].facets[f], list[Frame]()
         for i, frame in enumerate(some):
-            before = len(faults.lines)
+            before = len(faults.found)
             with faults.of(frame.name):
                 _check_within(plan, k, f, frame, layings[k])
             for other in some[:i]:
                 if frame.hull.distance(other.hull) < SAME and frame.hull.intersection(other.hull).area > polygons.LEAST_AREA:
                     at = facet.place(np.array([frame.hull.intersection(other.hull).centroid.x, 0.0]))
-                    faults.lines.append(f"{frame.name}: with its head it overlaps {other.name}, at {place(at)}")
-            sound += [frame] if len(faults.lines) == before else []
+                    faults.add(frame.name, f"with its head it overlaps {other.name}, at {place(at)}")
+            sound += [frame] if len(faults.found) == before else []
         found[k, f] = sound
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from shapely.geometry import Polygon
 
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import Fault, InputError
 from masonry_cd.mechanics.model.blocks import Block
 from structures.building import beds, junctions, openings
 from structures.building.axes import SAME, legs_of
@@ -50,8 +50,9 @@ def beds_of(walls: Sequence[Wall], sizes: Sizes, more: Mapping[str, float] = Map
         near = min(found, key=lambda bed: abs(bed - z))
         if abs(near - z) > SAME:
             raise InputError(
-                f"{key}: asks for a bed {1e3 * abs(near - z):.3g} mm from another one, at {near:g} m; "
-                f"bring them to one level, or {beds.LEAST_COURSE * sizes.course:g} m apart or more, or take lower courses"
+                key,
+                f"asks for a bed {1e3 * abs(near - z):.3g} mm from another one, at {near:g} m; "
+                f"bring them to one level, or {beds.LEAST_COURSE * sizes.course:g} m apart or more, or take lower courses",
             )
     return found
 
@@ -76,9 +77,9 @@ def build(walls: Sequence[Wall], levels: Sequence[float], sizes: Sizes, density:
     for k, wall in enumerate(walls):
         frames.setdefault((k, 0), []).extend(_left_out(box(a - wall.start, b - wall.start, low, high)) for a, b, low, high in wall.voids)
     openings.check(plan, layings, frames, faults)
-    first: dict[str, str] = {}
-    for fault in faults.lines:  # one for each key: it may draw many openings
-        first.setdefault(fault.split(":")[0], fault)
+    first: dict[str, Fault] = {}
+    for fault in faults.found:  # one for each key: it may draw many openings
+        first.setdefault(fault.place, fault)
     Faults([*first.values()]).refuse()
     return blocks_of_walls(Walls(table, plan, frames, layings), density)
 
@@ -116,7 +117,7 @@ def _opening_table(opening: Opening, wall: Wall) -> dict[str, Any]:
     for measure in ("width", "height", "depth", "rise", "bearing"):
         value = getattr(opening, measure)
         if value is not None and value < LEAST_MEASURE:
-            raise InputError(f"{opening.key}: its {measure} must be at least {LEAST_MEASURE:g} m, got {value:g}")
+            raise InputError(opening.key, f"its {measure} must be at least {LEAST_MEASURE:g} m, got {value:g}")
     keys = {"shape": SHAPES[opening.head], "at": opening.centre - wall.start, "width": opening.width, "height": opening.height}
     keys |= {"sill": opening.sill - wall.foot, "lintel" if opening.head == "lintel" else "ring": opening.depth}
     return keys | {key: value for key in ("rise", "bearing") if (value := getattr(opening, key)) is not None}

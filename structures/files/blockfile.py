@@ -91,7 +91,8 @@ def sound(blocks: Sequence[Block], source: str, overlap: float = 0.0) -> list[Bl
     try:
         parted = [block if block.radius else split(block) for block in blocks]
     except Unsound as failure:
-        raise Unsound(f"{source}: {failure}", failure.faulty, blocks) from None
+        failure.blocks = tuple(blocks)
+        raise failure.under(source) from None
     check(parted, source, overlap)
     return merge_coplanar(parted)
 
@@ -117,7 +118,7 @@ def read_unchecked(path: Path, density: float) -> list[Block]:
     scale = _scale(content, path)
     entries = content.get("blocks")
     if not isinstance(entries, list) or not entries:
-        raise InputError(f'{path.name}: "blocks" must be a list of one block or more')
+        raise InputError(path.name, '"blocks" must be a list of one block or more')
     return [_block(entry, i, density, scale, path) for i, entry in enumerate(entries)]
 
 
@@ -129,7 +130,7 @@ def read_fill(path: Path) -> dict[str, Any]:
     """
     content = load(path)
     if _scale(content, path) != 1.0 and any(key in content for key in fillfile.KEYS):
-        raise InputError(f"{path.name}: {' and '.join(fillfile.KEYS)} are in metres; give the blocks in metres as well")
+        raise InputError(path.name, f"{' and '.join(fillfile.KEYS)} are in metres; give the blocks in metres as well")
     return content
 
 
@@ -165,7 +166,7 @@ def _once(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:
     if len(made) < len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
-        raise InputError(f'{path.name}: an object with the key "{twice[:40]}" twice')
+        raise InputError(path.name, f'an object with the key "{twice[:40]}" twice')
     return made
 
 
@@ -178,19 +179,19 @@ def load(path: Path, key: str = "blocks") -> dict[str, Any]:
     try:
         content = json.loads(read_text(path, path.name, "utf-8-sig"), object_pairs_hook=lambda pairs: _once(pairs, path))
     except OSError as failure:
-        raise InputError(f"{path.name}: cannot be read, {failure.strerror}") from None
+        raise InputError(path.name, f"cannot be read, {failure.strerror}") from None
     except UnicodeDecodeError:
-        raise InputError(f"{path.name}: no JSON text") from None
+        raise InputError(path.name, "no JSON text") from None
     except json.JSONDecodeError as failure:
-        raise InputError(f"{path.name}: line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
+        raise InputError(path.name, f"line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
     except InputError:
         raise
     except ValueError:  # of a number that Python does not convert
-        raise InputError(f"{path.name}: a number of more than {sys.get_int_max_str_digits()} digits") from None
+        raise InputError(path.name, f"a number of more than {sys.get_int_max_str_digits()} digits") from None
     except RecursionError:
-        raise InputError(f"{path.name}: lists or objects nested too deep") from None
+        raise InputError(path.name, "lists or objects nested too deep") from None
     if not isinstance(content, dict):
-        raise InputError(f'{path.name}: must be an object with the key "{key}"')
+        raise InputError(path.name, f'must be an object with the key "{key}"')
     return content
 
 
@@ -198,7 +199,7 @@ def _scale(content: Mapping[str, Any], path: Path) -> float:
     """Metres per unit of the file."""
     units = str(content.get("units", "m"))
     if units not in METRES:
-        raise InputError(f'{path.name}: unknown units "{units}"{suggest(units, METRES)}; known: {", ".join(METRES)}')
+        raise InputError(path.name, f'unknown units "{units}"{suggest(units, METRES)}; known: {", ".join(METRES)}')
     return METRES[units]
 
 
@@ -207,7 +208,7 @@ def _block(entry: Any, index: int, density: float, scale: float, path: Path) -> 
     given = entry.get("name") if isinstance(entry, dict) else None
     where = f'{path.name}: block "{given}"' if isinstance(given, str) else f"{path.name}: blocks[{index}]"
     if not isinstance(entry, dict):
-        raise InputError(f"{where}: must be an object with vertices and faces, or centre and radius")
+        raise InputError(where, "must be an object with vertices and faces, or centre and radius")
     if "radius" in entry or "centre" in entry:
         ball = parse_table(Sphere, entry, where)
         return Block.sphere(centre=np.array(ball.centre) * scale, radius=ball.radius * scale, **_common(ball, index, density))

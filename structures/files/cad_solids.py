@@ -44,7 +44,7 @@ def read(path: Path, chord: float | None = None) -> Answer:
         shells, off = shells_of(gmsh, volumes, chord, same, path.name)
         names, groups = own or named([gmsh.model.getEntityName(3, tag) for tag in volumes])
     if not len(names) == len(groups) == len(shells):
-        raise Refused(f"{path.name}: has {len(shells)} solids, {len(names)} names and {len(groups)} groups of blocks")
+        raise Refused(path.name, f"has {len(shells)} solids, {len(names)} names and {len(groups)} groups of blocks")
     return [Piece(k, names[k], *gathered(shell), group=groups[k]) for k, shell in enumerate(shells)], (same, off)
 
 

@@ -88,9 +88,9 @@ def _cutting(gmsh: Any, asked: Asked) -> Cutting:
     )  # at most: walls may be thinner than a stone is long
     whole = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.occ.getEntities(3))
     courses = float((high - low)[up] * asked.scale / asked.course_height)
-    too_many = beyond(max(courses, whole / stone if stone > 0.0 else np.inf), "course_height", asked.most_blocks)
+    too_many = beyond(max(courses, whole / stone if stone > 0.0 else np.inf), asked.most_blocks)
     if too_many:
-        raise Refused(too_many)
+        raise Refused("structure.course_height", too_many)
     count = max(1, round(courses))
     unit = asked.unit_length / asked.scale
     return Cutting(

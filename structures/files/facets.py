@@ -41,10 +41,10 @@ def opened(path: Path, labels: bool = True) -> Iterator[Any]:
             gmsh.model.occ.synchronize()
             found = gmsh.model.occ.getEntities(3)
         except Exception as failure:  # gmsh raises bare exceptions
-            raise Refused(f"{path.name}: cannot be read: {(str(failure).splitlines() or [''])[0]}") from None
+            raise Refused(path.name, f"cannot be read: {(str(failure).splitlines() or [''])[0]}") from None
         if not found:
             hint = '; a .geo file begins with SetFactory("OpenCASCADE");' if path.suffix.lower() == ".geo" else ""
-            raise Refused(f"{path.name}: no volume of the OpenCASCADE kernel in it{hint}")
+            raise Refused(path.name, f"no volume of the OpenCASCADE kernel in it{hint}")
         yield gmsh
 
 
@@ -58,8 +58,9 @@ def curved_faces(gmsh: Any, chord: float | None, source: str) -> int:
     if curved and chord is None:
         where = ", ".join(f"{x:.4g}" for x in gmsh.model.occ.getCenterOfMass(2, curved[0]))
         raise Refused(
-            f"structure.chord: missing; {source} has {len(curved)} curved face{'s' if len(curved) > 1 else ''}, the first at "
-            f"({where}): say how far flat facets may be off"
+            "structure.chord",
+            f"missing; {source} has {len(curved)} curved face{'s' if len(curved) > 1 else ''}, the first at "
+            f"({where}): say how far flat facets may be off",
         )
     return len(curved)
 
@@ -94,7 +95,7 @@ def shells_of(
     facets |= _meshed(gmsh, curves.keys() - facets.keys(), curved)
     off = max((_off(gmsh, face, facets[face]) for face in curved), default=0.0)
     if curved and chord is not None and off > chord:
-        raise Refused(f"structure.chord: {source}: some facets stay {off / chord:.3g} times the chord off; cut smaller stones")
+        raise Refused("structure.chord", f"{source}: some facets stay {off / chord:.3g} times the chord off; cut smaller stones")
     return [[polygon for f in faces[volume] for polygon in facets[f]] for volume in volumes], off
 
 

@@ -121,7 +121,7 @@ def _listed(content: Mapping[str, Any], key: str, source: str, kind: type[Any]) 
     """The value of a key, empty where it is not there."""
     value = content.get(key, kind())
     if not isinstance(value, kind):
-        raise InputError(f'{source}: "{key}" must be {"a list of fills" if kind is list else "an object, by the names of blocks"}')
+        raise InputError(source, f'"{key}" must be {"a list of fills" if kind is list else "an object, by the names of blocks"}')
     return value
 
 
@@ -133,12 +133,12 @@ def _fill(entry: Any, where: str, of: str, names: set[str]) -> Fill:
     for name in ("deck", "clear"):
         low, high = own[name] = tuple(own[name])
         if low >= high:
-            raise InputError(f"{where}.{name}: must be two places, the lower first, got {low:g} and {high:g}")
+            raise InputError(f"{where}.{name}", f"must be two places, the lower first, got {low:g} and {high:g}")
     if keys.gone_at is not None and keys.gone_at <= keys.active_at:
-        raise InputError(f"{where}.gone_at: must exceed active_at, {keys.active_at:g}, got {keys.gone_at:g}")
+        raise InputError(f"{where}.gone_at", f"must exceed active_at, {keys.active_at:g}, got {keys.gone_at:g}")
     for i, face in enumerate(faces):
         if (highest := float(face.corners[:, 2].max())) > keys.level + SAME:
-            raise InputError(f"{where}.faces[{i}]: reaches up to z = {highest:.4g} m, above the fill, which ends at {keys.level:.4g} m")
+            raise InputError(f"{where}.faces[{i}]", f"reaches up to z = {highest:.4g} m, above the fill, which ends at {keys.level:.4g} m")
     arrays = {name: None if own[name] is None else np.array(own[name]) for name in ("origin", "turn")}
     return Fill(where=where, **{**own, **arrays, "faces": faces})
 
@@ -147,10 +147,10 @@ def _refuse_absent(wanted: set[str], names: set[str], where: str, of: str) -> No
     absent = sorted(wanted - names)
     if absent:
         more = f" and {len(absent) - 1} more" if len(absent) > 1 else ""
-        raise InputError(f'{where}: no block "{absent[0]}"{more} in {of}')
+        raise InputError(where, f'no block "{absent[0]}"{more} in {of}')
 
 
 def _positive(inertia: np.ndarray, where: str) -> np.ndarray:
     if np.abs(inertia - inertia.T).max() > 1e-9 * np.abs(inertia).max() or np.linalg.eigvalsh(inertia).min() < 0.0:
-        raise InputError(f"{where}: inertia: must be symmetric, with moments of 0 or more")
+        raise InputError(where, "inertia: must be symmetric, with moments of 0 or more")
     return inertia

@@ -7,7 +7,7 @@ without a shell, without the environment and in an empty folder that is removed.
 they are used. However the child ends, the caller gets one line that names the file.
 
 A reader is named ``module:function``, takes the path and keywords that JSON knows, and returns an :data:`Answer`. It raises
-:class:`Refused` with a whole line for the user; the message of any other exception becomes "FILE: cannot be read: ...". The child
+:class:`Refused` with place and text for the user; the message of any other exception becomes "FILE: cannot be read: ...". The child
 imports the reader's module and what that imports, so these keep to numpy and the one library that reads the format.
 
 This keeps crashes and runaway files from the user. It does not take away the user's rights: a file that is a program, as a .geo is,
@@ -66,7 +66,11 @@ foreign.serve(request)
 
 
 class Refused(Exception):
-    """What a reader finds wrong: one line that names the file or the key at fault."""
+    """A reader finds a file wrong, see :class:`masonry_cd.foundation.errors.InputError`."""
+
+    def __init__(self, place: object, text: str) -> None:
+        super().__init__(place, text)
+        self.place, self.text = str(place), text
 
 
 class Limits(NamedTuple):
@@ -111,13 +115,13 @@ def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, lim
         (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
         code = _run(folder, limits)
         if (folder / "refused").is_file():
-            raise InputError(_line((folder / "refused").read_bytes()))
+            raise InputError(*(_line(word.encode()) for word in json.loads((folder / "refused").read_bytes())))
         if code != 0 or not (folder / "answer.npz").is_file():
-            raise InputError(f"{path.name}: cannot be read: {_ending(code, limits, advice, folder)}")
+            raise InputError(path.name, f"cannot be read: {_ending(code, limits, advice, folder)}")
         try:
             return _unpacked(_checked(folder / "answer.npz"))
         except (ValueError, KeyError, EOFError, OSError, MemoryError, zipfile.BadZipFile) as failure:
-            raise InputError(f"{path.name}: cannot be read: its reader answers nonsense: {_line(str(failure).encode())}") from None
+            raise InputError(path.name, f"cannot be read: its reader answers nonsense: {_line(str(failure).encode())}") from None
 
 
 def _run(folder: Path, limits: Limits) -> int | None:
@@ -181,20 +185,20 @@ def answer(request: Mapping[str, Any]) -> None:
         pieces, figures = getattr(import_module(module), function)(Path(file), **request["keywords"])
         np.savez("answer.npz", allow_pickle=False, **_packed(pieces, figures))
     except Refused as refusal:
-        _refuse(str(refusal))
+        _refuse(refusal.place, refusal.text)
     except MemoryError:
-        _refuse(f"{Path(file).name}: cannot be read: it needs more than {limits.memory / GIB:.3g} GiB of memory")
+        _refuse(Path(file).name, f"cannot be read: it needs more than {limits.memory / GIB:.3g} GiB of memory")
     except ModuleNotFoundError as failure:
         from masonry_cd.foundation.extras import missing
 
-        _refuse(f"{Path(file).name}: cannot be read: {missing(failure) or failure}")
+        _refuse(Path(file).name, f"cannot be read: {missing(failure) or failure}")
     except (Exception, SystemExit) as failure:
         what = str(failure).strip() or type(failure).__name__
-        _refuse(f"{Path(file).name}: cannot be read: {what.splitlines()[0]}")
+        _refuse(Path(file).name, f"cannot be read: {what.splitlines()[0]}")
 
 
-def _refuse(message: str) -> None:
-    Path("refused").write_text(message, encoding="utf-8", errors="replace")
+def _refuse(place: str, text: str) -> None:
+    Path("refused").write_text(json.dumps([place, text]), encoding="utf-8")
 
 
 def _packed(pieces: Sequence[Piece], figures: Sequence[float]) -> dict[str, np.ndarray]:

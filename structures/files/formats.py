@@ -72,7 +72,7 @@ def format_of(path: Path) -> str | None:
             head = file.read(LOOKED_AT)
         size = path.stat().st_size
     except OSError as failure:
-        raise InputError(f"structure.path: {path.name}: cannot be read, {failure.strerror}") from None
+        raise InputError("structure.path", f"{path.name}: cannot be read, {failure.strerror}") from None
     for name, mark in CAD.items():
         if mark in head[:200]:
             return name

@@ -42,15 +42,15 @@ def read_stl(path: Path) -> Answer:
     try:
         soup: Any = trimesh.load(path, file_type="stl", process=False)
     except ValueError:
-        raise Refused(f"{path.name}: not the facets and vertices of an STL; numbers have a decimal point") from None
+        raise Refused(path.name, "not the facets and vertices of an STL; numbers have a decimal point") from None
     solids = list(soup.geometry.values()) if isinstance(soup, trimesh.Scene) else [soup]  # a text may hold several
     read = sum(len(solid.faces) for solid in solids if isinstance(solid, trimesh.Trimesh))
     if announced != read:
-        raise Refused(f"{path.name}: {read} triangles could be read of {announced:.10g}: cut short or damaged")
+        raise Refused(path.name, f"{read} triangles could be read of {announced:.10g}: cut short or damaged")
     found: list[Piece] = []
     for solid in solids:
         if not isinstance(solid, trimesh.Trimesh) or not len(solid.faces):
-            raise Refused(f"{path.name}: no triangles in it")
+            raise Refused(path.name, "no triangles in it")
         for points, loops in shells(np.asarray(solid.vertices, dtype=float), np.asarray(solid.faces).tolist()):
             found.append(Piece(len(found), f"b{len(found)}", points, loops))
     return found, ()
@@ -69,7 +69,7 @@ def _triangles_of(path: Path) -> float:
         return len(VERTEX.findall(text)) / 3.0
     if len(data) != HEAD + TRIANGLE * count:
         raise Refused(
-            f"{path.name}: announces {count} triangles and has bytes for {max(0, (len(data) - HEAD) // TRIANGLE)}: cut short or damaged"
+            path.name, f"announces {count} triangles and has bytes for {max(0, (len(data) - HEAD) // TRIANGLE)}: cut short or damaged"
         )
     return count
 
@@ -94,10 +94,10 @@ def read_vtu(path: Path) -> Answer:
             elif cells.type.startswith("polyhedron"):
                 loops = [[int(i) for i in face] for face in cell]
             else:
-                raise Refused(f"{path.name}: cells of type {cells.type} are no volumes; a block is a volume cell")
+                raise Refused(path.name, f"cells of type {cells.type} are no volumes; a block is a volume cell")
             used = sorted({i for face in loops for i in face})
             if used[0] < 0 or used[-1] >= len(points):
-                raise Refused(f'{path.name}: block "b{int(number)}": a cell names a point outside 0 to {len(points) - 1}')
+                raise Refused(path.name, f'block "b{int(number)}": a cell names a point outside 0 to {len(points) - 1}')
             number_of = {old: new for new, old in enumerate(used)}
             faces: Faces = tuple(tuple(number_of[i] for i in face) for face in loops)
             found.append(Piece(int(number), f"b{int(number)}", points[used], faces, *_marks(mesh.cell_data, k, len(found) - count)))
@@ -125,7 +125,7 @@ def read_vtp(path: Path) -> Answer:
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of readers; what is wrong is found below
         data: Any = pyvista.read(path)
     if not isinstance(data, pyvista.PolyData) or not data.n_cells:
-        raise Refused(f"{path.name}: no polygons in it")
+        raise Refused(path.name, "no polygons in it")
     polygons = data.triangulate() if data.n_strips else data
     made = shells(np.asarray(data.points, dtype=float), [list(map(int, face)) for face in _split(polygons.faces)])
     return [Piece(k, f"b{k}", *shell) for k, shell in enumerate(made)], ()
@@ -142,10 +142,10 @@ def read_vtkhdf(path: Path) -> Answer:
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of readers; what is wrong is found below
         data: Any = pyvista.read(path)
     if not isinstance(data, pyvista.UnstructuredGrid) or not data.n_cells:
-        raise Refused(f"{path.name}: no unstructured grid of volumes in it")
+        raise Refused(path.name, "no unstructured grid of volumes in it")
     cells = _volumes(data)
     if len(cells) != data.n_cells:
-        raise Refused(f"{path.name}: cells that are no volumes; a block is a volume cell")
+        raise Refused(path.name, "cells that are no volumes; a block is a volume cell")
     arrays = {name: [data.cell_data[name]] for name in ("block", "group", "fixed") if name in data.cell_data}
     numbers = np.asarray(arrays.get("block", [np.arange(len(cells))])[0]).astype(int)
     return [Piece(int(n), f"b{n}", *cell, *_marks(arrays, 0, k)) for k, (n, cell) in enumerate(zip(numbers, cells, strict=True))], ()
@@ -164,14 +164,14 @@ def read_vtm(path: Path) -> Answer:
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of files that it refers to, each of which is looked for below
         whole: Any = pyvista.read(path)
     if not isinstance(whole, pyvista.MultiBlock):
-        raise Refused(f"{path.name}: no multi-block data in it")
+        raise Refused(path.name, "no multi-block data in it")
     found: list[Piece] = []
     for number, (name, data) in enumerate(_leaves(whole, "")):
         if data is None or data.n_cells == 0:
-            raise Refused(f'{path.name}: block "{name}": empty, or the file that it refers to is missing or damaged')
+            raise Refused(path.name, f'block "{name}": empty, or the file that it refers to is missing or damaged')
         made = [_surface(data)] if isinstance(data, pyvista.PolyData) else _volumes(data)
         if not made:
-            raise Refused(f'{path.name}: block "{name}": neither a closed surface nor volume cells')
+            raise Refused(path.name, f'block "{name}": neither a closed surface nor volume cells')
         found += [Piece(number, name, *shell) for shell in made]
     return found, ()
 

@@ -119,19 +119,19 @@ def blocks_of(
     for entry in loaded.entries:
         parts = [(placed(vertices, scale, up), faces) for vertices, faces in entry.shells]
         if not all((np.abs(vertices) <= LARGEST).all() for vertices, _ in parts):
-            raise InputError(f'{source}: block "{entry.name}": a corner has coordinates that are no finite numbers, or far too large')
+            raise InputError(source, f'block "{entry.name}": a corner has coordinates that are no finite numbers, or far too large')
         try:
             if repair:
                 parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
             if not all(len(vertices) for vertices, _ in parts):
-                raise InputError(f'block "{entry.name}": a face without corners')
+                raise InputError(f'block "{entry.name}"', "a face without corners")
             group = entry.group or ("base" if entry.fixed else DEFAULT)
             block = compound_block(entry.name, parts, entry.density if entry.density > 0.0 else density, group)
             blocks.append(replace(block, fixed=True) if entry.fixed else block)
         except InputError as failure:
-            raise InputError(f"{source}: {failure}") from None
+            raise failure.under(source) from None
     if not blocks:
-        raise InputError(f"{source}: no blocks in it")
+        raise InputError(source, "no blocks in it")
     return blocks
 
 
@@ -159,7 +159,7 @@ def _read_obj(path: Path) -> list[Entry]:
         try:
             if word == "v":
                 if len(rest) < 3:
-                    raise InputError(f"{path.name}: line {number}: a vertex has three coordinates: {line.strip()[:60]}")
+                    raise InputError(path.name, f"line {number}: a vertex has three coordinates: {line.strip()[:60]}")
                 points.append([float(x) for x in rest[:3]])
             elif word == mark:
                 name = " ".join(rest) or "b0"
@@ -169,19 +169,19 @@ def _read_obj(path: Path) -> list[Entry]:
             elif word == "f":
                 corners = [int(corner.split("/")[0]) for corner in rest]
                 if len(corners) < 3 or 0 in corners:
-                    raise InputError(f"{path.name}: line {number}: a face has three corners or more, counted from 1: {line.strip()[:60]}")
+                    raise InputError(path.name, f"line {number}: a face has three corners or more, counted from 1: {line.strip()[:60]}")
                 objects.setdefault(name, [[]])[-1].append([i - 1 if i > 0 else len(points) + i for i in corners])
                 groups.setdefault(name, (last["g"] if mark == "o" else "") or last["usemtl"])
         except InputError:
             raise
         except ValueError:
-            raise InputError(f"{path.name}: line {number}: no number where one belongs: {line.strip()[:60]}") from None
+            raise InputError(path.name, f"line {number}: no number where one belongs: {line.strip()[:60]}") from None
     found = []
     vertices = np.array(points).reshape(-1, 3)
     for name, group, faces in _apart(objects, groups):
         used = sorted({i for face in faces for i in face})
         if used[0] < 0 or used[-1] >= len(vertices):
-            raise InputError(f'{path.name}: block "{name or "b0"}": a face names a vertex outside 1 to {len(vertices)}')
+            raise InputError(path.name, f'block "{name or "b0"}": a face names a vertex outside 1 to {len(vertices)}')
         number_of = {old: new for new, old in enumerate(used)}
         own = (vertices[used], tuple(tuple(number_of[i] for i in face) for face in faces))
         apart = [own] if name else shells(*own)
@@ -209,7 +209,7 @@ def _text(path: Path) -> list[str]:
     try:
         return read_text(path, path.name).splitlines()
     except UnicodeDecodeError:
-        raise InputError(f"{path.name}: no text in UTF-8") from None
+        raise InputError(path.name, "no text in UTF-8") from None
 
 
 def _read_apart(path: Path, format_: str, asked: dict[str, Any]) -> tuple[list[Entry], Sequence[float]]:
@@ -265,7 +265,8 @@ def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:
     met = int(tree.query_ball_point(vertices, tolerance, return_length=True).sum())
     if met > MET * len(vertices):
         raise InputError(
-            f"{1e3 * tolerance:g} mm, within which corners are one, is as far as {met // len(vertices)} of them are apart; mind the units"
+            "",
+            f"{1e3 * tolerance:g} mm, within which corners are one, is as far as {met // len(vertices)} of them are apart; mind the units",
         )
     first, pairs = np.arange(len(vertices)), tree.query_pairs(tolerance, output_type="ndarray")
     np.minimum.at(first, pairs[:, 1], pairs[:, 0])
@@ -341,7 +342,7 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
         solidfile.write(path, blocks)
     else:
         written = [ending for format_ in FORMATS.values() if format_.written for ending in format_.endings]
-        raise InputError(f"{path.name}: blocks are written as {', '.join(written)}")
+        raise InputError(path.name, f"blocks are written as {', '.join(written)}")
     if suffix in (".vtu", ".vtm"):
         with replacing(path) as part:
             part.write_text(path.read_text(encoding="utf-8").rstrip() + f"\n<!-- {marks_of(blocks)} -->\n", encoding="utf-8")

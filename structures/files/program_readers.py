@@ -50,9 +50,9 @@ def read_dxf(path: Path) -> Answer:
     try:
         pairs = [(int(code), value.strip()) for code, value in zip(lines[::2], lines[1::2], strict=False)]
     except ValueError:
-        raise Refused(f"{path.name}: not the codes and values of a DXF in text") from None
+        raise Refused(path.name, "not the codes and values of a DXF in text") from None
     if (0, "EOF") not in pairs[-1:]:
-        raise Refused(f"{path.name}: does not end with EOF, as a DXF does: cut short")
+        raise Refused(path.name, "does not end with EOF, as a DXF does: cut short")
     faces: dict[str, list[np.ndarray]] = {}
     found: list[tuple[str, np.ndarray, list[list[int]]]] = []
     try:
@@ -62,7 +62,7 @@ def read_dxf(path: Path) -> Answer:
             elif kind == "POLYFACE":
                 found.append(_polyface(entity))
     except (ValueError, IndexError, KeyError):
-        raise Refused(f"{path.name}: a 3DFACE or a polyface mesh with codes that are no numbers, or with too few of them") from None
+        raise Refused(path.name, "a 3DFACE or a polyface mesh with codes that are no numbers, or with too few of them") from None
     for layer, loops in faces.items():
         ends = np.cumsum([len(loop) for loop in loops])
         found.append(
@@ -73,7 +73,7 @@ def read_dxf(path: Path) -> Answer:
         for points_of, own in shells(points, loops_of):
             pieces.append(Piece(len(pieces), f"b{len(pieces)}", points_of, own, layer))
     if not pieces:
-        raise Refused(f"{path.name}: no 3DFACE and no polyface mesh in it; lines, polylines and ACIS solids are not read")
+        raise Refused(path.name, "no 3DFACE and no polyface mesh in it; lines, polylines and ACIS solids are not read")
     unit = next((int(b[1]) for a, b in pairwise(pairs) if a == (9, "$INSUNITS") and b[1].isdigit()), 0)
     return pieces, (UNITS_DXF.get(unit, 0.0),)
 
@@ -145,9 +145,9 @@ def read_compas(path: Path) -> Answer:
             for points_of, faces in shells(moved, [loop[::-1] for loop in loops] if mirrored else loops):
                 pieces.append(Piece(len(pieces), name or f"b{len(pieces)}", points_of, faces, fixed=support))
     except (ValueError, KeyError, TypeError, IndexError, RecursionError):
-        raise Refused(f"{path.name}: not the vertices and faces of COMPAS meshes") from None
+        raise Refused(path.name, "not the vertices and faces of COMPAS meshes") from None
     if not pieces:
-        raise Refused(f"{path.name}: no mesh and no polyhedron of COMPAS in it")
+        raise Refused(path.name, "no mesh and no polyhedron of COMPAS in it")
     return _named_apart(pieces), ()
 
 
@@ -179,7 +179,7 @@ def _meshes(path: Path, item: Any, name: str, support: bool, place: np.ndarray, 
                 yield mesh
     if not found and not np.allclose(own_place, np.eye(4)):
         what = "moves others, which do not stand within it; write their model geometry"
-        raise Refused(f'{path.name}: the element "{str(own)[:40]}" {what}')
+        raise Refused(path.name, f'the element "{str(own)[:40]}" {what}')
 
 
 def _transformation(item: Mapping[str, Any], where: str) -> np.ndarray:
@@ -199,7 +199,7 @@ def _transformation(item: Mapping[str, Any], where: str) -> np.ndarray:
         or not np.allclose(out[3], (0.0, 0.0, 0.0, 1.0))
         or not abs(np.linalg.det(out)) > FLATTENED
     ):
-        raise Refused(f"{where}: its transformation is no affine matrix of 4 x 4")
+        raise Refused(where, "its transformation is no affine matrix of 4 x 4")
     return out
 
 
@@ -243,16 +243,16 @@ def read_lmgc90(path: Path) -> Answer:
         node = re.search(r"\$nodty(.*?)\$tacty", text, re.DOTALL)
         shape = re.search(r"\$tacty\s+(\w+)\s+\d+\s+color\s+(\S+)(.*)", text, re.DOTALL)
         if node is None or shape is None:
-            raise Refused(f"{where}: no node or no contactor")
+            raise Refused(where, "no node or no contactor")
         coordinates = _values(node[1], "coo")[:3]
         if len(coordinates) < 3:
-            raise Refused(f"{where}: no three coordinates of its node")
+            raise Refused(where, "no three coordinates of its node")
         behaviour = re.search(r"\bbehav\s+(\S+)", text)
         points, faces = _contactor(where, shape[1], shape[3])
         law = density.get(behaviour[1] if behaviour else "", 0.0)
         pieces.append(Piece(len(pieces), f"RBDY3_{number}", points + np.array(coordinates), faces, shape[2], number in driven, law))
     if not pieces:
-        raise Refused(f"{path.name}: no RBDY3, the rigid body of LMGC90 in space")
+        raise Refused(path.name, "no RBDY3, the rigid body of LMGC90 in space")
     return pieces, ()
 
 
@@ -273,20 +273,20 @@ def _contactor(where: str, kind: str, text: str) -> tuple[np.ndarray, Faces]:
     if kind == "PLANx":
         axes = _values(text, "axe")[:3]
         if len(axes) < 3:
-            raise Refused(f"{where}: a PLANx without three axes")
+            raise Refused(where, "a PLANx without three axes")
         signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
         return signs * np.array(axes), BOX
     if kind != "POLYR":
-        raise Refused(f"{where}: a contactor {kind}; POLYR and PLANx are read")
+        raise Refused(where, f"a contactor {kind}; POLYR and PLANx are read")
     if re.search(r"\bcolor\b", text):
-        raise Refused(f"{where}: several contactors; one POLYR or PLANx is read")
+        raise Refused(where, "several contactors; one POLYR or PLANx is read")
     points = np.array(_values(text, "coo")).reshape(-1, 3) if len(_values(text, "coo")) % 3 == 0 else np.zeros((0, 3))
     corners = [int(value) - 1 for value in _values(text, "ver")]
     announced = [int(value) for value in re.findall(r"nb_(?:vertex|faces)\s*=\s*(\d+)", text)]
     if len(announced) != 2 or announced != [len(points), len(corners) // 3] or len(corners) % 3:
-        raise Refused(f"{where}: not as many corners and faces as it announces")
+        raise Refused(where, "not as many corners and faces as it announces")
     if corners and (min(corners) < 0 or max(corners) >= len(points)):
-        raise Refused(f"{where}: a face names a corner that there is not")
+        raise Refused(where, "a face names a corner that there is not")
     return points, tuple((corners[k], corners[k + 1], corners[k + 2]) for k in range(0, len(corners), 3))
 
 
@@ -328,7 +328,7 @@ def read_3dec(path: Path) -> Answer:
         elif lower[:2] == ["block", "fix"] or lower[:1] == ["fix"]:
             pieces = [piece._replace(fixed=piece.fixed or _in_range(piece, lower, words)) for piece in pieces]
     if not pieces:
-        raise Refused(f"{path.name}: no command block create in it")
+        raise Refused(path.name, "no command block create in it")
     return pieces, ()
 
 
@@ -336,7 +336,7 @@ def _created(where: str, kind: str, words: Sequence[str], count: int) -> Piece:
     """The block of one command."""
     group = ""
     if kind not in ("brick", "prism", "polyhedron", "face", "reg"):
-        raise Refused(f"{where}: a block {kind or 'of no kind'} that is not read; brick, prism and polyhedron are")
+        raise Refused(where, f"a block {kind or 'of no kind'} that is not read; brick, prism and polyhedron are")
     if "group" in [word.lower() for word in words]:
         at = [word.lower() for word in words].index("group")
         group, words = " ".join(words[at + 1 : at + 2]).strip("'\""), [*words[:at], *words[at + 2 :]]
@@ -347,20 +347,20 @@ def _created(where: str, kind: str, words: Sequence[str], count: int) -> Piece:
         elif re.fullmatch(r"face(?:-?\d)?|a|b", word.lower()):
             sets.append([])
         else:
-            raise Refused(f'{where}: "{word[:40]}" where numbers of a block belong')
+            raise Refused(where, f'"{word[:40]}" where numbers of a block belong')
     if kind == "brick" and len(sets[0]) == 6:
         low, high = np.array(sets[0][::2]), np.array(sets[0][1::2])
         points = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
         return Piece(count, f"b{count}", points, BOX, group)
     loops = [np.array(one).reshape(-1, 3) for one in sets if one and len(one) % 3 == 0 and len(one) >= 9]
     if len(loops) != sum(map(bool, sets)):
-        raise Refused(f"{where}: a face has three corners or more, three coordinates each")
+        raise Refused(where, "a face has three corners or more, three coordinates each")
     if kind == "prism" and len(loops) == 2 and len(loops[0]) == len(loops[1]):
         near, far = loops
         n = len(near)
         loops = [near, far, *(np.array([near[k], near[(k + 1) % n], far[(k + 1) % n], far[k]]) for k in range(n))]
     elif kind in ("brick", "prism") or len(loops) < 4:
-        raise Refused(f"{where}: a brick has six numbers, a prism two faces of as many corners, a polyhedron four faces or more")
+        raise Refused(where, "a brick has six numbers, a prism two faces of as many corners, a polyhedron four faces or more")
     return Piece(count, f"b{count}", *_outward(loops), group)
 
 

@@ -69,9 +69,9 @@ def _solid(gmsh: Any, block: Block) -> int:
         volume, wanted = abs(float(occ.getMass(3, tag))), block.mass_properties.volume - block.carried_volume
     except Exception as failure:  # gmsh raises plain ones
         reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
-        raise InputError(f'block "{block.name}": its faces make no solid ({reason})') from None
+        raise InputError(f'block "{block.name}"', f"its faces make no solid ({reason})") from None
     if abs(volume - wanted) > KEPT * wanted:
-        raise InputError(f'block "{block.name}": its solid has {volume:.9g} m3, the block has {wanted:.9g} m3')
+        raise InputError(f'block "{block.name}"', f"its solid has {volume:.9g} m3, the block has {wanted:.9g} m3")
     return tag
 
 

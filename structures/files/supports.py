@@ -105,7 +105,7 @@ def with_supports(blocks: Sequence[Block], rules: Sequence[str | Mapping[str, An
         rule = given if isinstance(given, str) else parse_table(Where, given, where if len(rules) == 1 else f"{where}[{i}]")
         found = _of_rule(blocks, rule)
         if not found.any():
-            raise InputError(f"{where}: {_none(blocks, rule)}")
+            raise InputError(where, f"{_none(blocks, rule)}")
         chosen |= found
     return [replace(block, fixed=True, group=group or block.group) if ours else block for block, ours in zip(blocks, chosen, strict=True)]
 

@@ -45,12 +45,12 @@ def pieces_of(path: Path, objects: Sequence[tuple[str, np.ndarray, Sequence[Sequ
         try:
             made = shells(vertices, loops)
         except ValueError as failure:
-            raise Refused(f"{path.name}: {failure}") from None
+            raise Refused(path.name, f"{failure}") from None
         for k, (points, faces) in enumerate(made):
             own = (name if len(made) == 1 else f"{name}.{k}") if name else f"b{len(found)}"
             found.append(Piece(len(found), own, points, faces))
     if not found:
-        raise Refused(f"{path.name}: no faces in it")
+        raise Refused(path.name, "no faces in it")
     return found
 
 
@@ -62,7 +62,7 @@ def read_off(path: Path) -> Answer:
     """
     words = " ".join(line.split("#")[0] for line in path.read_text(encoding="utf-8", errors="replace").splitlines()).split()
     if not words or not words[0].upper().endswith("OFF"):
-        raise Refused(f"{path.name}: does not begin with OFF")
+        raise Refused(path.name, "does not begin with OFF")
     try:
         corners, faces = int(words[1]), int(words[2])
         if len(words) < 4 + 3 * corners or corners < 0 or faces < 0:
@@ -76,7 +76,7 @@ def read_off(path: Path) -> Answer:
             if size < 3 or len(loops[-1]) < size:
                 raise IndexError
     except (ValueError, IndexError):
-        raise Refused(f"{path.name}: not the counts, corners and faces of an OFF file; faces have no colours here") from None
+        raise Refused(path.name, "not the counts, corners and faces of an OFF file; faces have no colours here") from None
     return pieces_of(path, [("", points, loops)]), ()
 
 
@@ -90,7 +90,7 @@ def read_ply(path: Path) -> Answer:
     body = body.partition(b"\n")[2]
     lines = head.decode("latin-1").split("\n")
     if not lines[0].startswith("ply"):
-        raise Refused(f"{path.name}: does not begin with ply")
+        raise Refused(path.name, "does not begin with ply")
     order = next((word for line in lines if line.startswith("format") for word in line.split()[1:2]), "")
     elements = _elements(lines)
     try:
@@ -98,7 +98,7 @@ def read_ply(path: Path) -> Answer:
         points = np.array([[row[axis] for axis in "xyz"] for row in rows.get("vertex", [])], dtype=float).reshape(-1, 3)
         loops = [row[key] for row in rows.get("face", []) for key in row if key in ("vertex_indices", "vertex_index")]
     except (ValueError, IndexError, KeyError):
-        raise Refused(f"{path.name}: not the corners and faces that the heading of a PLY file announces") from None
+        raise Refused(path.name, "not the corners and faces that the heading of a PLY file announces") from None
     return pieces_of(path, [("", points, [[int(i) for i in loop] for loop in loops])]), ()
 
 
@@ -177,7 +177,7 @@ def read_gltf(path: Path) -> Answer:
         scene = json.loads(data)
         found = [*_placed(path, scene, binary)]
     except (ValueError, KeyError, IndexError, TypeError, AttributeError):
-        raise Refused(f"{path.name}: not the nodes, meshes and accessors of a glTF 2.0 file, without compression") from None
+        raise Refused(path.name, "not the nodes, meshes and accessors of a glTF 2.0 file, without compression") from None
     return pieces_of(path, found), ()
 
 
@@ -266,7 +266,7 @@ def _buffer(path: Path, buffer: Any, binary: bytes) -> bytes:
         return base64.b64decode(uri.partition(",")[2])
     beside = path.parent / Path(uri).name
     if Path(uri).name != uri or not beside.is_file():
-        raise Refused(f'{path.name}: the file "{uri[:60]}" that it refers to is not beside it')
+        raise Refused(path.name, f'the file "{uri[:60]}" that it refers to is not beside it')
     return beside.read_bytes()
 
 
@@ -288,7 +288,7 @@ def read_3mf(path: Path) -> Answer:
             for made in _object(objects, item.get("objectid"), _place(item.get("transform")), 0)
         ]
     except (StopIteration, KeyError, ValueError, TypeError, zipfile.BadZipFile, ElementTree.ParseError):
-        raise Refused(f"{path.name}: not the objects and the build of a 3MF file") from None
+        raise Refused(path.name, "not the objects and the build of a 3MF file") from None
     return pieces_of(path, found), (UNITS_3MF.get(root.get("unit", "millimeter"), 1e-3),)
 
 

@@ -37,8 +37,8 @@ LONGEST_NAME = 200  # characters of a block or group, which tables, pages and cl
 class Unsound(InputError):
     """Blocks that are not sound; ``faulty`` are the names of those that share the fault, ``blocks`` the whole structure."""
 
-    def __init__(self, message: str, faulty: Sequence[str] = (), blocks: Sequence[Block] = ()) -> None:
-        super().__init__(message)
+    def __init__(self, place: object, text: str, faulty: Sequence[str] = (), blocks: Sequence[Block] = ()) -> None:
+        super().__init__(place, text)
         self.faulty, self.blocks = tuple(faulty), tuple(blocks)
 
 
@@ -90,13 +90,14 @@ def _located(blocks: Sequence[Block], source: str) -> Iterator[None]:
     try:
         yield
     except Unsound as failure:
-        raise Unsound(f"{source}: {failure}" if source else str(failure), failure.faulty, blocks) from None
+        failure.blocks = tuple(blocks)
+        raise failure.under(source) from None
 
 
 def _check_shells(blocks: Sequence[Block]) -> tuple[Shells | None, list[tuple[int, Polyhedron]]]:
     """The shells of all polyhedra and, after these, of their parts: flat, and as they are with the block of each; None of spheres alone."""
     if not blocks:
-        raise Unsound("structure: no blocks")
+        raise Unsound("structure", "no blocks")
     _check_names(blocks)
     for block in blocks:
         _check_sphere(block)
@@ -141,25 +142,25 @@ def _check_names(blocks: Sequence[Block]) -> None:
     seen: set[str] = set()
     for block in blocks:
         if block.name in seen:
-            raise Unsound(f'block "{block.name}": two blocks have this name', [block.name])
+            raise Unsound(f'block "{block.name}"', "two blocks have this name", [block.name])
         seen.add(block.name)
         for what, word in (("name", block.name), ("group", block.group)):
             if any(c < " " or "\ud800" <= c <= "\udfff" for c in word):  # results and terminals take neither
-                raise Unsound(f'block "{block.name}": its {what} has control characters or halves of a character', [block.name])
+                raise Unsound(f'block "{block.name}"', f"its {what} has control characters or halves of a character", [block.name])
             if len(word) > LONGEST_NAME:
-                raise Unsound(f'block "{block.name}": its {what} has {len(word)} characters; at most {LONGEST_NAME}', [block.name])
+                raise Unsound(f'block "{block.name}"', f"its {what} has {len(word)} characters; at most {LONGEST_NAME}", [block.name])
         if math.isnan(block.density):
-            raise Unsound(f'block "{block.name}": brings no density of its own, and material.density is missing', [block.name])
+            raise Unsound(f'block "{block.name}"', "brings no density of its own, and material.density is missing", [block.name])
         if not 0 < block.density < np.inf:
-            raise Unsound(f'block "{block.name}": density must be above 0 kg/m3, got {block.density:g}', [block.name])
+            raise Unsound(f'block "{block.name}"', f"density must be above 0 kg/m3, got {block.density:g}", [block.name])
 
 
 def _check_sphere(block: Block) -> None:
     """Refuse a radius that is none, and a centre that is not finite."""
     if not 0.0 <= block.radius < np.inf:
-        raise Unsound(f'block "{block.name}": radius must be above 0 m, got {block.radius:g}', [block.name])
+        raise Unsound(f'block "{block.name}"', f"radius must be above 0 m, got {block.radius:g}", [block.name])
     if block.radius and not np.isfinite(block.vertices).all():
-        raise Unsound(f'block "{block.name}": its centre is not finite', [block.name])
+        raise Unsound(f'block "{block.name}"', "its centre is not finite", [block.name])
 
 
 def _checked(shell: Polyhedron, block: Block) -> Polyhedron:
@@ -167,22 +168,22 @@ def _checked(shell: Polyhedron, block: Block) -> Polyhedron:
     vertices = shell.vertices
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4:
         raise Unsound(
-            f'block "{block.name}": vertices must be at least 4 points of 3 coordinates, got shape {vertices.shape}', [block.name]
+            f'block "{block.name}"', f"vertices must be at least 4 points of 3 coordinates, got shape {vertices.shape}", [block.name]
         )
     if not np.isfinite(vertices).all():
         row = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
-        raise Unsound(f'block "{block.name}": vertex {row} is not finite', [block.name])
+        raise Unsound(f'block "{block.name}"', f"vertex {row} is not finite", [block.name])
     if np.abs(vertices).max() > LARGEST:
         row = int(np.abs(vertices).max(axis=1).argmax())
-        raise Unsound(f'block "{block.name}": vertex {row} is more than {LARGEST:g} m away from the origin', [block.name])
+        raise Unsound(f'block "{block.name}"', f"vertex {row} is more than {LARGEST:g} m away from the origin", [block.name])
     if len(shell.faces) < 4:
-        raise Unsound(f'block "{block.name}": open shell, it has only {len(shell.faces)} faces', [block.name])
+        raise Unsound(f'block "{block.name}"', f"open shell, it has only {len(shell.faces)} faces", [block.name])
     last = len(vertices) - 1
     for number, face in enumerate(shell.faces):
         if len(face) < 3 or len(set(face)) < len(face):
-            raise Unsound(f'block "{block.name}": face {number} is degenerate, it needs 3 or more different vertices', [block.name])
+            raise Unsound(f'block "{block.name}"', f"face {number} is degenerate, it needs 3 or more different vertices", [block.name])
         if min(face) < 0 or max(face) > last:
-            raise Unsound(f'block "{block.name}": face {number} names a vertex outside 0 to {last}', [block.name])
+            raise Unsound(f'block "{block.name}"', f"face {number} names a vertex outside 0 to {last}", [block.name])
     return shell
 
 
@@ -204,8 +205,8 @@ def _check_closed(blocks: Sequence[Block], shells: Shells) -> None:
     start = flat.vertex_start[shell]
     ends = f"{flat.loops[entry] - start}-{after[entry] - start}"
     if (counts > 1).any():
-        raise Unsound(f'block "{name}": {_twice(shells, face_of[edge == edge[entry]], face_of[reverse == edge[entry]], ends)}', faulty)
-    raise Unsound(f'block "{name}": open shell, edge {ends} of face {face} has no face on its other side', faulty)
+        raise Unsound(f'block "{name}"', f"{_twice(shells, face_of[edge == edge[entry]], face_of[reverse == edge[entry]], ends)}", faulty)
+    raise Unsound(f'block "{name}"', f"open shell, edge {ends} of face {face} has no face on its other side", faulty)
 
 
 def _twice(shells: Shells, along: np.ndarray, against: np.ndarray, ends: str) -> str:
@@ -232,7 +233,8 @@ def _check_faces(blocks: Sequence[Block], shells: Shells) -> None:
         face = int(np.flatnonzero(thin)[0])
         number = face - flat.face_start[shell[face]]
         raise Unsound(
-            f'block "{blocks[owner[shell[face]]].name}": face {number} is degenerate, its area is {area[face]:.3g} m2',
+            f'block "{blocks[owner[shell[face]]].name}"',
+            f"face {number} is degenerate, its area is {area[face]:.3g} m2",
             _names(blocks, owner[shell[thin]]),
         )
     off = np.abs(np.einsum("li,li->l", points - first, np.repeat(flat.normals, counts, axis=0)))
@@ -242,7 +244,8 @@ def _check_faces(blocks: Sequence[Block], shells: Shells) -> None:
         face = int(np.argmax(distance / shells.size[shell]))
         number = face - flat.face_start[shell[face]]
         raise Unsound(
-            f'block "{blocks[owner[shell[face]]].name}": face {number} is not planar, a corner is {1e3 * distance[face]:.3g} mm off '
+            f'block "{blocks[owner[shell[face]]].name}"',
+            f"face {number} is not planar, a corner is {1e3 * distance[face]:.3g} mm off "
             f"({1e3 * FLATNESS * shells.size[shell[face]]:.2g} mm would count as flat); move it into the plane, or give triangles",
             _names(blocks, owner[shell[not_flat]]),
         )
@@ -258,7 +261,7 @@ def _check_volume(blocks: Sequence[Block], shells: Shells) -> None:
     if (volume <= 0).any():
         worst = int(np.flatnonzero(volume <= 0)[0])
         what = "its faces are reversed, they must run counter-clockwise seen from outside" if volume[worst] < 0 else "it has no volume"
-        raise Unsound(f'block "{blocks[owner[worst]].name}": {what}', _names(blocks, owner[volume <= 0]))
+        raise Unsound(f'block "{blocks[owner[worst]].name}"', what, _names(blocks, owner[volume <= 0]))
 
 
 def _check_filled(blocks: Sequence[Block]) -> None:
@@ -269,8 +272,8 @@ def _check_filled(blocks: Sequence[Block]) -> None:
             filled = sum(mass_properties(part.vertices, part.faces).volume for part in block.parts)
             if abs(filled - whole) > FILLED * whole:
                 why = "they reach into each other or beyond it" if filled > whole else "some of it is in none of them"
-                said = f'block "{block.name}": its parts have {filled:.6g} m3, the block has {whole:.6g} m3: {why}'
-                raise Unsound(f"{said}; parts left out have it cut into convex ones here", [block.name])
+                said = f"its parts have {filled:.6g} m3, the block has {whole:.6g} m3: {why}"
+                raise Unsound(f'block "{block.name}"', f"{said}; parts left out have it cut into convex ones here", [block.name])
 
 
 def check_convex(blocks: Sequence[Block], shells: Shells, wanted: np.ndarray) -> None:
@@ -289,7 +292,8 @@ def check_convex(blocks: Sequence[Block], shells: Shells, wanted: np.ndarray) ->
     if far > FLATNESS:
         s = int(shell[face_number])
         raise Unsound(
-            f'block "{blocks[owner[s]].name}": not convex, vertex {corner - flat.vertex_start[s]} lies '
+            f'block "{blocks[owner[s]].name}"',
+            f"not convex, vertex {corner - flat.vertex_start[s]} lies "
             f"{1e3 * far * shells.size[s]:.3g} mm outside face {face_number - flat.face_start[s]}; "
             f"{'make its faces flat, or ' if far < WARPED else ''}split it into convex blocks",
             _names(blocks, owner[sorted(faulty)]),
@@ -319,7 +323,9 @@ def _check_overlap(blocks: Sequence[Block], shells: Shells, overlap: float) -> N
     slight = depths[deepest] <= SLIGHT * float(np.median(shells.size))
     wide = _round_up(2.0 * depths[deepest])
     mend = f"; of a file, structure.gaps = {wide:g} [m] brings their faces together, structure.overlap lets it be" if slight else ""
-    raise Unsound(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}{mend}', _names(blocks, owner[pairs].ravel()))
+    raise Unsound(
+        f'blocks "{a}" and "{b}"', f"they overlap by {1e3 * depths[deepest]:.4g} mm{more}{mend}", _names(blocks, owner[pairs].ravel())
+    )
 
 
 def _check_spheres_apart(blocks: Sequence[Block]) -> None:
@@ -329,7 +335,7 @@ def _check_spheres_apart(blocks: Sequence[Block]) -> None:
         deepest = int(np.argmax(depths))
         a, b = (blocks[i].name for i in sorted(pairs[deepest]))
         more = f"; {len(depths) - 1} more pairs overlap" if len(depths) > 1 else ""
-        raise Unsound(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}', _names(blocks, pairs.ravel()))
+        raise Unsound(f'blocks "{a}" and "{b}"', f"they overlap by {1e3 * depths[deepest]:.4g} mm{more}", _names(blocks, pairs.ravel()))
 
 
 def warp(block: Block) -> float:

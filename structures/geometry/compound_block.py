@@ -33,13 +33,13 @@ def compound_block(name: str, parts: Sequence[tuple[np.ndarray, Faces]], density
     vertices, faces = _welded(parts)
     loops = {frozenset(face): face for face in faces}
     if len(faces) - len(loops) < len(parts) - 1:
-        raise InputError(f'block "{name}": its parts do not share whole faces')
+        raise InputError(f'block "{name}"', "its parts do not share whole faces")
     count: dict[frozenset[int], int] = {}
     for face in faces:
         count[frozenset(face)] = count.get(frozenset(face), 0) + 1
     outer = [face for face in faces if count[frozenset(face)] == 1]
     if not outer:
-        raise InputError(f'block "{name}": its parts have no face of their own; corners within {1e3 * GRID:g} mm are taken for one')
+        raise InputError(f'block "{name}"', f"its parts have no face of their own; corners within {1e3 * GRID:g} mm are taken for one")
     used = sorted({i for face in outer for i in face})
     number = {old: new for new, old in enumerate(used)}
     shell = tuple(tuple(number[i] for i in face) for face in outer)

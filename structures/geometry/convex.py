@@ -91,13 +91,13 @@ def split(block: Block) -> Block:
                 raise _Unsplit("its shell encloses nothing")
             check([whole])
     except (_Unsplit, Unsound) as failure:
-        raise Unsound(_why(block, failure), [block.name]) from None
+        raise Unsound(f'block "{block.name}"', _why(block, failure), [block.name]) from None
     return whole
 
 
 def _why(block: Block, failure: Exception) -> str:
     """The line for a block that cannot be split: what is wrong with its faces as they were given, and what would help."""
-    line, mend = f'block "{block.name}": not convex, and cannot be split into convex parts', "give it as convex blocks"
+    line, mend = "not convex, and cannot be split into convex parts", "give it as convex blocks"
     size, off = size_of(block), warp(block)
     reasons = [str(failure)] if isinstance(failure, _Unsplit) else []
     if ON_PLANE * size < off < WARPED * size:
@@ -120,11 +120,12 @@ def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | Non
         sides = _below(cell, normal, offset, on), _below(cell, -normal, -offset, on)
         if sides[0] is None or sides[1] is None:
             return (block, None) if sides[1] is None else (None, block)
-        refuse_spheres([block], "structure: cutting by a plane")
+        refuse_spheres([block], "structure", "cutting by a plane")
         below, above = (_finished(side, block, on) for side in sides if side is not None)
     except _Unsplit:
         raise Unsound(
-            f'block "{block.name}": cannot be cut by a plane: its faces are warped by up to {1e3 * warp(block):.3g} mm; make them flat',
+            f'block "{block.name}"',
+            f"cannot be cut by a plane: its faces are warped by up to {1e3 * warp(block):.3g} mm; make them flat",
             [block.name],
         ) from None
     return replace(block, vertices=below.vertices, faces=below.faces), replace(block, vertices=above.vertices, faces=above.faces)

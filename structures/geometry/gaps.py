@@ -60,7 +60,8 @@ def close_gaps(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], 
         far = float(np.linalg.norm(moved - block.vertices, axis=1).max())
         if far > LIMIT * tolerance:
             raise Unsound(
-                f'block "{block.name}": to close its gaps a corner would have to move by {1e3 * far:.3g} mm, '
+                f'block "{block.name}"',
+                f"to close its gaps a corner would have to move by {1e3 * far:.3g} mm, "
                 f"more than twice the {1e3 * tolerance:.3g} mm allowed",
                 [block.name],
                 blocks,

@@ -148,15 +148,15 @@ def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]
     wide = aqueduct.channel_width
     if wide is None:
         if aqueduct.channel_height is not None:
-            raise InputError("structure.channel_width: missing; it makes the channel whose height is given")
+            raise InputError("structure.channel_width", "missing; it makes the channel whose height is given")
         return []
     most = tier.width - 0.4 * tier.course
     if wide > most:
-        raise InputError(f"structure.channel_width: must be at most {most:g} m, which leaves two walls, got {wide:g}")
+        raise InputError("structure.channel_width", f"must be at most {most:g} m, which leaves two walls, got {wide:g}")
     height, least = aqueduct.channel_height or wide, LEAST_CHANNEL * tier.course
     if height < least:
         key = "channel_width" if aqueduct.channel_height is None else "channel_height"
-        raise InputError(f"structure.{key}: the walls of the channel must be at least {least:g} m high, got {height:g}")
+        raise InputError(f"structure.{key}", f"the walls of the channel must be at least {least:g} m high, got {height:g}")
     low, high = tier.top, tier.top + height
     start, end, half = float(tier.left[0]), float(tier.right[-1]), 0.5 * tier.width
     walls = [
@@ -195,10 +195,10 @@ def _tier(aqueduct: AqueductTable, i: int, below: Tier | None) -> Tier:
     if below and len(aqueduct.clear_span) == 1:  # the pitch of the tier below
         clear_span = below.pitch - pier_width
         if clear_span <= 0:
-            raise InputError(f"structure.pier_width: must be below the pitch, {below.pitch:g} m, in tier {i + 1}, got {pier_width:g}")
+            raise InputError("structure.pier_width", f"must be below the pitch, {below.pitch:g} m, in tier {i + 1}, got {pier_width:g}")
     thickness = _of_tier(aqueduct, "ring_thickness", i)
     if thickness < LEAST_RING:
-        raise InputError(f"structure.ring_thickness: must be at least {LEAST_RING:g} m, got {thickness:g}")
+        raise InputError("structure.ring_thickness", f"must be at least {LEAST_RING:g} m, got {thickness:g}")
     extrados = math.pi * (0.5 * clear_span + thickness)
     natural = max(5, 2 * round((extrados / (1.2 * course) - 1) / 2) + 1)  # odd: with a keystone
     courses = _of_tier(aqueduct, "pier_courses", i)
@@ -226,7 +226,7 @@ def _of_tier(aqueduct: AqueductTable, key: str, i: int) -> Any:
     if values is None:
         return None
     if len(values) not in (1, aqueduct.tiers):
-        raise InputError(f"structure.{key}: one value or one per tier, {aqueduct.tiers}, got {len(values)}")
+        raise InputError(f"structure.{key}", f"one value or one per tier, {aqueduct.tiers}, got {len(values)}")
     return values[0 if len(values) == 1 else i]
 
 
@@ -236,23 +236,23 @@ def _check_arch(tier: Tier) -> None:
     least = 2.0 * tier.ring_thickness + LEAST_GAP * tier.course
     if tier.pier_width < least - 1e-9:
         what = "seats two rings with a course between them"
-        raise InputError(f"structure.pier_width: must be at least {least:g} m{where}, which {what}, got {tier.pier_width:g}")
+        raise InputError("structure.pier_width", f"must be at least {least:g} m{where}, which {what}, got {tier.pier_width:g}")
     if tier.clear_span < LEAST_GAP * tier.course:
         raise InputError(
-            f"structure.clear_span: must be at least {LEAST_GAP * tier.course:g} m{where}, {LEAST_GAP:g} courses, got {tier.clear_span:g}"
+            "structure.clear_span", f"must be at least {LEAST_GAP * tier.course:g} m{where}, {LEAST_GAP:g} courses, got {tier.clear_span:g}"
         )
     if tier.ring_thickness >= tier.clear_span:
         raise InputError(
-            f"structure.ring_thickness: must be below the clear span, {tier.clear_span:g} m{where}, got {tier.ring_thickness:g}"
+            "structure.ring_thickness", f"must be below the clear span, {tier.clear_span:g} m{where}, got {tier.ring_thickness:g}"
         )
     most = math.floor(math.pi / (2.0 * math.asin(min(1.0, 0.5 * LEAST_CHORD * tier.course / tier.outer))))
     most = min(most, MOST_VOUSSOIRS)
     if not 3 <= tier.voussoirs <= most:
-        raise InputError(f"structure.voussoirs: must be 3 to {most} for courses of {tier.course:g} m{where}, got {tier.voussoirs}")
+        raise InputError("structure.voussoirs", f"must be 3 to {most} for courses of {tier.course:g} m{where}, got {tier.voussoirs}")
     if tier.cover < LEAST_BED * tier.course - 1e-9:
-        raise InputError(f"structure.cover: must be at least half a course, {LEAST_BED * tier.course:g} m{where}, got {tier.cover:g}")
+        raise InputError("structure.cover", f"must be at least half a course, {LEAST_BED * tier.course:g} m{where}, got {tier.cover:g}")
     if tier.unit < 0.5 * tier.course:
-        raise InputError(f"structure.unit_length: must be at least half a course, {0.5 * tier.course:g} m, got {tier.unit:g}")
+        raise InputError("structure.unit_length", f"must be at least half a course, {0.5 * tier.course:g} m, got {tier.unit:g}")
 
 
 def _check_on(tier: Tier, below: Tier, ends: str) -> None:
@@ -260,13 +260,14 @@ def _check_on(tier: Tier, below: Tier, ends: str) -> None:
     if tier.length > below.length * (1.0 + 1e-9):
         most = math.floor((below.length - tier.pier_width) / tier.pitch + 1e-9)
         raise InputError(
-            f"structure.spans: tier {tier.number} is {tier.length:g} m long, longer than the {below.length:g} m below; at most {most} spans"
+            "structure.spans",
+            f"tier {tier.number} is {tier.length:g} m long, longer than the {below.length:g} m below; at most {most} spans",
         )
     n, wide = tier.number, below.width
     if tier.width > wide * (1.0 + 1e-9):
-        raise InputError(f"structure.width: tier {n} must be at most as wide as the one below, {wide:g} m, got {tier.width:g}")
+        raise InputError("structure.width", f"tier {n} must be at most as wide as the one below, {wide:g} m, got {tier.width:g}")
     if ends == "abutment" and tier.length < below.length * (1.0 - 1e-9):
-        raise InputError(f"structure.ends: abutments need tiers of one length, tier {n} has {tier.length:g} of {below.length:g} m")
+        raise InputError("structure.ends", f"abutments need tiers of one length, tier {n} has {tier.length:g} of {below.length:g} m")
 
 
 @dataclass(frozen=True)

@@ -73,7 +73,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     if arch.buttress_width is not None:
         blocks += _buttresses(arch, intrados[0], extrados[0], float(extrados[:, 1].max()), density)
     elif arch.buttress_height is not None or arch.buttress_courses is not None:
-        raise InputError("structure.buttress_width: missing; it makes the buttresses whose height or courses are given")
+        raise InputError("structure.buttress_width", "missing; it makes the buttresses whose height or courses are given")
     elif arch.abutment is not None:
         depth = arch.thickness if math.isnan(arch.abutment) else arch.abutment
         left = seat(intrados[0], extrados[0], intrados[1], depth)
@@ -116,7 +116,7 @@ def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, top: floa
     wide = arch.buttress_width or 0.0
     bed = float(inner[0] - outer[0])
     if wide < bed * (1.0 - AGREE):
-        raise InputError(f"structure.buttress_width: must be at least the width of the springing, {bed:.4g} m, got {wide:g}")
+        raise InputError("structure.buttress_width", f"must be at least the width of the springing, {bed:.4g} m, got {wide:g}")
     height = arch.buttress_height or 2.0 * wide
     size.within(arch.voussoirs + 2.0 * (arch.buttress_courses or 2.0 * height / wide), "buttress_height")
     beds = np.linspace(-height, 0.0, (arch.buttress_courses or max(1, round(2.0 * height / wide))) + 1)

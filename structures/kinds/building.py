@@ -74,7 +74,7 @@ def _opened(table: Mapping[str, Any], folder: Path, faults: Faults) -> tuple[Bui
     plan = Plan({}, [], [])
     with faults.of("", ANYTHING, bears=True):
         plan = open_plan(folder / keys.plan, own)
-    faults.lines += plan.faults.values()
+    faults.found += plan.faults.values()
     faults.left_out |= dict.fromkeys(plan.faults, True)
     lists = {key: [*plan.tables[key], *own[key]] for key in own if isinstance(own[key], (list, tuple)) and key in plan.tables}
     return faults.parsed(BuildingTable, {**plan.tables, **own, **lists}, "structure")[1], plan

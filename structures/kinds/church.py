@@ -99,7 +99,7 @@ def _fits(keys: ChurchTable) -> None:
         ("door_height", keys.door_height, 0.55 * keys.height, "0.55 of the height"),
     ]
     if keys.aisles and keys.aisle_height < 4.0 * course:
-        raise InputError(f"structure.aisle_height: must be at least four courses, {4.0 * course:g} m, got {keys.aisle_height:g}")
+        raise InputError("structure.aisle_height", f"must be at least four courses, {4.0 * course:g} m, got {keys.aisle_height:g}")
     if keys.apse:
         limits.append(("apse_radius", keys.apse_radius, 0.5 * keys.width, "half the width of the nave"))
         limits.append(
@@ -115,18 +115,20 @@ def _fits(keys: ChurchTable) -> None:
     if keys.roof == "vault":
         limits.append(("vault_thickness", keys.vault_thickness or 0.0, 0.7 * t, "0.7 of the thickness of the walls"))
     elif keys.vault_thickness is not None:
-        raise InputError(f'structure.vault_thickness: belongs to roof = "vault", this roof is "{keys.roof}"')
+        raise InputError("structure.vault_thickness", f'belongs to roof = "vault", this roof is "{keys.roof}"')
     if keys.tower:
         limits.append(("tower_side", keys.tower_side, 0.4 * keys.length, "0.4 of the length"))
     for key, value, most, what in limits:
         if value > most * (1.0 + 1e-9):
-            raise InputError(f"structure.{key}: must be at most {what}, {most:.4g} m, got {value:g}")
+            raise InputError(f"structure.{key}", f"must be at most {what}, {most:.4g} m, got {value:g}")
     bay = keys.window_width * (1.0 + 2.0 * max(0.2, min(0.8 * course / keys.window_width, 0.35))) + 0.4 * keys.block_length
     if keys.windows * bay > keys.length - 2.0 * t:
-        raise InputError(f"structure.windows: must be at most {int((keys.length - 2.0 * t) / bay)} of this width, got {keys.windows}")
+        raise InputError("structure.windows", f"must be at most {int((keys.length - 2.0 * t) / bay)} of this width, got {keys.windows}")
     if keys.tower and keys.tower_height < 1.2 * keys.height:
-        raise InputError(f"structure.tower_height: must be at least 1.2 of the height, {1.2 * keys.height:g} m, got {keys.tower_height:g}")
+        raise InputError(
+            "structure.tower_height", f"must be at least 1.2 of the height, {1.2 * keys.height:g} m, got {keys.tower_height:g}"
+        )
     if keys.buttress_depth is not None and keys.buttress_depth < LEAST_DEPTH:
-        raise InputError(f"structure.buttress_depth: must be at least {LEAST_DEPTH:g} m, got {keys.buttress_depth:g}")
+        raise InputError("structure.buttress_depth", f"must be at least {LEAST_DEPTH:g} m, got {keys.buttress_depth:g}")
     if keys.tower and keys.tower_side < 2.5 * t:
-        raise InputError(f"structure.tower_side: must be at least 2.5 thicknesses, {2.5 * t:g} m, got {keys.tower_side:g}")
+        raise InputError("structure.tower_side", f"must be at least 2.5 thicknesses, {2.5 * t:g} m, got {keys.tower_side:g}")

@@ -66,7 +66,7 @@ class Church:
         if low < clear or high > self.length - clear:
             room = clear + 0.5 * self.keys.tower_side
             raise InputError(
-                f"structure.tower_place: must be between {room:.4g} and {self.length - room:.4g} m, clear of the ends, got {middle:g}"
+                "structure.tower_place", f"must be between {room:.4g} and {self.length - room:.4g} m, clear of the ends, got {middle:g}"
             )
         return low, high
 
@@ -144,7 +144,7 @@ def _arch_wall(church: Church) -> Wall:
     most = 2.0 * room / 1.24
     span = keys.arch_span or most
     if not 0.2 * most <= span <= most * (1.0 + 1e-9):
-        raise InputError(f"structure.arch_span: must be between {0.2 * most:.4g} and {most:.4g} m, within the apse, got {span:g}")
+        raise InputError("structure.arch_span", f"must be between {0.2 * most:.4g} and {most:.4g} m, within the apse, got {span:g}")
     springing = church.level(0.75 * keys.apse_height)
     opening = Opening("structure.arch_span", 0.0, span, 0.0, springing + 0.5 * span, "round", 0.12 * span)
     return _across(church, "triumphal_arch", near, (opening,))
@@ -185,7 +185,7 @@ def _arcade(church: Church) -> tuple[float, tuple[Opening, ...]]:
     width, springing = bay - pier, church.level(0.6 * church.aisle_eaves)
     if width < 2.0 * church.course:
         most = math.floor((church.length - 2.0 * church.thick) / (2.0 * church.course + pier))
-        raise InputError(f"structure.bays: must be at most {most} for this length, got {church.keys.bays}")
+        raise InputError("structure.bays", f"must be at most {most} for this length, got {church.keys.bays}")
     places = [church.thick + (i + 0.5) * bay for i in range(church.keys.bays)]
     arches = (Opening("structure.bays", x, width, springing, 0.5 * width, "round", church.arch_ring) for x in places)
     return springing, tuple(arches)
@@ -210,7 +210,9 @@ def _buttresses(church: Church) -> list[Wall]:
         x = t + (i + 1) * clear / (count + 1)
         near = [abs(x - window.centre) for window in _windows(church, 0.0, church.eaves, False)]
         if near and min(near) < 0.5 * (wide + keys.window_width) + 0.37 * church.unit:
-            raise InputError(f"structure.buttresses: must be {max(0, keys.windows - 1)}, one between every two windows, or 0, got {count}")
+            raise InputError(
+                "structure.buttresses", f"must be {max(0, keys.windows - 1)}, one between every two windows, or 0, got {count}"
+            )
         for side, name in ((-1.0, "south"), (1.0, "north")):
             if side > 0 and keys.tower and church.tower_x[0] - wide - church.unit < x < church.tower_x[1] + wide + church.unit:
                 continue
@@ -262,7 +264,7 @@ def with_apse(church: Church, walls_: Sequence[Wall], beds: Sequence[float], den
     inner, outer = r * stretch, (r + wall_thickness) * stretch  # of the corners
     if outer > church.half + t:
         most = (church.half + t) / stretch - wall_thickness
-        raise InputError(f"structure.apse_radius: must be at most {most:.4g} m to lean on the wall behind it, got {r:g}")
+        raise InputError("structure.apse_radius", f"must be at most {most:.4g} m to lean on the wall behind it, got {r:g}")
     own = [z for z in beds if z < church.apse_top + 1e-9]
     rows: list[rings.Row] = []
     voids: list[tuple[float, float, float, float]] = []

@@ -33,11 +33,11 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     top = keys.top_diameter or 0.85 * keys.diameter
     width = keys.width or 1.3 * keys.diameter
     if top > keys.diameter:
-        raise InputError(f"structure.top_diameter: must be at most the diameter, {keys.diameter:g} m, got {top:g}")
+        raise InputError("structure.top_diameter", f"must be at most the diameter, {keys.diameter:g} m, got {top:g}")
     if width < keys.diameter:
-        raise InputError(f"structure.width: must be at least the diameter, {keys.diameter:g} m, got {width:g}")
+        raise InputError("structure.width", f"must be at least the diameter, {keys.diameter:g} m, got {width:g}")
     if keys.plinth + keys.capital >= keys.height:
-        raise InputError(f"structure.height: must exceed plinth and capital, {keys.plinth + keys.capital:g} m, got {keys.height:g}")
+        raise InputError("structure.height", f"must exceed plinth and capital, {keys.plinth + keys.capital:g} m, got {keys.height:g}")
     blocks = column((0.0, 0.0), 0.0, keys, density)
     blocks.append(wall_plan.ground(blocks, keys.base_depth, density))
     check(blocks)

@@ -65,12 +65,12 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     if keys.drum_height:
         thick = keys.drum_thickness or 1.6 * keys.thickness
         if thick < keys.thickness:
-            raise InputError(f"structure.drum_thickness: must be at least that of the dome, {keys.thickness:g} m, got {thick:g}")
+            raise InputError("structure.drum_thickness", f"must be at least that of the dome, {keys.thickness:g} m, got {thick:g}")
         courses = max(1, round(keys.drum_height / keys.thickness))
         rows = rings.wall_rows("drum", inner, thick, list(np.linspace(0.0, keys.drum_height, courses + 1)))
         level = keys.drum_height
     elif keys.drum_thickness is not None:
-        raise InputError("structure.drum_height: missing; it makes the drum whose thickness is given")
+        raise InputError("structure.drum_height", "missing; it makes the drum whose thickness is given")
     rows += shell(keys, level)
     blocks = rings.build(ring, rows, unit, density)
     if not keys.oculus:
@@ -88,7 +88,7 @@ def shell(keys: DomeTable, level: float) -> list[rings.Row]:
     """
     inner = 0.5 * keys.span
     if keys.oculus > 0.9 * keys.span:
-        raise InputError(f"structure.oculus: must be at most 0.9 of the span, {0.9 * keys.span:g} m, got {keys.oculus:g}")
+        raise InputError("structure.oculus", f"must be at most 0.9 of the span, {0.9 * keys.span:g} m, got {keys.oculus:g}")
     open_ = 0.5 * keys.oculus or min(0.25 * inner, 0.8 * keys.thickness)
     top = math.acos(open_ / inner)
     count = keys.rows or max(2, round(top * (inner + 0.5 * keys.thickness) / keys.thickness))

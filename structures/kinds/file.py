@@ -70,9 +70,9 @@ def _fill_of(keys: FileTable, folder: Path) -> tuple[Mapping[str, Any], str]:
     if keys.fill is None:
         return (blockfile.read_fill(folder / path), path.name) if is_own else ({}, path.name)
     if is_own:
-        raise InputError(f"structure.fill: belongs to blocks in other formats; {path.name} holds its own")
+        raise InputError("structure.fill", f"belongs to blocks in other formats; {path.name} holds its own")
     if not is_file(folder / keys.fill):
-        raise InputError(f'structure.fill: no file "{keys.fill}" in {folder}')
+        raise InputError("structure.fill", f'no file "{keys.fill}" in {folder}')
     return blockfile.load(folder / keys.fill, fillfile.FILLS), Path(keys.fill).name
 
 
@@ -80,17 +80,17 @@ def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], l
     """The blocks, and lines on what was changed in them."""
     path = Path(keys.path)
     if not is_file(folder / path):
-        raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')
+        raise InputError("structure.path", f'no file "{path}"' + ("" if path.is_absolute() else f" in {folder}"))
     path = folder / path
     format_ = format_of(path)
     if format_ is None:
         raise InputError(
-            f'structure.path: {path.name} is no file of blocks; kind = "file" reads {endings()}, and kind = "solid" {", ".join(SUFFIXES)}'
+            "structure.path", f'{path.name} is no file of blocks; kind = "file" reads {endings()}, and kind = "solid" {", ".join(SUFFIXES)}'
         )
     is_mesh = format_ != "json"
     for key in () if is_mesh else ("units", "up", "repair"):
         if key in keys.model_fields_set:
-            raise InputError(f"structure.{key}: belongs to .obj, .stl, .vtu, .vtm files and other meshes; {path.name} states it itself")
+            raise InputError(f"structure.{key}", f"belongs to .obj, .stl, .vtu, .vtm files and other meshes; {path.name} states it itself")
     blocks, notes = _from_mesh(keys, path, density, format_) if is_mesh else (blockfile.read_unchecked(path, density), [])
     blocks = with_supports(blocks, keys.fixed, "structure.fixed", "base" if is_mesh else None)
     blocks, moved, uneven = flattened(blocks, keys.flatness)
@@ -100,12 +100,12 @@ def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], l
         notes += [f"{path.name}: {warped} warped faces cut into triangles"] if warped else []
     overlap = keys.overlap or 0.0
     if keys.gaps is not None:
-        refuse_spheres(blocks, "structure.gaps: closing gaps between faces")
+        refuse_spheres(blocks, "structure.gaps", "closing gaps between faces")
         check_shells(blocks, path.name)
         try:
             blocks, moved, pairs = close_gaps(blocks, keys.gaps)
         except Unsound as failure:
-            raise Unsound(f"{path.name}: {failure}", failure.faulty, failure.blocks) from None
+            raise failure.under(path.name) from None
         notes.append(f"{path.name}: {pairs} pairs of faces brought together, corners moved by at most {moved:.3g} m")
     if is_mesh or keys.gaps is not None:
         blocks = sound(blocks, path.name, overlap)
@@ -123,7 +123,7 @@ def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], l
 def _from_mesh(keys: FileTable, path: Path, density: float, format_: str) -> tuple[list[Block], list[str]]:
     """Read a mesh file whose unit and axes it states itself, or the table; not checked yet."""
     if keys.chord is not None and format_ not in CAD:
-        raise InputError(f"structure.chord: belongs to .step and .brep files, whose faces may be curved; {path.name} is none")
+        raise InputError("structure.chord", f"belongs to .step and .brep files, whose faces may be curved; {path.name} is none")
     scale = METRES[keys.units or "m"]
     asked = {"chord": None if keys.chord is None else keys.chord / scale} if format_ in CAD else {}
     loaded = meshfile.load(path, format_, **asked)
@@ -133,10 +133,10 @@ def _from_mesh(keys: FileTable, path: Path, density: float, format_: str) -> tup
         asked, own = getattr(keys, key), stated[key]
         known_by_kind = loaded.metres if key == "units" else format_ in CAD  # of CAD models z is up, as where a solid is cut
         if asked is None and own is None and not known_by_kind:
-            raise InputError(f"structure.{key}: missing; {path.name} does not say it, so take one of {', '.join(known)}")
+            raise InputError(f"structure.{key}", f"missing; {path.name} does not say it, so take one of {', '.join(known)}")
         if None not in (asked, own) and asked != own:
             if loaded.firm:
-                raise InputError(f'structure.{key}: "{asked}", but {path.name} says "{own}"; leave the key out')
+                raise InputError(f"structure.{key}", f'"{asked}", but {path.name} says "{own}"; leave the key out')
             notes.append(f'{path.name}: {key} "{asked}" as the scene says, where the file has "{own}"')
     scale = METRES[keys.units] if keys.units else loaded.metres or 1.0
     return meshfile.blocks_of(loaded, path.name, density, scale, keys.up or loaded.up or "z", keys.repair), notes

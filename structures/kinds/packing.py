@@ -79,7 +79,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     for k, diameter in enumerate(keys.diameters):
         if diameter > plan.clear:
             inner = "the diameter of the cylinder over the root of two" if round_plan else "the smaller measure of the box"
-            raise InputError(f"structure.diameters[{k}]: must be at most {inner}, {plan.clear:.4g} m, got {diameter:g}")
+            raise InputError(f"structure.diameters[{k}]", f"must be at most {inner}, {plan.clear:.4g} m, got {diameter:g}")
     shares = keys.shares or (1.0,) * len(keys.diameters)
     by_volume = keys.share_of == "volume"
     wanted = keys.count or count_for(keys.fill, plan, keys.diameters, shares, by_volume)
@@ -87,7 +87,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     numbers = numbers_of(max(1, round(wanted)), keys.diameters, shares, by_volume)
     for k, number in enumerate(numbers):
         if number == 0:
-            raise InputError(f"structure.shares[{k}]: leaves no sphere of {keys.diameters[k]:g} m among {sum(numbers)}; make it larger")
+            raise InputError(f"structure.shares[{k}]", f"leaves no sphere of {keys.diameters[k]:g} m among {sum(numbers)}; make it larger")
     _refuse_wide(plan, keys.diameters)
     grains = loose(plan, keys.diameters, numbers, keys.seed)
     names = ["spheres"] if len(numbers) == 1 else [f"spheres.{k + 1}" for k in range(len(numbers))]
@@ -109,29 +109,30 @@ def _refuse_wide(plan: Plan, diameters: tuple[float, ...]) -> None:
     largest = max(diameters)
     if plan.length / largest * (plan.width / largest) > MOST_PLACES:
         raise InputError(
-            f"structure.diameters: a layer of the container, {plan.length:g} m by {plan.width:g} m, would hold more than "
-            f"{MOST_PLACES:.0e} spheres of {largest:g} m; take larger ones, or a smaller container"
+            "structure.diameters",
+            f"a layer of the container, {plan.length:g} m by {plan.width:g} m, would hold more than "
+            f"{MOST_PLACES:.0e} spheres of {largest:g} m; take larger ones, or a smaller container",
         )
     for k, diameter in enumerate(diameters):
         if (largest / diameter) ** 3 > MOST_PLACES:
-            raise InputError(f"structure.diameters[{k}]: must be at least {largest / MOST_PLACES ** (1 / 3):.2g} m beside {largest:g} m")
+            raise InputError(f"structure.diameters[{k}]", f"must be at least {largest / MOST_PLACES ** (1 / 3):.2g} m beside {largest:g} m")
 
 
 def _check(keys: PackingTable) -> None:
     """Refuse keys that say nothing, or two things."""
     given = keys.model_fields_set
     if "count" in given and "fill" in given:
-        raise InputError("structure.count: either count or fill, not both")
+        raise InputError("structure.count", "either count or fill, not both")
     if keys.shares is not None and len(keys.shares) != len(keys.diameters):
-        raise InputError(f"structure.shares: must have one for each of the {len(keys.diameters)} diameters, got {len(keys.shares)}")
+        raise InputError("structure.shares", f"must have one for each of the {len(keys.diameters)} diameters, got {len(keys.shares)}")
     box_keys, round_keys = ("length", "width"), ("diameter", "sides")
     for key in round_keys if keys.form == "box" else box_keys:
         if key in given:
             other = "cylinder" if keys.form == "box" else "box"
-            raise InputError(f'structure.{key}: belongs to form = "{other}", and the form is "{keys.form}"')
+            raise InputError(f"structure.{key}", f'belongs to form = "{other}", and the form is "{keys.form}"')
     for key in ("height", "wall_thickness", "sides"):
         if key in given and not keys.walls:
-            raise InputError(f"structure.{key}: belongs to walls, and walls = false leaves them out")
+            raise InputError(f"structure.{key}", "belongs to walls, and walls = false leaves them out")
 
 
 def _box(keys: PackingTable, thick: float, high: float, density: float) -> list[Block]:

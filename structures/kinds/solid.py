@@ -91,7 +91,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     blocks = _named(stones, keys, scale, density, path.name)
     filled = sum(block.mass_properties.volume for block in blocks)
     if not curved and abs(filled / (whole * scale**3) - 1.0) > FILLED:
-        raise InputError(f"{path.name}: its pieces have {filled:.9g} m3, the solid has {whole * scale**3:.9g} m3")
+        raise InputError(path.name, f"its pieces have {filled:.9g} m3, the solid has {whole * scale**3:.9g} m3")
     notes = []
     if curved:
         share = 100.0 * (filled / (whole * scale**3) - 1.0)
@@ -107,7 +107,7 @@ def _trusted(keys: SolidTable, path: Path) -> None:
     if program:
         require_trust("structure.path", path.name, PROGRAM, ", else use a .step or .brep")
     if not program and "trusted" in keys.model_fields_set:
-        raise InputError(f"structure.trusted: belongs to .geo files, which are programs; {path.name} is none")
+        raise InputError("structure.trusted", f"belongs to .geo files, which are programs; {path.name} is none")
 
 
 def _cut(keys: SolidTable, path: Path, scale: float) -> foreign.Answer:
@@ -130,14 +130,14 @@ def _cut(keys: SolidTable, path: Path, scale: float) -> foreign.Answer:
 def _scale(keys: SolidTable, path: Path) -> float:
     """Metres per unit of the file; STEP files are read in metres."""
     if path.suffix.lower() not in SUFFIXES:
-        raise InputError(f'structure.path: "{keys.path}" is no solid; known: {", ".join(SUFFIXES)}')
+        raise InputError("structure.path", f'"{keys.path}" is no solid; known: {", ".join(SUFFIXES)}')
     if not is_file(path):
-        raise InputError(f'structure.path: no file "{keys.path}"')
+        raise InputError("structure.path", f'no file "{keys.path}"')
     states = path.suffix.lower() in (".step", ".stp")
     if states and keys.units is not None:
-        raise InputError(f"structure.units: belongs to .geo and .brep files; {path.name} states it itself")
+        raise InputError("structure.units", f"belongs to .geo and .brep files; {path.name} states it itself")
     if not states and keys.units is None:
-        raise InputError(f"structure.units: missing; {path.name} does not say it, so take one of {', '.join(METRES)}")
+        raise InputError("structure.units", f"missing; {path.name} does not say it, so take one of {', '.join(METRES)}")
     return METRES[keys.units or "m"]
 
 
@@ -146,7 +146,7 @@ def _named(stones: Sequence[foreign.Piece], keys: SolidTable, scale: float, dens
     made = []
     for course, group, vertices, faces, *_ in stones:
         if len(faces) < 4:
-            raise InputError(f"{source}: a piece of course {course} has only {len(faces)} faces; its solid is not closed")
+            raise InputError(source, f"a piece of course {course} has only {len(faces)} faces; its solid is not closed")
         made.append((course, Block("", placed(vertices, scale, keys.up), faces, density, group)))
     made.sort(key=lambda item: (item[0], *np.round(item[1].vertices.mean(axis=0)[[1, 0]], 6)))
     count: dict[int, int] = {}

@@ -96,9 +96,9 @@ def elevations(keys: TowerTable) -> list[wall_plan.Wall]:
     across = keys.side_y or keys.side
     room = min(keys.side, across)
     if 2.0 * keys.thickness >= room:
-        raise InputError(f"structure.thickness: must be below half the side, {0.5 * room:g} m, got {keys.thickness:g}")
+        raise InputError("structure.thickness", f"must be below half the side, {0.5 * room:g} m, got {keys.thickness:g}")
     if keys.course_height > keys.height:
-        raise InputError(f"structure.course_height: must be at most the height, {keys.height:g} m, got {keys.course_height:g}")
+        raise InputError("structure.course_height", f"must be at most the height, {keys.height:g} m, got {keys.course_height:g}")
     belfry = belfry_opening(keys)
     door: tuple[Opening, ...] = ()
     if keys.door_width:
@@ -119,11 +119,12 @@ def belfry_opening(keys: TowerTable) -> tuple[Opening, ...]:
     if most <= 0:
         least = keys.height - most
         raise InputError(
-            f"structure.height: must exceed {least:.4g} m for the belfry, whose arches need a course above them, got {keys.height:g}; "
-            "belfry_width = 0 leaves it out"
+            "structure.height",
+            f"must exceed {least:.4g} m for the belfry, whose arches need a course above them, got {keys.height:g}; "
+            "belfry_width = 0 leaves it out",
         )
     if not 0 < sill <= most:
-        raise InputError(f"structure.belfry_sill: must be above 0 and at most {most:.4g} m, got {sill:g}")
+        raise InputError("structure.belfry_sill", f"must be above 0 and at most {most:.4g} m, got {sill:g}")
     return (replace(opening, sill=sill),)
 
 

@@ -67,7 +67,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
 
 def _barrel(keys: VaultTable, density: float) -> list[Block]:
     if keys.pier is not None:
-        raise InputError("structure.pier: belongs to a cross vault, this one is a barrel")
+        raise InputError("structure.pier", "belongs to a cross vault, this one is a barrel")
     intrados, extrados = joints_of(keys)
     length = keys.length or float(intrados[-1, 0] - intrados[0, 0])
     unit = keys.unit_length or 1.2 * keys.thickness
@@ -83,19 +83,19 @@ def _barrel(keys: VaultTable, density: float) -> list[Block]:
 
 def _cross(keys: VaultTable, density: float) -> list[Block]:
     if keys.length is not None:
-        raise InputError("structure.length: belongs to a barrel; a cross vault is as long as wide")
+        raise InputError("structure.length", "belongs to a barrel; a cross vault is as long as wide")
     if not keys.bonded:
-        raise InputError("structure.bonded: belongs to a barrel; the stones of a cross vault are bonded")
+        raise InputError("structure.bonded", "belongs to a barrel; the stones of a cross vault are bonded")
     intrados, extrados = joints_of(keys)
     if extrados[0, 1] > 1e-9 * keys.thickness:
         key = "shape" if keys.shape == "flat" else "rise"
         raise InputError(
-            f"structure.{key}: a cross vault springs from level beds, so take a semicircle, a pointed or a three-centred profile"
+            f"structure.{key}", "a cross vault springs from level beds, so take a semicircle, a pointed or a three-centred profile"
         )
     half = float(intrados[-1, 0])
     pier = keys.pier or 1.3 * keys.thickness
     if pier <= keys.thickness * (1.0 + 1e-6):
-        raise InputError(f"structure.pier: must exceed the thickness of the vault, {keys.thickness:g} m, got {pier:g}")
+        raise InputError("structure.pier", f"must exceed the thickness of the vault, {keys.thickness:g} m, got {pier:g}")
     unit = keys.unit_length or 1.2 * keys.thickness
     size.within(4.0 * keys.voussoirs * (0.5 * half + pier) / unit, "unit_length")
     return crossing(intrados, extrados, half + pier, unit, density) + _piers(half, pier, keys.thickness, density)

@@ -100,11 +100,11 @@ def elevation(keys: WallTable) -> wall_plan.Wall:
     """
     unit = keys.unit_length or 2.0 * keys.course_height
     if keys.course_height > keys.height:
-        raise InputError(f"structure.course_height: must be at most the height, {keys.height:g} m, got {keys.course_height:g}")
+        raise InputError("structure.course_height", f"must be at most the height, {keys.height:g} m, got {keys.course_height:g}")
     if unit > keys.length:
-        raise InputError(f"structure.unit_length: must be at most the length of the wall, {keys.length:g} m, got {unit:g}")
+        raise InputError("structure.unit_length", f"must be at most the length of the wall, {keys.length:g} m, got {unit:g}")
     if 0 < keys.gable < keys.course_height:
-        raise InputError(f"structure.gable: must be 0, or at least a course, {keys.course_height:g} m, got {keys.gable:g}")
+        raise InputError("structure.gable", f"must be 0, or at least a course, {keys.course_height:g} m, got {keys.gable:g}")
     core = _core(keys)
     openings = []
     for i, entry in enumerate(keys.openings):
@@ -129,23 +129,23 @@ def _core(keys: WallTable) -> tuple[float, float] | None:
     rubble_keys = ("core_diameters", "core_shares", "core_seed")
     for key in ("core_thickness", "core_density") if keys.core == "none" else ():
         if key in given:
-            raise InputError(f'structure.{key}: belongs to core = "solid" or "rubble", and the wall has none')
+            raise InputError(f"structure.{key}", 'belongs to core = "solid" or "rubble", and the wall has none')
     for key in rubble_keys if keys.core != "rubble" else ():
         if key in given:
-            raise InputError(f'structure.{key}: belongs to core = "rubble", and the core is "{keys.core}"')
+            raise InputError(f"structure.{key}", f'belongs to core = "rubble", and the core is "{keys.core}"')
     if keys.core == "none":
         return None
     if "leaves" in given:
-        raise InputError("structure.leaves: a wall with a core has three, of which the core is one; leave the key out")
+        raise InputError("structure.leaves", "a wall with a core has three, of which the core is one; leave the key out")
     if keys.core == "rubble" and (keys.openings or keys.gable):
         key = "openings" if keys.openings else "gable"
-        raise InputError(f'structure.{key}: a wall with core = "rubble" has none, the rubble would run out; core = "solid" may have')
+        raise InputError(f"structure.{key}", 'a wall with core = "rubble" has none, the rubble would run out; core = "solid" may have')
     width = keys.core_thickness or keys.thickness / 3.0
     if width >= keys.thickness:
-        raise InputError(f"structure.core_thickness: must be below the thickness of the wall, {keys.thickness:g} m, got {width:g}")
+        raise InputError("structure.core_thickness", f"must be below the thickness of the wall, {keys.thickness:g} m, got {width:g}")
     for k, diameter in enumerate(_diameters(keys, width) if keys.core == "rubble" else ()):
         if diameter >= width:
-            raise InputError(f"structure.core_diameters[{k}]: must be below the thickness of the core, {width:.4g} m, got {diameter:g}")
+            raise InputError(f"structure.core_diameters[{k}]", f"must be below the thickness of the core, {width:.4g} m, got {diameter:g}")
     return -0.5 * width, 0.5 * width
 
 
@@ -164,7 +164,7 @@ def _rubble(keys: WallTable, wall: wall_plan.Wall, stones: Sequence[Block], beds
     diameters = _diameters(keys, far - near)
     shares = keys.core_shares or (1.0,) * len(diameters)
     if len(shares) != len(diameters):
-        raise InputError(f"structure.core_shares: must have one for each of the {len(diameters)} diameters, got {len(shares)}")
+        raise InputError("structure.core_shares", f"must have one for each of the {len(diameters)} diameters, got {len(shares)}")
     plan = Plan(wall.end - wall.start, far - near)
     size.within(count_for(keys.height, plan, diameters, shares, False), "core_diameters")
     through = [b.vertices for b in stones if np.ptp(b.vertices[:, 1]) > wall.far - wall.near - wall_plan.SAME]
@@ -180,7 +180,7 @@ def _rubble(keys: WallTable, wall: wall_plan.Wall, stones: Sequence[Block], beds
 def inside(key: str, centre: float, width: float, half: float) -> None:
     """Refuse an opening outside its wall of a given half length [m]."""
     if width >= 2.0 * half:
-        raise InputError(f"{key}width: must be below the length of the wall, {2.0 * half:g} m, got {width:g}")
+        raise InputError(f"{key}width", f"must be below the length of the wall, {2.0 * half:g} m, got {width:g}")
     room = half - 0.5 * width
     if abs(centre) > room:
-        raise InputError(f"{key}centre: must be between {-room:.4g} and {room:.4g} m for an opening inside the wall, got {centre:g}")
+        raise InputError(f"{key}centre", f"must be between {-room:.4g} and {room:.4g} m for an opening inside the wall, got {centre:g}")

@@ -66,9 +66,9 @@ def joints_of(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
         InputError: keys that are missing, contradict each other or make no arch.
     """
     if arch.skew is not None and arch.shape != "flat":
-        raise InputError(f'structure.skew: belongs to a flat arch, this one is "{arch.shape}"')
+        raise InputError("structure.skew", f'belongs to a flat arch, this one is "{arch.shape}"')
     if arch.span is not None and arch.thickness >= arch.span:
-        raise InputError(f"structure.thickness: must be below the clear span, {arch.span:g} m, got {arch.thickness:g}")
+        raise InputError("structure.thickness", f"must be below the clear span, {arch.span:g} m, got {arch.thickness:g}")
     if arch.shape == "circular":
         return _circular(arch)
     if arch.shape == "pointed":
@@ -115,10 +115,10 @@ def _circle(arch: RingTable) -> tuple[float, float]:
         inner = arch.radius - 0.5 * arch.thickness
         if inner <= 0:
             limit = 2.0 * arch.radius
-            raise InputError(f"structure.thickness: must be below twice the radius, {limit:g} m, got {arch.thickness:g}")
+            raise InputError("structure.thickness", f"must be below twice the radius, {limit:g} m, got {arch.thickness:g}")
         return inner, _embrace_of_radius(arch, inner)
     if arch.span is None:
-        raise InputError("structure.span: missing; give the clear span or the radius")
+        raise InputError("structure.span", "missing; give the clear span or the radius")
     half = 0.5 * arch.span
     if arch.rise is not None:
         _at_most("rise", arch.rise, half, "half the span")
@@ -126,7 +126,7 @@ def _circle(arch: RingTable) -> tuple[float, float]:
     embrace = 180.0 if arch.embrace is None else arch.embrace
     sine = math.sin(math.radians(0.5 * embrace))
     if half > LONGEST * sine:
-        raise InputError(f"structure.embrace: {embrace:g} degrees over a span of {arch.span:g} m make a radius above {LONGEST:g} m")
+        raise InputError("structure.embrace", f"{embrace:g} degrees over a span of {arch.span:g} m make a radius above {LONGEST:g} m")
     return half / sine, embrace
 
 
@@ -145,7 +145,7 @@ def _embrace_of_radius(arch: RingTable, inner: float) -> float:
 
 def _at_most(key: str, value: float, limit: float, what: str) -> None:
     if value > limit * (1.0 + AGREE):
-        raise InputError(f"structure.{key}: must be at most {what}, {limit:g} m, got {value:g}")
+        raise InputError(f"structure.{key}", f"must be at most {what}, {limit:g} m, got {value:g}")
 
 
 def _agree(arch: RingTable, inner: float, embrace: float) -> None:
@@ -161,14 +161,14 @@ def _agree(arch: RingTable, inner: float, embrace: float) -> None:
         given = getattr(arch, key)
         if given is not None and abs(given - value) > AGREE * value:
             others = ", ".join(k for k in implied if k != key and getattr(arch, k) is not None)
-            raise InputError(f"structure.{key}: {given:g} contradicts {others}, which make it {value:g}; leave one of them out")
+            raise InputError(f"structure.{key}", f"{given:g} contradicts {others}, which make it {value:g}; leave one of them out")
 
 
 def _pointed(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
     """Joint ends of a pointed arch, from left to right."""
     inner, half = _pointed_radius(arch)
     if arch.voussoirs % 2:
-        raise InputError(f"structure.voussoirs: a pointed arch has a joint at its apex, so an even number, got {arch.voussoirs}")
+        raise InputError("structure.voussoirs", f"a pointed arch has a joint at its apex, so an even number, got {arch.voussoirs}")
     outer, offset = inner + arch.thickness, inner - half  # the centre of the left arc lies at x = +offset
     apex = math.acos(offset / (inner + 0.5 * arch.thickness))
     angles = apex * np.arange(arch.voussoirs // 2) / (arch.voussoirs // 2)
@@ -179,20 +179,20 @@ def _pointed(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
         left = radius * unit + [offset, 0.0]
         ends.append(np.concatenate([left, crown[None], left[::-1] * [-1.0, 1.0]]))
     if min(np.diff(ends[0][: arch.voussoirs // 2 + 1, 0])) <= 0:
-        raise InputError(f"structure.voussoirs: too many for the joint at the apex, got {arch.voussoirs}; take fewer or a thinner ring")
+        raise InputError("structure.voussoirs", f"too many for the joint at the apex, got {arch.voussoirs}; take fewer or a thinner ring")
     return ends[0], ends[1]
 
 
 def _pointed_radius(arch: RingTable) -> tuple[float, float]:
     """Intrados radius [m] and half the clear span [m] of a pointed arch."""
     if arch.embrace is not None:
-        raise InputError("structure.embrace: a pointed arch is given by its span and its rise or radius")
+        raise InputError("structure.embrace", "a pointed arch is given by its span and its rise or radius")
     if arch.span is None:
-        raise InputError("structure.span: missing; a pointed arch is given by its span and its rise or radius")
+        raise InputError("structure.span", "missing; a pointed arch is given by its span and its rise or radius")
     half = 0.5 * arch.span
     if arch.rise is not None:
         if arch.rise <= half:
-            raise InputError(f"structure.rise: of a pointed arch must exceed half the span, {half:g} m, got {arch.rise:g}")
+            raise InputError("structure.rise", f"of a pointed arch must exceed half the span, {half:g} m, got {arch.rise:g}")
         inner = (half**2 + arch.rise**2) / arch.span
     elif arch.radius is not None:
         inner = arch.radius - 0.5 * arch.thickness
@@ -200,10 +200,10 @@ def _pointed_radius(arch: RingTable) -> tuple[float, float]:
         inner = arch.span  # the equilateral arch
     if arch.radius is not None and abs(inner + 0.5 * arch.thickness - arch.radius) > AGREE * arch.radius:
         made = inner + 0.5 * arch.thickness
-        raise InputError(f"structure.radius: {arch.radius:g} contradicts span and rise, which make it {made:g}; leave one of them out")
+        raise InputError("structure.radius", f"{arch.radius:g} contradicts span and rise, which make it {made:g}; leave one of them out")
     if inner <= half:
         limit = half + 0.5 * arch.thickness
-        raise InputError(f"structure.radius: of a pointed arch must exceed (span + thickness)/2, {limit:g} m, got {arch.radius:g}")
+        raise InputError("structure.radius", f"of a pointed arch must exceed (span + thickness)/2, {limit:g} m, got {arch.radius:g}")
     return inner, half
 
 
@@ -211,9 +211,9 @@ def _span_of(arch: RingTable, *unused: str) -> float:
     """The clear span of an arch that is not given by circles; refuses keys that say nothing of it."""
     for key in unused:
         if getattr(arch, key) is not None:
-            raise InputError(f"structure.{key}: says nothing of a {arch.shape} arch; leave it out")
+            raise InputError(f"structure.{key}", f"says nothing of a {arch.shape} arch; leave it out")
     if arch.span is None:
-        raise InputError(f"structure.span: missing; a {arch.shape} arch is given by its clear span")
+        raise InputError("structure.span", f"missing; a {arch.shape} arch is given by its clear span")
     return arch.span
 
 
@@ -223,7 +223,7 @@ def _three_centred(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
     half, rise = 0.5 * span, span / 3.0 if arch.rise is None else arch.rise
     least = half * (1.0 - COS30) / 0.5
     if not least < rise < half:
-        raise InputError(f"structure.rise: of a three-centred arch must be between {least:.4g} and {half:g} m, got {rise:g}")
+        raise InputError("structure.rise", f"of a three-centred arch must be between {least:.4g} and {half:g} m, got {rise:g}")
     apart = (half - rise) / (COS30 - 0.5)  # of the centres
     small = rise - apart * (1.0 - COS30)
     middle = small + 0.5 * arch.thickness

@@ -55,24 +55,24 @@ def in_pieces(blocks: Sequence[Block], asked: object) -> list[Block]:
         InputError: no such division, no support, or a place outside the foundations.
     """
     if asked not in NAMES if isinstance(asked, str) else not isinstance(asked, dict):
-        raise InputError(f"structure.{KEY}: should be one of {', '.join(NAMES)}, or a table {{ x = 4 }}, got {asked!r}")
+        raise InputError(f"structure.{KEY}", f"should be one of {', '.join(NAMES)}, or a table {{ x = 4 }}, got {asked!r}")
     if asked == "whole":
         return list(blocks)
     supports = [block for block in blocks if block.fixed]
     if not supports:
-        raise InputError(f"structure.{KEY}: no block of the structure is fixed")
+        raise InputError(f"structure.{KEY}", "no block of the structure is fixed")
     if any(block.parts for block in supports):
-        raise InputError(f"structure.{KEY}: only supports that are convex can be cut")
+        raise InputError(f"structure.{KEY}", "only supports that are convex can be cut")
     if asked == "parts":
         made = [piece for block in blocks for piece in (_by_parts(block, blocks) if block.fixed else [block])]
         if len(made) == len(blocks):
-            raise InputError(f'structure.{KEY}: a single group stands on each support; "corners" or {{ x = 4 }} divides one')
+            raise InputError(f"structure.{KEY}", 'a single group stands on each support; "corners" or { x = 4 } divides one')
         return made
     cuts = _cuts(asked, *_footprint(blocks, supports))
     size.within((len(cuts[0]) + 1) * (len(cuts[1]) + 1), KEY)
     made = [piece for block in blocks for piece in (_pieces(block, cuts, asked == "corners") if block.fixed else [block])]
     if len(made) == len(blocks):
-        raise InputError(f"structure.{KEY}: no cut meets a support")
+        raise InputError(f"structure.{KEY}", "no cut meets a support")
     return made
 
 
@@ -83,7 +83,7 @@ def _cuts(asked: object, low: np.ndarray, high: np.ndarray) -> tuple[Cuts, Cuts]
         return (float(middle[0]),), (float(middle[1]),)
     keys = parse_table(FoundationsTable, asked if isinstance(asked, dict) else {}, f"structure.{KEY}")
     if keys.x is None and keys.y is None:
-        raise InputError(f"structure.{KEY}: give x or y, the number of strips or the places of cuts")
+        raise InputError(f"structure.{KEY}", "give x or y, the number of strips or the places of cuts")
     return _places(keys.x, low[0], high[0], "x"), _places(keys.y, low[1], high[1], "y")
 
 
@@ -103,10 +103,10 @@ def _places(asked: int | list[float] | None, low: float, high: float, axis: str)
         return ()
     if isinstance(asked, int):
         if not 2 <= asked <= MOST:
-            raise InputError(f"structure.{KEY}.{axis}: should be 2 to {MOST} strips, or a list of places, got {asked}")
+            raise InputError(f"structure.{KEY}.{axis}", f"should be 2 to {MOST} strips, or a list of places, got {asked}")
         return tuple(float(low + (high - low) * k / asked) for k in range(1, asked))
     if not asked or len(asked) >= MOST or not all(map(math.isfinite, asked)) or sorted(set(asked)) != list(asked):
-        raise InputError(f"structure.{KEY}.{axis}: should be places [m] that rise, got {asked}")
+        raise InputError(f"structure.{KEY}.{axis}", f"should be places [m] that rise, got {asked}")
     return tuple(map(float, asked))
 
 
@@ -155,7 +155,9 @@ def _by_parts(block: Block, blocks: Sequence[Block]) -> Iterator[Block]:
         yield block
         return
     if len(block.vertices) != 8 or not np.all((block.vertices == low) | (block.vertices == high)):
-        raise InputError(f'structure.{KEY}: "{block.name}" is no level box, which "parts" needs; {{ x = 4 }} and "corners" cut others too')
+        raise InputError(
+            f"structure.{KEY}", f'"{block.name}" is no level box, which "parts" needs; {{ x = 4 }} and "corners" cut others too'
+        )
     plan = _plan(feet, groups, low, high)
     number: dict[str, int] = {}
     for owner, x0, x1, y0, y1 in _rectangles(plan):

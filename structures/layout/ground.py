@@ -45,14 +45,14 @@ def with_ground(blocks: Sequence[Block], asked: object) -> list[Block]:
     if asked is False:
         return list(blocks)
     if asked is not True and not is_number(asked):
-        raise InputError(f"structure.{KEY}: should be true, false or the height of its top [m], got {asked!r}")
+        raise InputError(f"structure.{KEY}", f"should be true, false or the height of its top [m], got {asked!r}")
     if any(block.name == KEY for block in blocks):
-        raise InputError(f'structure.{KEY}: the structure has a block "{KEY}" already')
+        raise InputError(f"structure.{KEY}", f'the structure has a block "{KEY}" already')
     points = np.concatenate([block.vertices for block in blocks])
     low, high = float(points[:, 2].min()), float(points[:, 2].max())
     top = low if asked is True else float(asked)  # type: ignore[arg-type]
     if top > low:
-        raise InputError(f"structure.{KEY}: its top must be at most the lowest corner, {low:.6g} m, got {top:g}")
+        raise InputError(f"structure.{KEY}", f"its top must be at most the lowest corner, {low:.6g} m, got {top:g}")
     slab = ground(blocks, DEPTH * (high - top), blocks[0].density)
     vertices = slab.vertices + [0.0, 0.0, top - low]
     return [*blocks, Block(KEY, vertices, slab.faces, slab.density, slab.group, fixed=True)]

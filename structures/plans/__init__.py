@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
+    from masonry_cd.foundation.errors import Fault
     from structures.plans.keys import PlanKeys
     from structures.plans.recognised import Left
 
@@ -27,7 +28,7 @@ class Plan(NamedTuple):
     tables: dict[str, Any]  # walls with their openings, junctions, vaults, columns ... as in [structure]
     notes: list[str]  # lines for the user: what was assumed, what is left
     left: list[Left]  # entities of a drawing that are not understood
-    faults: Mapping[str, str] = MappingProxyType({})  # what walls lack that the drawing should say, by wall
+    faults: Mapping[str, Fault] = MappingProxyType({})  # what walls lack that the drawing should say, by wall
 
 
 def read(path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -54,14 +55,14 @@ def open_plan(path: Path, keys: Mapping[str, Any]) -> Plan:
     suffix = path.suffix.lower()
     if suffix not in (".dxf", ".json"):
         hint = "; save it as DXF" if suffix == ".dwg" else ""
-        raise InputError(f"structure.plan: {path.name} is no plan; plans are read from .dxf and .json{hint}")
+        raise InputError("structure.plan", f"{path.name} is no plan; plans are read from .dxf and .json{hint}")
     if not is_file(path):
-        raise InputError(f'structure.plan: no file "{path.name}" in {path.parent}')
+        raise InputError("structure.plan", f'no file "{path.name}" in {path.parent}')
     if suffix == ".dxf":
         return _drawing(path, asked)
     for key in ("units", "layers"):
         if key in asked.model_fields_set:
-            raise InputError(f"structure.{key}: belongs to a drawing; {path.name} is in metres and has no layers")
+            raise InputError(f"structure.{key}", f"belongs to a drawing; {path.name} is in metres and has no layers")
     return Plan(read_json(path), [], [])
 
 
@@ -78,11 +79,11 @@ def _drawing(path: Path, keys: PlanKeys) -> Plan:
     try:
         entities = from_pieces(pieces)
     except ValueError as failure:
-        raise InputError(f"{path.name}: {failure}") from None
+        raise InputError(path.name, str(failure)) from None
     stated = UNITS_OF_CODE.get(int(figures[0]))
     unit = keys.units or stated
     if unit is None:
-        raise InputError(f"structure.units: missing; {path.name} does not state its unit ($INSUNITS), so take one of {', '.join(METRES)}")
+        raise InputError("structure.units", f"missing; {path.name} does not state its unit ($INSUNITS), so take one of {', '.join(METRES)}")
     notes = [f"{path.name}: is damaged; what could be read of it was"] if figures[1] else []
     if keys.units and stated and keys.units != stated:
         notes.append(f'{path.name}: units "{keys.units}" as the scene says, where the file has "{stated}"')

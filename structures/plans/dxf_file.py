@@ -43,15 +43,15 @@ def read(path: Path) -> Answer:
         try:
             drawing, _ = recover.readfile(path)
         except DAMAGED + (DXFError,) as failure:
-            raise Refused(f"{path.name}: no DXF that can be read: {str(failure).strip() or type(failure).__name__}") from None
+            raise Refused(path.name, f"no DXF that can be read: {str(failure).strip() or type(failure).__name__}") from None
     except OSError:
-        raise Refused(f"{path.name}: is no DXF file; its first lines should be 0 and SECTION") from None
+        raise Refused(path.name, "is no DXF file; its first lines should be 0 and SECTION") from None
     hidden = {layer.dxf.name.lower() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
     entities: list[Entity] = []
     for entity in _entities(drawing.modelspace(), "", "", 0):
         entities.append(entity._replace(kind=OTHER, text="its layer is off or frozen") if entity.layer.lower() in hidden else entity)
         if len(entities) > MOST:
-            raise Refused(f"{path.name}: more than {MOST} entities; keep those of one floor")
+            raise Refused(path.name, f"more than {MOST} entities; keep those of one floor")
     units = drawing.header.get("$INSUNITS", 0)
     return to_pieces(entities), [float(units) if isinstance(units, int) else 0.0, float(mended)]
 

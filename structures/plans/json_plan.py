@@ -24,19 +24,19 @@ def read_json(path: Path) -> dict[str, Any]:
     try:
         plan = json.loads(read_bytes(path, path.name).decode("utf-8"))
     except UnicodeDecodeError:
-        raise InputError(f"{path.name}: is no text in UTF-8") from None
+        raise InputError(path.name, "is no text in UTF-8") from None
     except json.JSONDecodeError as failure:
-        raise InputError(f"{path.name}: line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
+        raise InputError(path.name, f"line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
     except (ValueError, RecursionError):
-        raise InputError(f"{path.name}: numbers too long or lists too deep for a plan") from None
+        raise InputError(path.name, "numbers too long or lists too deep for a plan") from None
     except OSError as failure:
-        raise InputError(f"{path.name}: cannot be read: {failure.strerror}") from None
+        raise InputError(path.name, f"cannot be read: {failure.strerror}") from None
     if not isinstance(plan, dict):
-        raise InputError(f'{path.name}: a plan is an object, {{"units": "m", "walls": [...]}}')
+        raise InputError(path.name, 'a plan is an object, {"units": "m", "walls": [...]}')
     if plan.get("units", "m") != "m":
-        raise InputError(f'{path.name}: units: lengths of a plan in JSON are in metres, "m"; single ones may be texts with a unit, "30 cm"')
+        raise InputError(path.name, 'units: lengths of a plan in JSON are in metres, "m"; single ones may be texts with a unit, "30 cm"')
     if not isinstance(plan.get("walls"), list) or not plan["walls"]:
-        raise InputError(f"{path.name}: walls: missing; a plan has at least one wall")
+        raise InputError(path.name, "walls: missing; a plan has at least one wall")
     return {key: value for key, value in plan.items() if key not in ("units", *OF_A_FILE)}
 
 

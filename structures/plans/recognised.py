@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import Fault, InputError
 from structures.plans import marks
 from structures.plans.axes import Wall, walls_of
 from structures.plans.bands import Band, bands_of
@@ -40,7 +40,7 @@ class Recognised(NamedTuple):
     tables: dict[str, Any]
     notes: list[str]
     left: list[Left]
-    faults: dict[str, str]  # what walls lack, by wall
+    faults: dict[str, Fault]  # what walls lack, by wall
 
 
 class _Roles:
@@ -117,7 +117,7 @@ def _walls(roles: _Roles, keys: PlanKeys, openings: Sequence[Drawn], name: str) 
     broad = [p for p in paths if p.width > 0.0 and not p.closed]
     faces = faces_of(p for p in paths if not (p.width > 0.0 and not p.closed))
     if len(faces.edges) + len(faces.loose) > MOST_EDGES:
-        raise InputError(f"{name}: more than {MOST_EDGES} edges on layers of walls; name those of one floor in structure.layers.walls")
+        raise InputError(name, f"more than {MOST_EDGES} edges on layers of walls; name those of one floor in structure.layers.walls")
     bands = bands_of(faces, keys.thickest, [_filling(one) for one in openings])
     texts = [(e, marks.read(e.text)) for e in (*roles.of("axes", TEXT), *roles.of("heights", TEXT), *roles.of("walls", TEXT))]
     axes, left = _from_axes([*broad, *roles.of("axes", PATH)], keys, texts)
@@ -125,7 +125,7 @@ def _walls(roles: _Roles, keys: PlanKeys, openings: Sequence[Drawn], name: str) 
     if not walls:
         on = ", ".join(sorted({e.layer for e in paths})) or "none of structure.layers.walls"
         layers = ", ".join(sorted({e.layer for e in (*roles.unknown, *roles.all())})[:12]) or "none"
-        raise InputError(f"{name}: no wall comes out of what is drawn; layers of walls in it: {on}; its layers: {layers}")
+        raise InputError(name, f"no wall comes out of what is drawn; layers of walls in it: {on}; its layers: {layers}")
     used = {handle for wall in walls for handle in wall.handles}
     by_handle = {e.handle: e for e in paths}
     said = dict(faces.left)
@@ -180,7 +180,7 @@ class _Reader:
     def __init__(self, walls: list[Wall], keys: PlanKeys, left: list[Left], name: str) -> None:
         self.walls, self.keys, self.left, self.name = walls, keys, left, name
         self.notes: list[str] = []
-        self.faults: dict[str, str] = {}
+        self.faults: dict[str, Fault] = {}
 
     def tables(self, roles: _Roles, openings: Sequence[Drawn], texts: Sequence[Entity], faces: Faces) -> Recognised:
         """The tables of the plan."""
@@ -234,9 +234,9 @@ class _Reader:
         if without:
             (x, y), others = without[0].line.centroid.coords[0], len(without) - 1
             more = f" nor of {others} other{'s' if others > 1 else ''}" if others else ""
-            said = f"{self.name}: nothing says the height of wall {without[0].name} about ({x:.2f}, {y:.2f}){more}: "
+            said = f"nothing says the height of wall {without[0].name} about ({x:.2f}, {y:.2f}){more}: "
             said += "draw a text h=8.50 beside it, or give structure.wall_height"
-            self.faults = {wall.name: said for wall in without}
+            self.faults = {wall.name: Fault(self.name, said) for wall in without}
         return tables
 
     def _openings(self, openings: Sequence[Drawn], beside: dict[str, list[str]], walls: list[dict[str, Any]]) -> None:

@@ -80,7 +80,7 @@ def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path
 
 
 REFUSED = {
-    "no block": ('[[limit.mechanism]]\nbox = [[50, 50, 50], [51, 51, 51]]\n', "limit.mechanism[0]: names no block that is free to move"),
+    "no block": ("[[limit.mechanism]]\nbox = [[50, 50, 50], [51, 51, 51]]\n", "limit.mechanism[0]: names no block that is free to move"),
     "support": ('[[limit.mechanism]]\ngroup = "base"\n', "limit.mechanism[0]: names no block that is free to move"),
     "group": ('[[limit.mechanism]]\ngroup = "towr"\n', 'limit.mechanism[0].group: there is no group "towr"'),
     "block": ('[[limit.mechanism]]\nblocks = ["slob"]\n', 'limit.mechanism[0].blocks: there is no block "slob" (did you mean "slab"?)'),

@@ -253,14 +253,18 @@ def test_a_missing_file_a_folder_and_a_binary_file(tmp_path):
         read_scene(tmp_path / "b.toml")
 
 
+def located(scene, place, text):
+    """The error of a place as a command shows it."""
+    with pytest.raises(InputError) as caught, scene.locating():
+        raise InputError(place, text)
+    return caught.value
+
+
 def test_errors_of_other_packages_get_file_and_line(write):
     scene = read_scene(write(GOOD))
-    second = scene.at_fault(InputError("loads[1].amplitude: must be positive"))
-    assert str(second).endswith("scene.toml:15: loads[1].amplitude: must be positive")
-    missing = scene.at_fault(InputError("loads[1].frequency: missing"))
-    assert str(missing).endswith("scene.toml:13: loads[1].frequency: missing")
-    other = InputError("record.csv:7: not a number")
-    assert scene.at_fault(other) is other
+    assert str(located(scene, "loads[1].amplitude", "must be positive")).endswith("scene.toml:15: loads[1].amplitude: must be positive")
+    assert str(located(scene, "loads[1].frequency", "missing")).endswith("scene.toml:13: loads[1].frequency: missing")
+    assert str(located(scene, "record.csv:7", "not a number")) == "record.csv:7: not a number"
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -293,6 +297,6 @@ def test_an_error_elsewhere_names_its_line_in_the_file_whatever_was_changed(writ
     with pytest.raises(InputError, match=r"scene\.toml:18: run\.dt: input should be greater than 0"):
         read_scene(write(GOOD.replace("dt = 1e-3", "dt = -1e-3")), ["run.seed=3"])
     scene = read_scene(write(GOOD), ["run.seed=3", "structure.thickness=-1"])
-    assert str(scene.at_fault(InputError("structure.radius: bad"))).endswith("scene.toml:4: structure.radius: bad")
-    assert str(scene.at_fault(InputError("structure.radius[1]: bad"))).endswith("scene.toml:4: structure.radius[1]: bad")  # item of a list
-    assert str(scene.at_fault(InputError("structure.thickness: bad"))) == "--set structure.thickness=-1: structure.thickness: bad"
+    assert str(located(scene, "structure.radius", "bad")).endswith("scene.toml:4: structure.radius: bad")
+    assert str(located(scene, "structure.radius[1]", "bad")).endswith("scene.toml:4: structure.radius[1]: bad")  # item of a list
+    assert str(located(scene, "structure.thickness", "bad")) == "--set structure.thickness=-1: structure.thickness: bad"

@@ -656,7 +656,7 @@ def test_numbers_are_kept_when_a_picture_fails(block_on_plate, tmp_path, monkeyp
     from reports import outputs
 
     def fail(*_: object) -> None:
-        raise InputError("no off-screen OpenGL")
+        raise InputError("", "no off-screen OpenGL")
 
     monkeypatch.setattr(outputs, "write_asked", fail)
     scene = block_on_plate(duration="duration = 0.01", report="[report]\ncrack_map = true")

@@ -30,7 +30,7 @@ def test_one_that_is_named_at_its_place_is_none(capsys):
 def test_beside_a_refusal_it_says_nothing(capsys):
     with pytest.raises(typer.Exit) as ended, errors_reported():
         np.array([1e308]) * 10.0
-        raise InputError("material.density: not finite")
+        raise InputError("material.density", "not finite")
     assert ended.value.exit_code == 2
     assert capsys.readouterr().err == "masonry-cd: error: material.density: not finite\n"
 

@@ -126,7 +126,7 @@ def test_a_script_needs_no_guard(tmp_path: Path) -> None:
     ("tables", "words"),
     [
         ({"design": "grid"}, "study: scene: missing"),
-        ({"scene": "scene.toml", "design": "grd"}, 'study: design: '),
+        ({"scene": "scene.toml", "design": "grd"}, "study: design: "),
         (GRID_TABLES | {"vary": {"material.fraction": [0.3]}}, 'study: vary."material.fraction": 0.3 is refused by the scene'),
         (GRID_TABLES | {"scene": "none.toml"}, "none.toml: no such scene file"),
         (GRID_TABLES | {"records": {"folder": "nowhere", "x": ["NS"]}}, "study: records.folder: "),

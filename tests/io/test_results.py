@@ -180,7 +180,7 @@ def test_an_error_is_not_hidden_by_one_of_closing_the_file(tmp_path, monkeypatch
     ):
         writer.append({"time": 7.7, "position": machine.state.position, "orientation": machine.state.orientation})
         monkeypatch.setattr(result_writer.shutil, "disk_usage", lambda folder: SimpleNamespace(free=0))
-        raise InputError("the true one")
+        raise InputError("", "the true one")
 
 
 def test_a_first_frame_that_fills_the_buffer_does_not_shut_out_what_comes_after(tmp_path, monkeypatch):

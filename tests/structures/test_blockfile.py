@@ -122,13 +122,13 @@ def test_a_plain_block_is_left_as_it_is() -> None:
         ({"blocks": [cube(vertices=[[0, 0, "x"]] * 4)]}, 'blocks.json: block "c".vertices[0][2]: input should be a valid number'),
         ({"blocks": [cube(faces=cube()["faces"][:-1])]}, 'blocks.json: block "c": open shell'),
         ({"blocks": [cube(faces=[face[::-1] for face in cube()["faces"]])]}, 'blocks.json: block "c": its faces are reversed'),
-        ({"blocks": [cube(), cube(name="d")]}, 'blocks.json: blocks "c" and "d" overlap by 1000 mm'),
+        ({"blocks": [cube(), cube(name="d")]}, 'blocks.json: blocks "c" and "d": they overlap by 1000 mm'),
         ({"blocks": [ball(radius=0.0)]}, 'blocks.json: block "s".radius: input should be greater than 0'),
         ({"blocks": [{"name": "s", "radius": 1.0}]}, 'blocks.json: block "s".centre: missing'),
         ({"blocks": [ball(centre=[0, 0])]}, 'blocks.json: block "s".centre: list should have at least 3 items'),
         ({"blocks": [ball(vertices=[])]}, 'blocks.json: block "s".vertices: unknown key'),
-        ({"blocks": [cube(), ball()]}, 'blocks.json: blocks "c" and "s" overlap by 100 mm'),
-        ({"blocks": [ball(), ball(name="t", centre=[0.5, 0.5, 2.2])]}, 'blocks.json: blocks "s" and "t" overlap by 200 mm'),
+        ({"blocks": [cube(), ball()]}, 'blocks.json: blocks "c" and "s": they overlap by 100 mm'),
+        ({"blocks": [ball(), ball(name="t", centre=[0.5, 0.5, 2.2])]}, 'blocks.json: blocks "s" and "t": they overlap by 200 mm'),
     ],
 )
 def test_what_is_wrong_in_a_file_is_named(tmp_path: Path, content: Any, message: str) -> None:
@@ -182,7 +182,7 @@ def test_a_moved_block_changes_nothing_else(tmp_path: Path) -> None:
     blocks = structures.build({"kind": "arch", "radius": 3.0, "thickness": 0.5, "voussoirs": 9}, 2100.0, tmp_path)
     moved = [replace(blocks[0], vertices=blocks[0].vertices + [0.0, 0.0, 0.01]), *blocks[1:]]
     blockfile.write(tmp_path / "moved.json", moved)
-    with pytest.raises(InputError, match=r'moved\.json: blocks "v1" and "v2" overlap'):
+    with pytest.raises(InputError, match=r'moved\.json: blocks "v1" and "v2": they overlap'):
         blockfile.read(tmp_path / "moved.json", 2100.0)
 
 

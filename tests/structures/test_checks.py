@@ -74,7 +74,7 @@ def test_non_convex_shell() -> None:
     assert refused(block).startswith('block "ell": not convex, vertex')
     halves = [prism_xz(rectangle(0, 2, 0, 1), 0, 1), prism_xz(rectangle(0, 1, 1, 2), 0, 1)]
     check([replace(block, parts=tuple(Polyhedron(*half) for half in halves)), box("in the corner", 1, 1)])
-    with pytest.raises(InputError, match='"ell" and "in the arm" overlap'):
+    with pytest.raises(InputError, match='"ell" and "in the arm": they overlap'):
         check([replace(block, parts=tuple(Polyhedron(*half) for half in halves)), box("in the arm", 0.5, 1.5)])
 
 
@@ -106,8 +106,8 @@ def test_names_that_no_line_can_show() -> None:
 
 
 def test_overlap_names_both_blocks_and_the_depth() -> None:
-    assert refused(box("a", 0, 0), box("b", 0.998, 0.2)) == 'blocks "a" and "b" overlap by 2 mm'
-    assert refused(box("outer", 0, 0), box("inner", 0.4, 0.4, (0.2, 0.2, 0.2))).startswith('blocks "outer" and "inner" overlap')
+    assert refused(box("a", 0, 0), box("b", 0.998, 0.2)) == 'blocks "a" and "b": they overlap by 2 mm'
+    assert refused(box("outer", 0, 0), box("inner", 0.4, 0.4, (0.2, 0.2, 0.2))).startswith('blocks "outer" and "inner": they overlap')
 
 
 def test_overlap_below_the_tolerance_passes_and_supports_may_meet() -> None:
@@ -127,4 +127,4 @@ def test_of_five_thousand_blocks_the_two_that_overlap_are_found() -> None:
     blocks = [box(f"{i}-{j}", i + 0.5 * (j % 2), j) for i in range(50) for j in range(100)]
     check(blocks)
     blocks[2550] = replace(blocks[2550], vertices=blocks[2550].vertices + [2e-3, 0.0, 0.0])  # 25-50, into the next one of its course
-    assert refused(*blocks) == 'blocks "25-50" and "26-50" overlap by 2 mm'
+    assert refused(*blocks) == 'blocks "25-50" and "26-50": they overlap by 2 mm'

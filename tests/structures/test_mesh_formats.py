@@ -175,7 +175,7 @@ def test_obj_groups_and_materials(tmp_path: Path) -> None:
         ("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n", r"a\.ply: not the corners and faces"),
         ("a.glb", "glTF....", r"a\.glb: not the nodes, meshes and accessors"),
         ("a.3mf", "PK..", r"a\.3mf: not the objects and the build of a 3MF file"),
-        ("a.3dec", "block create sphere 1\n", r'a\.3dec: line 1: a block sphere that is not read'),
+        ("a.3dec", "block create sphere 1\n", r"a\.3dec: line 1: a block sphere that is not read"),
         ("a.json", '{"dtype": "compas.data/Data", "data": {}}', r"a\.json: no mesh and no polyhedron of COMPAS in it"),
         ("BODIES.DAT", "$bdyty\n RBDY3  1\n$nodty\n$tacty\n SPHER  1  color  BLUEx\n", r"BODIES\.DAT: RBDY3 1: no three coordinates"),
     ],
@@ -197,7 +197,7 @@ def test_formats_are_listed(tmp_path: Path) -> None:
 def test_an_overlap_is_accepted_where_asked_for_and_reported(tmp_path: Path) -> None:
     blocks = [Block(b.name, b.vertices - [0.0, 0.0, 0.001 * k], b.faces, b.density, b.group, b.fixed) for k, b in enumerate(tower(2))]
     meshfile.write(tmp_path / "t.obj", blocks)
-    with pytest.raises(InputError, match=r't\.obj: blocks "\w+" and "\w+" overlap by 1 mm; 1 more pairs overlap'):
+    with pytest.raises(InputError, match=r't\.obj: blocks "\w+" and "\w+": they overlap by 1 mm; 1 more pairs overlap'):
         build(tmp_path, "t.obj")
     made, notes = structures.build_with_notes({"kind": "file", "path": "t.obj", "overlap": 0.002}, 2000.0, tmp_path)
     assert len(made) == 3

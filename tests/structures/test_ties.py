@@ -134,7 +134,7 @@ def test_two_ties_of_one_name_are_refused():
 
 def test_a_time_step_too_long_for_a_tie_names_it():
     blocks, _, bars, _ = made(WALL, {"along": "x", "height": 1.25, "area": 0.5})
-    with pytest.raises(InputError, match=r"^structure.ties\[0\]: run.dt 0.001 s is too long for its 1.63e\+03 Hz"):
+    with pytest.raises(InputError, match=r"^run.dt: 0.001 s is too long for the 1.63e\+03 Hz of structure.ties\[0\]"):
         run(blocks, bars, [], 1e-3, 0.01)
 
 

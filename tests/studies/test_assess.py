@@ -128,7 +128,7 @@ def test_larger_blocks_that_find_no_place_are_left_out_and_the_plan_says_why() -
     assert levels(plan)["block size"] == ["x 0.7"]
     (left,) = plan.left_out
     assert left.name == "block size x 1.4"
-    assert left.why == "wall: structure.block_length: must be at most a third of the width, 2 m, got 2.8"
+    assert left.why == "structure.block_length: must be at most a third of the width, 2 m, got 2.8"
     assert not AssessPlan(scene(structure=church | openings, assess={"leave_out": ["block size"]})).left_out[1:]
 
 

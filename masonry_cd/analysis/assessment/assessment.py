@@ -224,7 +224,7 @@ def read_assessment(folder: Path) -> Assessment:
     """
     file = folder / FILE
     if not file.exists():
-        raise InputError(f"{folder}: holds no {FILE}: no assessment was made there")
+        raise InputError(folder, f"holds no {FILE}: no assessment was made there")
     try:
         facts = json.loads(read_text(file))
         known = tuple(Known(**{**one, "levels": tuple(one["levels"])}) for one in facts["assumptions"])
@@ -233,7 +233,7 @@ def read_assessment(folder: Path) -> Assessment:
         left = tuple((one["assumption"], one["why"]) for one in facts["left_out"])
         return Assessment(facts["title"], facts["scene"], known, left, made, facts.get("program", ""))
     except (ValueError, KeyError, TypeError, OSError) as fault:
-        raise InputError(f"{file}: is no assessment: {fault}") from None
+        raise InputError(file, f"is no assessment: {fault}") from None
 
 
 @lru_cache

@@ -111,7 +111,7 @@ def ground_of(table: CheckTable, folder: Path) -> Ground:
         return CodeGround(table.spectrum_of_site(), words, clause)
     record, where = table.record, "limit.check.record"
     if record.resample == "run":
-        raise InputError(f'{where}.resample: "run" has no time step here; give one in seconds')
+        raise InputError(f"{where}.resample", '"run" has no time step here; give one in seconds')
     done = process(record, folder, NO_STEP, where)
     factor = size_factor(record.scale, record.target_pga, done.after.numbers()["pga"])
     after = done.scaled(factor).after

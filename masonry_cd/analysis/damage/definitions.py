@@ -60,7 +60,7 @@ class Thresholds:
         for item in fields(self):
             value = getattr(self, item.name)
             if not (np.isfinite(value) and value > 0):
-                raise InputError(f"thresholds.{item.name}: must be positive, got {value!r}")
+                raise InputError(f"thresholds.{item.name}", f"must be positive, got {value!r}")
 
     def in_words(self) -> str:
         """The thresholds that count joints and blocks, in a sentence."""

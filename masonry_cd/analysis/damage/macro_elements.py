@@ -85,7 +85,7 @@ def require_names(blocks: Sequence[Block]) -> None:
         InputError: names it.
     """
     if not can_be_graded(blocks):
-        raise InputError(f'group "{WHOLE}": this name stands for the whole in the damage tables; give the group another')
+        raise InputError(f'group "{WHOLE}"', "this name stands for the whole in the damage tables; give the group another")
 
 
 def macro_elements_of(blocks: Sequence[Block], joints: Joints) -> MacroElements:

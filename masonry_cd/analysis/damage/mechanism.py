@@ -61,7 +61,7 @@ class Rules:
         for item in fields(self):
             value = getattr(self, item.name)
             if not (np.isfinite(value) and value > 0):
-                raise InputError(f"rules.{item.name}: must be positive, got {value!r}")
+                raise InputError(f"rules.{item.name}", f"must be positive, got {value!r}")
 
 
 @dataclass(frozen=True, eq=False)

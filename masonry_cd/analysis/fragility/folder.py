@@ -120,11 +120,11 @@ def read_study(folder: Path) -> Study:
     states = columns["status"]
     for k, word in enumerate(states):
         if word not in STATES:
-            raise InputError(f'{folder / "runs.csv"}, line {k + 2}: status: "{word}" is none of {", ".join(STATES)}')
+            raise InputError(f"{folder / 'runs.csv'}, line {k + 2}", f'status: "{word}" is none of {", ".join(STATES)}')
     begin, end = len(FIRST) + len(asked["varied"]), header.index(RESULTS)
     measures = tuple(header[begin:end])
     if rows and asked["measure"] is not None and asked["measure"] not in measures:
-        raise InputError(f'{folder / "study.json"}: measure: runs.csv has no column "{asked["measure"]}"')
+        raise InputError(folder / "study.json", f'measure: runs.csv has no column "{asked["measure"]}"')
     limits = read_limit_states(asked["limit_states"], header, folder / "study.json")
     return Study(folder, asked, limits, columns, measures)
 
@@ -134,21 +134,21 @@ def _read_asked(path: Path) -> dict[str, Any]:
     try:
         asked = json.loads(read_text(path))
     except FileNotFoundError:
-        raise InputError(f"{path.parent}: no study: it has no {path.name}") from None
+        raise InputError(path.parent, f"no study: it has no {path.name}") from None
     except (OSError, ValueError) as failure:
-        raise InputError(f"{path}: cannot be read: {failure}") from None
+        raise InputError(path, f"cannot be read: {failure}") from None
     if not isinstance(asked, dict) or asked.get("format") != 1:
-        raise InputError(f"{path}: not the format 1 that this version reads")
+        raise InputError(path, "not the format 1 that this version reads")
     lacking = next((key for key in KEYS if key not in asked), None)
     if lacking:
-        raise InputError(f"{path}: {lacking}: missing")
+        raise InputError(path, f"{lacking}: missing")
     seed, varied = asked["seed"], asked["varied"]
     if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
-        raise InputError(f"{path}: seed: must be a whole number from 0 on, got {seed!r}")
+        raise InputError(path, f"seed: must be a whole number from 0 on, got {seed!r}")
     if not isinstance(varied, list) or not all(isinstance(name, str) for name in varied):
-        raise InputError(f"{path}: varied: must be a list of names")
+        raise InputError(path, "varied: must be a list of names")
     if not isinstance(asked["limit_states"], dict):
-        raise InputError(f"{path}: limit_states: must be a table")
+        raise InputError(path, "limit_states: must be a table")
     return asked
 
 
@@ -157,16 +157,16 @@ def _read_rows(path: Path, asked: Mapping[str, Any]) -> tuple[list[str], list[li
     try:
         lines = list(csv.reader(io.StringIO(read_bytes(path).decode("utf-8"), newline="")))
     except FileNotFoundError:
-        raise InputError(f"{path.parent}: the study has no {path.name} yet") from None
+        raise InputError(path.parent, f"the study has no {path.name} yet") from None
     except (OSError, ValueError, csv.Error) as failure:
-        raise InputError(f"{path}: cannot be read: {failure}") from None
+        raise InputError(path, f"cannot be read: {failure}") from None
     header, rows = (lines[0], lines[1:]) if lines else ([], [])
     wanted = [*FIRST, *asked["varied"]]
     if header[: len(wanted)] != wanted or RESULTS not in header or len(set(header)) < len(header):
-        raise InputError(f"{path}, line 1: not the columns of this study: {', '.join(wanted)}, ..., {RESULTS}, ...")
+        raise InputError(f"{path}, line 1", f"not the columns of this study: {', '.join(wanted)}, ..., {RESULTS}, ...")
     for k, row in enumerate(rows):
         if len(row) != len(header):
-            raise InputError(f"{path}, line {k + 2}: {len(row)} cells, and {len(header)} columns")
+            raise InputError(f"{path}, line {k + 2}", f"{len(row)} cells, and {len(header)} columns")
     return header, rows
 
 

@@ -54,7 +54,7 @@ def read_joint_runs(study: Study, count: int, thresholds: Thresholds) -> JointRu
             left_out += 1
             continue
         if found["opening"].shape != (count,):
-            raise InputError(f"{path}: {len(found['opening'])} joints, and reference/result.h5 has {count}")
+            raise InputError(path, f"{len(found['opening'])} joints, and reference/result.h5 has {count}")
         rows.append(row)
         gone = found["lost"].astype(bool)
         opening.append(np.where(gone, np.float32(np.inf), found["opening"].astype(np.float32)))
@@ -75,9 +75,9 @@ def _read(path: Path) -> dict[str, np.ndarray]:
         with np.load(path) as file:
             found = {key: file[key] for key in KEYS}
     except Exception as failure:  # damaged bytes make the readers of zip files and arrays raise whatever they like
-        raise InputError(f"{path}: cannot be read: {failure}") from None
+        raise InputError(path, f"cannot be read: {failure}") from None
     if not found["opening"].shape == found["sliding"].shape == found["lost"].shape or found["opening"].ndim != 1:
-        raise InputError(f"{path}: opening, sliding and lost differ in their number of joints")
+        raise InputError(path, "opening, sliding and lost differ in their number of joints")
     return found
 
 

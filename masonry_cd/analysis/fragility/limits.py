@@ -67,16 +67,16 @@ def read_limit_states(table: Mapping[str, Any], header: Sequence[str], path: Pat
 def _limit_state(name: str, given: Any, header: Sequence[str], where: str) -> LimitState:
     """One of them."""
     if not isinstance(given, Mapping) or not isinstance(given.get("quantity"), str):
-        raise InputError(f"{where}: quantity: missing")
+        raise InputError(where, "quantity: missing")
     quantity = given["quantity"]
     column = f"{quantity}_number" if quantity.split(".")[-1] == "grade" else quantity
     if column not in header:
-        raise InputError(f'{where}: quantity: runs.csv has no column "{column}"{suggest(column, header)}')
+        raise InputError(where, f'quantity: runs.csv has no column "{column}"{suggest(column, header)}')
     found = [key for key in ("above", "at_least") if given.get(key) is not None]
     if len(found) != 1:
-        raise InputError(f"{where}: needs either above or at_least")
+        raise InputError(where, "needs either above or at_least")
     value, equal = given[found[0]], found[0] == "at_least"
     bound = NAMES.index(value) if value in NAMES else value
     if not is_number(bound) and not isinstance(bound, float):
-        raise InputError(f"{where}.{found[0]}: must be a number, or a grade {NAMES[0]} to {NAMES[-1]}, got {value!r}")
+        raise InputError(f"{where}.{found[0]}", f"must be a number, or a grade {NAMES[0]} to {NAMES[-1]}, got {value!r}")
     return LimitState(name, quantity, column, float(bound), equal, str(value) if value in NAMES else f"{value:g}")

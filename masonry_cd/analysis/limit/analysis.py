@@ -29,7 +29,7 @@ NOTHING = 1e-6  # share of the dead loads below which live ones count as none; t
 SEARCHES = 3  # of the least factor at most, each with the cells of joints that crush cut by the mechanisms of the one before
 NO_FORCE = 1e-6  # share of the mean weight of a block below which a joint bears nothing
 RESTS = "whether it stands"
-NO_WORK = "limit: the load does no work on any mechanism: no factor of it sets the structure in motion"
+NO_WORK = "the load does no work on any mechanism: no factor of it sets the structure in motion"
 
 
 class NoFiniteFactor(InputError):
@@ -159,7 +159,7 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     _refuse_crushed(problem, alone, assembly, options)
     if problem.axis is None and options.sides and options.starts:
         raise InputError(
-            "limit.sides: in space, sliding without dilation is searched for with circular cones; limit.starts = 0 leaves that out"
+            "limit.sides", "in space, sliding without dilation is searched for with circular cones; limit.starts = 0 leaves that out"
         )
     if alone.factor < 1.0 - STANDS:
         nothing = replace(problem, live=problem.dead, dead=np.zeros_like(problem.dead))
@@ -171,7 +171,7 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     try:
         problem, best = solved_finely(problem, lambda finer: largest_factor(finer, options)[0])
     except Unbounded as failure:
-        raise InputError(f"limit: no answer: {failure}") from None
+        raise InputError("limit", f"no answer: {failure}") from None
     except NoFiniteFactor:
         best, endless = replace(alone, factor=HELD * _scale(problem), velocity=np.zeros(problem.unknowns)), True
     answer = _answer(problem, assembly, joints, best, 0.0 if endless else CAP * _scale(problem), time.perf_counter() - begin)
@@ -194,11 +194,11 @@ def largest_factor(problem: LimitProblem, options: Options) -> tuple[Optimum, fl
         Unbounded: no forces bear the dead loads with any factor.
     """
     if not problem.live.any():
-        raise NoFiniteFactor(NO_WORK)
+        raise NoFiniteFactor("limit", NO_WORK)
     scale = _scale(problem)
     scaled = by_solver(problem, problem.dead, scale * problem.live, CAP, options)
     if scaled.factor > 0.99 * CAP:
-        raise NoFiniteFactor(NO_WORK)
+        raise NoFiniteFactor("limit", NO_WORK)
     return replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity), scale * CAP
 
 
@@ -274,7 +274,7 @@ def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         InputError: a structure without supports, or no answer of the solver.
     """
     if not assembly.fixed.any():
-        raise InputError("structure: no block is fixed: nothing carries it, and a limit analysis has no answer")
+        raise InputError("structure", "no block is fixed: nothing carries it, and a limit analysis has no answer")
     problem = crushable(limit_problem(assembly, joints, replace(loads, support_velocity=None)), assembly, joints)
     return solved_finely(problem, lambda finer: _rests(finer, options or Options()))
 
@@ -300,7 +300,7 @@ def _rests(problem: LimitProblem, options: Options) -> Optimum:
     try:
         return by_solver(problem, np.zeros_like(problem.dead), problem.dead, 1.0, options)
     except Unbounded as failure:
-        raise InputError(f"limit: no answer: {failure}") from None
+        raise InputError("limit", f"no answer: {failure}") from None
 
 
 def by_solver(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:

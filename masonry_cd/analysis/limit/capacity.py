@@ -127,13 +127,13 @@ def capacity_curve(assembly: Assembly, joints: Joints, loads: Loads, options: Cu
     """
     options = options or CurveOptions()
     if loads.support_velocity is not None:
-        raise InputError("limit.curve: supports that move have no load factor to follow; push, tilt or live loads have")
+        raise InputError("limit.curve", "supports that move have no load factor to follow; push, tilt or live loads have")
     if assembly.laws.crushing.any():
         raise InputError(
-            "limit.curve: joints that crush are not followed at finite displacements; their load factor is known at the start only"
+            "limit.curve", "joints that crush are not followed at finite displacements; their load factor is known at the start only"
         )
     if at_rest(assembly, joints, loads, options.analysis)[1].factor < 1.0 - STANDS:
-        raise InputError("limit.curve: the structure does not stand under its dead loads: there is no factor to follow")
+        raise InputError("limit.curve", "the structure does not stand under its dead loads: there is no factor to follow")
     return _Path(assembly, joints, loads, options).followed()
 
 
@@ -146,7 +146,7 @@ class _Path:
         try:
             first = self.make.at(assembly, loads, joints)
         except Unbounded as failure:
-            raise InputError(f"limit: no answer: {failure}") from None
+            raise InputError("limit", f"no answer: {failure}") from None
         self.stages, self.jumps, self.tried = [first], list[int](), 0
         self.make.accept(first)
         self.control = self._control(first)
@@ -290,5 +290,5 @@ class _Path:
             near = np.flatnonzero(along >= (1.0 - 1e-6) * along.max())
             block = int(near[np.argmax(first.assembly.centre[near, 2])])
         if first.assembly.fixed[block]:
-            raise InputError(f'limit.curve.control: block "{first.assembly.names[block]}" is a support: it does not move')
+            raise InputError("limit.curve.control", f'block "{first.assembly.names[block]}" is a support: it does not move')
         return Control(block, first.assembly.centre[block].copy(), direction)

@@ -168,8 +168,9 @@ def refuse_crushed_at_rest(problem: LimitProblem, alone: Optimum, assembly: Asse
     groups = "-".join(assembly.groups[assembly.group_of[block]] for block in (a, b))
     mean = force[worst] / found.area[worst] - found.tension[worst]
     raise InputError(
-        f'material.joints: the joint "{assembly.names[a]}" - "{assembly.names[b]}" ({groups}) crushes at {pressure(strength)} under the '
-        f"dead loads alone: {100.0 * alone.factor:.3g} % of them are borne, with a mean stress of {pressure(mean)} in this joint"
+        "material.joints",
+        f'the joint "{assembly.names[a]}" - "{assembly.names[b]}" ({groups}) crushes at {pressure(strength)} under the '
+        f"dead loads alone: {100.0 * alone.factor:.3g} % of them are borne, with a mean stress of {pressure(mean)} in this joint",
     )
 
 

@@ -75,7 +75,7 @@ def _of_package(name: str, whole: Whole, element: MacroElement, direction: np.nd
         blocks = tuple(np.asarray(body) for body in bodies)
         every = np.concatenate(blocks) if blocks else np.zeros(0)
         if not len(every) or every.dtype.kind not in "iu" or len(np.unique(every)) < len(every) or not np.isin(every, element.blocks).all():
-            raise InputError(f'limit.mechanism: "{name}" of a package: bodies are numbers of blocks of the part, each in one of them')
+            raise InputError("limit.mechanism", f'"{name}" of a package: bodies are numbers of blocks of the part, each in one of them')
         yield _made(whole, name, blocks)
 
 

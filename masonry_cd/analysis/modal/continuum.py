@@ -157,7 +157,7 @@ def _check_supported(mesh: SolidMesh, blocks: Sequence[Block]) -> None:
     if not any(block.fixed for block in blocks):
         return
     if not len(mesh.triangles):
-        raise InputError("modal: no free block shares a face with a support")
+        raise InputError("modal", "no free block shares a face with a support")
     ends = mesh.tetrahedra[:, [0, 0, 0]].ravel(), mesh.tetrahedra[:, 1:].ravel()
     graph = sparse.coo_matrix((np.ones(len(ends[0])), ends), (len(mesh.points),) * 2)
     _, label = connected_components(graph, directed=False)
@@ -166,4 +166,4 @@ def _check_supported(mesh: SolidMesh, blocks: Sequence[Block]) -> None:
         middle = mesh.points[label == loose[0]].mean(axis=0)
         free = [block for block in blocks if not block.fixed]
         nearest = min(free, key=lambda block: float(np.linalg.norm(block.vertices.mean(axis=0) - middle)))
-        raise InputError(f'modal: block "{nearest.name}" is bonded to no support, neither itself nor through others')
+        raise InputError("modal", f'block "{nearest.name}" is bonded to no support, neither itself nor through others')

@@ -180,7 +180,7 @@ def _check_supported(assembly: Assembly, joints: Joints) -> None:
         return
     loose = np.flatnonzero(~_tied(assembly, joints))
     if len(loose):
-        raise InputError(f'modal: block "{assembly.names[loose[0]]}" is tied to no support, neither itself nor through others')
+        raise InputError("modal", f'block "{assembly.names[loose[0]]}" is tied to no support, neither itself nor through others')
 
 
 def _tied(assembly: Assembly, joints: Joints) -> np.ndarray:

@@ -36,11 +36,11 @@ def damped_at_first_period(assembly: Assembly, across: int | None) -> tuple[Asse
         InputError: blocks that deform, or a block tied to no support, so that there is no such period; names the key.
     """
     if assembly.deformation is not None:
-        raise InputError(f"{KEY}: needs damping_frequency beside it where blocks deform; the first period is known on elastic joints alone")
+        raise InputError(KEY, "needs damping_frequency beside it where blocks deform; the first period is known on elastic joints alone")
     try:
         frequency = first_frequency(assembly, across)
     except InputError as fault:
-        raise InputError(f"{KEY}: needs damping_frequency beside it, there is no first elastic period: {fault}") from None
+        raise InputError(KEY, f"needs damping_frequency beside it, there is no first elastic period: {fault}") from None
     return replace(assembly, laws=assembly.laws.damped_at(frequency)), 1.0 / frequency
 
 
@@ -52,7 +52,7 @@ def first_frequency(assembly: Assembly, across: int | None = None) -> float:
     """
     normal, tangential = stiffness_of_joints(assembly, find_joints(assembly))
     if not normal.any():
-        raise InputError("no joint is elastic")
+        raise InputError("", "no joint is elastic")
     stiff = AS_RIGID * float(normal.max())
     stiffness = (np.where(normal > 0.0, normal, stiff), np.where(normal > 0.0, tangential, stiff))
     most, count = 6 * int((~assembly.fixed).sum()), MODES
@@ -62,7 +62,7 @@ def first_frequency(assembly: Assembly, across: int | None = None) -> float:
         if len(fits):
             return float(np.asarray(found["frequencies"])[fits[0]])
         if count >= most:
-            raise InputError("nothing vibrates in the plane of the run")
+            raise InputError("", "nothing vibrates in the plane of the run")
         count *= 4
 
 

@@ -83,12 +83,12 @@ def read_measured(path: Path | str) -> list[MeasuredMode]:
     try:
         lines = read_text(path, encoding="utf-8-sig").splitlines()
     except OSError as failure:
-        raise InputError(f"{path}: cannot be read, {failure.strerror}") from None
+        raise InputError(path, f"cannot be read, {failure.strerror}") from None
     except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file in UTF-8") from None
+        raise InputError(path, "not a text file in UTF-8") from None
     numbered = [(n, line) for n, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")]
     if len(numbered) < 2:
-        raise InputError(f"{path}: holds no modes; the first line names the columns: {', '.join(COLUMNS[:3])} ...")
+        raise InputError(path, f"holds no modes; the first line names the columns: {', '.join(COLUMNS[:3])} ...")
     header = _cells(numbered[0][1], f"{path}:{numbered[0][0]}")
     _check_header(header, path)
     rows: dict[int, list[tuple[str, dict[str, str]]]] = {}
@@ -96,7 +96,7 @@ def read_measured(path: Path | str) -> list[MeasuredMode]:
         where = f"{path}:{number}"
         cells = _cells(line, where)
         if len(cells) > len(header):
-            raise InputError(f"{where}: {len(cells)} values under {len(header)} columns")
+            raise InputError(where, f"{len(cells)} values under {len(header)} columns")
         row = dict(zip(header, cells + [""] * (len(header) - len(cells)), strict=True))
         rows.setdefault(_mode_number(row["mode"], where), []).append((where, row))
     return [_mode(number, rows[number]) for number in sorted(rows)]
@@ -107,38 +107,38 @@ def _cells(line: str, where: str) -> list[str]:
     try:
         return [cell.strip() for cell in next(csv.reader([line]))]
     except csv.Error as failure:
-        raise InputError(f"{where}: no line of a table: {failure}") from None
+        raise InputError(where, f"no line of a table: {failure}") from None
 
 
 def _check_header(header: Sequence[str], path: Path) -> None:
     """Known columns with units, each once; places complete."""
     for name in header:
         if name in WITH_UNIT:
-            raise InputError(f'{path}: column "{name}" has no unit; write {WITH_UNIT[name]}')
+            raise InputError(path, f'column "{name}" has no unit; write {WITH_UNIT[name]}')
         if name not in COLUMNS:
-            raise InputError(f'{path}: unknown column "{name}"{suggest(name, COLUMNS)}; known: {", ".join(COLUMNS)}')
+            raise InputError(path, f'unknown column "{name}"{suggest(name, COLUMNS)}; known: {", ".join(COLUMNS)}')
         if header.count(name) > 1:
-            raise InputError(f'{path}: column "{name}" occurs twice')
+            raise InputError(path, f'column "{name}" occurs twice')
     if "mode" not in header:
-        raise InputError(f"{path}: column mode: missing")
+        raise InputError(path, "column mode: missing")
     if ("frequency_hz" in header) == ("period_s" in header):
-        raise InputError(f"{path}: should have one of the columns frequency_hz and period_s")
+        raise InputError(path, "should have one of the columns frequency_hz and period_s")
     axes = [PLACES[name][0] for name in header if name in PLACES]
     moving = [name for name in header if name in COMPONENTS]
     if (axes or moving) and (sorted(axes) != ["x", "y", "z"] or not moving):
-        raise InputError(f"{path}: a shape needs the columns x_m, y_m, z_m, each once, and one of ux, uy, uz or more")
+        raise InputError(path, "a shape needs the columns x_m, y_m, z_m, each once, and one of ux, uy, uz or more")
 
 
 def _mode_number(text: str, where: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 7 and int(text) >= 1):
-        raise InputError(f'{where}: mode: should be a number from 1, got "{text}"')
+        raise InputError(where, f'mode: should be a number from 1, got "{text}"')
     return int(text)
 
 
 def _number(text: str, column: str, where: str) -> float:
     value = finite_number(text)
     if value is None:
-        raise InputError(f'{where}: {column}: should be a number, got "{text}"')
+        raise InputError(where, f'{column}: should be a number, got "{text}"')
     return value
 
 
@@ -150,12 +150,12 @@ def _mode(number: int, rows: Sequence[tuple[str, dict[str, str]]]) -> MeasuredMo
             if row.get(column):
                 value = _number(row[column], column, where)
                 if value <= 0.0:
-                    raise InputError(f"{where}: {column}: must be above 0, got {value:g}")
+                    raise InputError(where, f"{column}: must be above 0, got {value:g}")
                 frequencies.append(value if column == "frequency_hz" else 1.0 / value)
                 if not SLOWEST <= frequencies[-1] <= FASTEST:
-                    raise InputError(f"{where}: {column}: a frequency between {SLOWEST:g} and {FASTEST:g} Hz is needed, got {value:g}")
+                    raise InputError(where, f"{column}: a frequency between {SLOWEST:g} and {FASTEST:g} Hz is needed, got {value:g}")
                 if not math.isclose(frequencies[-1], frequencies[0], rel_tol=1e-9):
-                    raise InputError(f"{where}: {column}: mode {number} has another one before, {value:g}")
+                    raise InputError(where, f"{column}: mode {number} has another one before, {value:g}")
         if not any(row.get(name) for name in COMPONENTS):
             continue
         place = {PLACES[name][0]: _number(row[name], name, where) * PLACES[name][1] for name in row if name in PLACES}
@@ -163,7 +163,7 @@ def _mode(number: int, rows: Sequence[tuple[str, dict[str, str]]]) -> MeasuredMo
         shape.append([_number(row[name], name, where) if row.get(name) else math.nan for name in COMPONENTS])
         places.append(where)
     if not frequencies:
-        raise InputError(f"{rows[0][0]}: mode {number} has no frequency")
+        raise InputError(rows[0][0], f"mode {number} has no frequency")
     return MeasuredMode(number, frequencies[0], np.reshape(points, (-1, 3)), np.reshape(shape, (-1, 3)), tuple(places))
 
 
@@ -197,7 +197,7 @@ def mac_table(modes: Modes, measured: Sequence[MeasuredMode]) -> np.ndarray:
         if outside.max() > reach:
             worst = int(np.argmax(outside))
             at = ", ".join(f"{value:g}" for value in mode.points[worst])
-            raise InputError(f"{mode.places[worst]}: the point ({at}) m lies {outside[worst]:.3g} m outside the structure")
+            raise InputError(mode.places[worst], f"the point ({at}) m lies {outside[worst]:.3g} m outside the structure")
         out[row] = [mac(mode.shape, shape) for shape in computed]
     return out
 
@@ -231,5 +231,5 @@ def fit_factor(modes: Modes, measured: Sequence[MeasuredMode]) -> float:
     """
     first = pair(modes, measured)[0]
     if first.mode is None:
-        raise InputError(f"modal: mode {first.measured_mode} is measured, but only {modes.count} modes are computed; raise modal.modes")
+        raise InputError("modal", f"mode {first.measured_mode} is measured, but only {modes.count} modes are computed; raise modal.modes")
     return (first.measured / first.computed) ** 2

@@ -88,19 +88,19 @@ def modal(
         InputError: a value out of range, an unknown method or group, a block tied to no support, a solid that cannot be meshed.
     """
     if method not in METHODS:
-        raise InputError(f'modal.method: unknown method "{method}"{suggest(method, METHODS)}; one of {", ".join(METHODS)}')
+        raise InputError("modal.method", f'unknown method "{method}"{suggest(method, METHODS)}; one of {", ".join(METHODS)}')
     if not 0.0 <= poisson < 0.5:
-        raise InputError(f"modal.poisson: must be at least 0 and below 0.5, got {poisson:g}")
+        raise InputError("modal.poisson", f"must be at least 0 and below 0.5, got {poisson:g}")
     if not 1 <= modes <= MOST_MODES:
-        raise InputError(f"modal.modes: must be 1 to {MOST_MODES}, got {modes}")
+        raise InputError("modal.modes", f"must be 1 to {MOST_MODES}, got {modes}")
     if all(block.fixed for block in blocks):
-        raise InputError("modal: no free block, nothing can vibrate")
+        raise InputError("modal", "no free block, nothing can vibrate")
     moduli, held = young_of(blocks, young), _held(blocks, restraint or {})
     if method == "continuum":
         from masonry_cd.analysis.modal.continuum import continuum_modes
 
         if size is not None and not 0.0 < size < np.inf:
-            raise InputError(f"modal.mesh_size: must be above 0 m, got {size:g}")
+            raise InputError("modal.mesh_size", f"must be above 0 m, got {size:g}")
         found = continuum_modes(blocks, moduli, poisson, modes, size=size, order=order, held=held)
     else:
         from masonry_cd.analysis.modal.elastic_joints import joint_modes
@@ -108,7 +108,7 @@ def modal(
         for value in stiffness or ():
             least, most = float(np.min(value)), float(np.max(value))
             if not 0.0 < least <= most < np.inf:
-                raise InputError(f"modal: stiffnesses of joints must be above 0 Pa/m, got {least:g}")
+                raise InputError("modal", f"stiffnesses of joints must be above 0 Pa/m, got {least:g}")
         found = joint_modes(blocks, moduli, poisson, modes, stiffness=stiffness, held=held)
     return _modes(method, young, poisson, blocks, found)
 
@@ -124,12 +124,12 @@ def young_of(blocks: Sequence[Block], young: float | Mapping[str, float]) -> np.
     for group, value in table.items():
         key = f"modal.young.{group}" if isinstance(young, Mapping) else "modal.young"
         if group != "default" and group not in groups:
-            raise InputError(f'{key}: "{group}" is no group of blocks{suggest(group, groups)}; groups: {", ".join(sorted(groups))}')
+            raise InputError(key, f'"{group}" is no group of blocks{suggest(group, groups)}; groups: {", ".join(sorted(groups))}')
         if not 1e5 <= value <= 1e13:
-            raise InputError(f"{key}: should be between 1e5 and 1e13 Pa, got {value:g}")
+            raise InputError(key, f"should be between 1e5 and 1e13 Pa, got {value:g}")
     lacking = next((b.group for b in blocks if not b.fixed and b.group not in table and "default" not in table), None)
     if lacking is not None:
-        raise InputError(f"modal.young: no value for the group {lacking}; add it or a default")
+        raise InputError("modal.young", f"no value for the group {lacking}; add it or a default")
     return np.array([table.get(block.group, table.get("default", 1.0)) for block in blocks], dtype=float)
 
 
@@ -139,10 +139,11 @@ def _held(blocks: Sequence[Block], restraint: Mapping[str, str]) -> dict[str, np
     for group, axes in restraint.items():
         if group not in groups:
             raise InputError(
-                f'modal.restraint.{group}: "{group}" is no group of supports{suggest(group, groups)}; groups: {", ".join(sorted(groups))}'
+                f"modal.restraint.{group}",
+                f'"{group}" is no group of supports{suggest(group, groups)}; groups: {", ".join(sorted(groups))}',
             )
         if not set(axes) <= set(AXES):
-            raise InputError(f'modal.restraint.{group}: should be made of the letters x, y and z, got "{axes}"')
+            raise InputError(f"modal.restraint.{group}", f'should be made of the letters x, y and z, got "{axes}"')
     return {group: np.array([axis in axes for axis in AXES]) for group, axes in restraint.items()}
 
 

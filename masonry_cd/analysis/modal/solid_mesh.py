@@ -79,14 +79,14 @@ def solid_mesh(blocks: Sequence[Block], kinds: np.ndarray, size: float | None = 
                 gmsh.model.setCurrent("solid")  # a failure may have left another one
                 gmsh.model.remove()
                 gmsh.model.setCurrent(home)
-    raise InputError(f"modal: gmsh cannot mesh the solid of these blocks: {problem}")
+    raise InputError("modal", f"gmsh cannot mesh the solid of these blocks: {problem}")
 
 
 def _check_count(volume: float, size: float | None) -> None:
     """Refuse tetrahedra of a size that makes too many of them."""
     count = 0.0 if size is None else FILL * volume / size / size / size
     if not count <= LIMIT:
-        raise InputError(f"modal.mesh_size: {size:g} m makes about {count:.2g} tetrahedra, at most {LIMIT:g} are allowed")
+        raise InputError("modal.mesh_size", f"{size:g} m makes about {count:.2g} tetrahedra, at most {LIMIT:g} are allowed")
 
 
 def _meshed(gmsh: Any, blocks: Sequence[Block], kinds: np.ndarray, size: float | None, folder: Path | None) -> SolidMesh:

@@ -66,7 +66,7 @@ def require_meshes(results: Results) -> Meshes:
     require_stress(results)
     if results.meshes is None:
         raise InputError(
-            f"{results.path}: no block is cut into elements, or the run is of an older version, which kept only the stress of blocks"
+            results.path, "no block is cut into elements, or the run is of an older version, which kept only the stress of blocks"
         )
     return results.meshes
 

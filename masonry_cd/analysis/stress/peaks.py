@@ -107,7 +107,7 @@ def require_stress(results: Results) -> None:
         InputError: the run kept none.
     """
     if not results.has_stress:
-        raise InputError(f"{results.path}: {KEPT_NONE}")
+        raise InputError(results.path, f"{KEPT_NONE}")
 
 
 def tensors(six: np.ndarray) -> np.ndarray:

@@ -63,7 +63,7 @@ def settle(stepper: Stepper) -> int:
         block = assembly.names[int(np.abs(trial.state.position - begin).max(axis=1).argmax())]
         under = "its weight and the tension of ties" if trial.tensions.any() else "its weight"
         tied = "; a tie with from_start = true holds it meanwhile" if _jacked(stepper).any() else ""
-        raise InputError(f'run.settle: block "{block}" does not come to rest under {under}; settle = false starts the run without{tied}')
+        raise InputError("run.settle", f'block "{block}" does not come to rest under {under}; settle = false starts the run without{tied}')
     stepper.begin_from(trial, stepper.settings.dt / trial.settings.dt)
     stepper.lock_ties()
     return steps
@@ -96,7 +96,7 @@ def _swing(trial: Stepper) -> tuple[int, float]:
         try:
             trial.step()
         except RunStopped as broken:
-            raise InputError(f"run.settle: {broken}; settle = false starts the run without") from None
+            raise InputError("run.settle", f"{broken}; settle = false starts the run without") from None
         steps, faster, fastest = steps + 1, trial.energy["kinetic"] > fastest, trial.energy["kinetic"]
         first = _farthest(trial, begin) if steps == 1 else first
     trial.halt()

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, WithJsonSchema, model_validator
 
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Count, Flag, Number, Table, Vector, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.solvers.options import LARGEST_SEED, MOST_ITERATIONS
@@ -131,10 +132,13 @@ class Run(Table):
         """The settings with a duration [s].
 
         Raises:
-            ValueError: one that does not fit the other keys.
+            InputError: one that does not fit the other keys.
         """
         made = self.model_copy(update={"duration": duration})
-        made.check_times()
+        try:
+            made.check_times()
+        except ValueError as reason:
+            raise InputError("run", str(reason)) from None
         return made
 
     @property

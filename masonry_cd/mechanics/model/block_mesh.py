@@ -69,8 +69,8 @@ def block_mesh(name: str, shell: Polyhedron, size: float, axis: int) -> BlockMes
     likely = likely_nodes(shell, size, axis)
     if not likely <= HOPELESS * most:
         raise InputError(
-            f'material.mesh_size: block "{name}" would get about {likely:.2g} nodes with {size:g} m, and {most} are the most; '
-            "give a larger size"
+            "material.mesh_size",
+            f'block "{name}" would get about {likely:.2g} nodes with {size:g} m, and {most} are the most; give a larger size',
         )
     reach = float(f"{np.abs(shell.vertices).max():.{DIGITS}g}")
     unit = np.round(shell.vertices / reach, DIGITS) + 0.0  # no minus zero
@@ -80,14 +80,15 @@ def block_mesh(name: str, shell: Polyhedron, size: float, axis: int) -> BlockMes
         raise
     except Exception as failure:  # gmsh raises plain ones
         reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
-        raise InputError(f'material.deformable: block "{name}" cannot be meshed ({reason})') from None
+        raise InputError("material.deformable", f'block "{name}" cannot be meshed ({reason})') from None
     if len(mesh.nodes) > most:
         raise InputError(
-            f'material.mesh_size: block "{name}" gets {len(mesh.nodes)} nodes with {size:g} m, and {most} are the most; give a larger size'
+            "material.mesh_size",
+            f'block "{name}" gets {len(mesh.nodes)} nodes with {size:g} m, and {most} are the most; give a larger size',
         )
     content = _content(shell.vertices, shell.faces, axis)
     if abs(float(_sizes(mesh.nodes[:, mesh.dims], mesh.elements).sum()) - content) > FILLED * content:
-        raise InputError(f'material.deformable: block "{name}" cannot be meshed: its faces are not plane')
+        raise InputError("material.deformable", f'block "{name}" cannot be meshed: its faces are not plane')
     return mesh
 
 

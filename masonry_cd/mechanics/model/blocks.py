@@ -97,19 +97,20 @@ class Block:
         return 0.0 if self.carried is None else self.carried.mass / self.density
 
 
-def refuse_spheres(blocks: Sequence[Block], what: str) -> None:
+def refuse_spheres(blocks: Sequence[Block], place: str, what: str) -> None:
     """Refuse blocks of which one is a sphere.
 
     Args:
         blocks: any.
-        what: has no spheres, in words, such as "limit analysis"; or the key of a scene and a colon before that.
+        place: key of the scene that is at fault.
+        what: has no spheres, such as "limit analysis".
 
     Raises:
         InputError: names the first sphere.
     """
     first = next((block.name for block in blocks if block.radius), None)
     if first is not None:
-        raise InputError(f'{what} has no spheres, and block "{first}" is one')
+        raise InputError(place, f'{what} has no spheres, and block "{first}" is one')
 
 
 class Shapes(NamedTuple):
@@ -220,9 +221,9 @@ class Assembly:
         names = tuple(block.name for block in blocks)
         if len(set(names)) < len(names):
             twice = next(name for i, name in enumerate(names) if name in names[:i])
-            raise InputError(f'block "{twice}": two blocks have this name')
+            raise InputError(f'block "{twice}"', "two blocks have this name")
         if all(block.fixed for block in blocks):
-            raise InputError("structure: no free block, nothing can move")
+            raise InputError("structure", "no free block, nothing can move")
         groups = tuple(dict.fromkeys(block.group for block in blocks))
         properties = [block.mass_properties for block in blocks]
         heavy = np.array([p.volume for p in properties])
@@ -290,7 +291,7 @@ def _rolling(blocks: Sequence[Block], rolling: float | Mapping[str, float], grou
     """The rolling friction between groups, (G, G)."""
     table = rolling_table(rolling, groups)
     if table.any() and not any(block.radius for block in blocks):
-        raise InputError("material.rolling_friction: no block is a sphere, so nothing rolls by this law")
+        raise InputError("material.rolling_friction", "no block is a sphere, so nothing rolls by this law")
     return table
 
 
@@ -298,7 +299,7 @@ def _check_rigid_spheres(blocks: Sequence[Block], groups: Sequence[str], materia
     """Refuse spheres in groups that deform."""
     for group in () if material is None else dict.fromkeys(block.group for block in blocks if block.radius and not block.fixed):
         if material is not None and material.of_group(group, groups) is not None:
-            raise InputError(f'material.deformable: the group {group} has spheres, which are rigid; deformable.{group} = "rigid" says so')
+            raise InputError("material.deformable", f'the group {group} has spheres, which are rigid; deformable.{group} = "rigid" says so')
 
 
 def _check_dry_spheres(blocks: Sequence[Block], groups: Sequence[str], joints: Mapping[str, JointLaw]) -> None:

@@ -67,6 +67,8 @@ def of_group(values: Any, group: str, groups: Sequence[str], key: str, otherwise
         return otherwise if values is None else values
     for name in values:
         if name != "default" and not members(name, groups):
-            raise InputError(f'material.{key}.{name}: "{name}" is no group of blocks{suggest(name, groups)}; groups: {", ".join(groups)}')
+            raise InputError(
+                f"material.{key}.{name}", f'"{name}" is no group of blocks{suggest(name, groups)}; groups: {", ".join(groups)}'
+            )
     names = [group, *(name for name in values if members(name, [group])), "default"]
     return next((values[name] for name in names if name in values), otherwise)

@@ -79,11 +79,11 @@ class ElasticBlocks(Table):
         share, poisson = of_group(self.damping, group, groups, "damping", 0.0), of_group(self.poisson, group, groups, "poisson", POISSON)
         young, frequency, size = (of_group(getattr(self, key), group, groups, key) for key in ("young", "damping_frequency", "mesh_size"))
         if young is None:
-            raise InputError(f"material.young: no value for the group {group}; add it or a default")
+            raise InputError("material.young", f"no value for the group {group}; add it or a default")
         if share and frequency is None:
-            raise InputError(f"material.damping_frequency: no value for the group {group}; add it or a default")
+            raise InputError("material.damping_frequency", f"no value for the group {group}; add it or a default")
         if kind == TETRAHEDRA and size is None:
-            raise InputError(f"material.mesh_size: no value for the group {group}; add it or a default")
+            raise InputError("material.mesh_size", f"no value for the group {group}; add it or a default")
         return Elasticity(young, poisson, share / (math.pi * frequency) if share else 0.0, float(size) if kind == TETRAHEDRA else 0.0)
 
 

@@ -272,9 +272,9 @@ def friction_table(friction: float | Mapping[str, float], groups: Sequence[str])
         table[i, j] = value
     if np.isnan(table).any():
         i, j = np.argwhere(np.isnan(table))[0]
-        raise InputError(f"material.friction: no value for {groups[i]}-{groups[j]}; add it or a default")
+        raise InputError("material.friction", f"no value for {groups[i]}-{groups[j]}; add it or a default")
     if (table < 0).any():
-        raise InputError(f"material.friction: a coefficient must not be negative, got {table.min():g}")
+        raise InputError("material.friction", f"a coefficient must not be negative, got {table.min():g}")
     return table
 
 
@@ -325,18 +325,21 @@ def refuse_unfelt_laws(laws: Mapping[str, JointLaw], groups: Sequence[str], felt
     """
     for pair, law in laws.items():
         if not any(felt[i, j] for i, j, _ in _by_pair({pair: law}, groups, "material.joints")):
-            raise InputError(f"material.joints.{pair}: spheres touch in points, without springs and bonds, and no other joint has this law")
+            raise InputError(
+                f"material.joints.{pair}", "spheres touch in points, without springs and bonds, and no other joint has this law"
+            )
 
 
 def _apex(law: JointLaw, mu: float, pair: str) -> float:
     """Tension at the tip of the cone [Pa]: where the line of Mohr-Coulomb, mu p + c, comes to zero."""
     if mu == 0.0 and law.cohesion > 0.0:
-        raise InputError(f"material.joints: the joint {pair} has cohesion but no friction; give it a coefficient of friction above 0")
+        raise InputError("material.joints", f"the joint {pair} has cohesion but no friction; give it a coefficient of friction above 0")
     apex = law.cohesion / mu if mu > 0.0 else law.tension or 0.0
     if (law.tension or 0.0) > apex:
         raise InputError(
-            f"material.joints: the tension {law.tension:g} Pa of the joint {pair} is above its cohesion over its friction, "
-            f"{law.cohesion:g} Pa / {mu:g} = {apex:g} Pa, where the line of Mohr-Coulomb ends"
+            "material.joints",
+            f"the tension {law.tension:g} Pa of the joint {pair} is above its cohesion over its friction, "
+            f"{law.cohesion:g} Pa / {mu:g} = {apex:g} Pa, where the line of Mohr-Coulomb ends",
         )
     return apex
 
@@ -359,4 +362,4 @@ def _split_pair(pair: str, groups: Sequence[str], key: str) -> tuple[list[int], 
         if letter == "-" and (first := members(pair[:i], groups)) and (second := members(pair[i + 1 :], groups)):
             return first, second
     unknown = next((word for word in pair.split("-") if not members(word, groups)), pair)
-    raise InputError(f'{key}.{pair}: "{unknown}" is no group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}')
+    raise InputError(f"{key}.{pair}", f'"{unknown}" is no group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}')

@@ -30,7 +30,7 @@ def require_on_block(block: Block, point: Sequence[float] | np.ndarray, key: str
         (", ".join(f"{x:.6g}" for x in place)),
         (f"{axis} from {a:.4g} to {b:.4g}" for axis, a, b in zip("xyz", low, high, strict=True)),
     )
-    raise InputError(f'{key}: ({at}) m lies {outside:.3g} m outside block "{block.name}", which has {", ".join(extent)} m')
+    raise InputError(key, f'({at}) m lies {outside:.3g} m outside block "{block.name}", which has {", ".join(extent)} m')
 
 
 def outside_block(block: Block, place: np.ndarray) -> float:

@@ -13,7 +13,6 @@ from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Known, M
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.summary import write_json
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.assess.assumptions import NUMERICAL
 from masonry_cd.studies.assess.plan import AssessPlan
 from masonry_cd.studies.assess.task import assess_task, limit_task
@@ -76,8 +75,6 @@ def check_statics(plan: Plan) -> list[str]:
 
     scene: Scene = plan.maker.study.scene
     structure = limit_structure(somewhere(scene))
-    try:
+    with scene.locating():
         structure.loads()
-    except InputError as error:
-        raise scene.at_fault(error) from None
     return doubts(scene, structure.assembly, structure.joints)

@@ -14,7 +14,6 @@ tolerance         a tenth of it
 from __future__ import annotations
 
 import copy
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -223,7 +222,7 @@ def _refusal(scene: Scene, tables: Tables, level: Level) -> str:
     try:
         make_structures(replace(scene, structure=changed.get("structure", {}), structures=tuple(changed.get("structures", ()))))
     except InputError as error:
-        return re.sub(r"^\S+\.toml(:\d+)?: ", "", str(error))
+        return str(error.unsourced())
     return ""
 
 

@@ -92,7 +92,7 @@ class AssessPlan(Plan):
         self.shakes = not scene.limit or _is_shaken(scene)
         self.known, self.left_out = assumptions_of(scene, tables, self.shakes)
         if not self.known:
-            raise InputError(f"{scene.origin.of('assess')}: assess.leave_out: nothing is left to vary")
+            raise InputError(scene.origin.of("assess"), "assess.leave_out: nothing is left to vary")
         study = _study(scene, tables)
         space = Space(study.tables, None, study.varied)
         super().__init__(study, space)
@@ -133,10 +133,8 @@ def _asked(part: Part) -> Asked:
 
 def _tables_of(scene: Scene) -> dict[str, Any]:
     """The tables of a scene as numbers, without what no run of an assessment needs."""
-    try:
+    with scene.locating():
         tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
-    except InputError as error:
-        raise scene.at_fault(error) from None
     tables.pop("assess", None)
     tables["quiet_checks"] = []
     if isinstance(tables.get("limit"), Mapping):

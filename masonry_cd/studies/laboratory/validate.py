@@ -35,7 +35,7 @@ def case_named(name: str) -> Case:
         InputError: there is none.
     """
     if name not in CASES:
-        raise InputError(f'"{name}" is no case{suggest(name, CASES)}; cases: {", ".join(CASES)}')
+        raise InputError(f'"{name}" is no case{suggest(name, CASES)}; cases', f"{', '.join(CASES)}")
     return CASES[name]
 
 

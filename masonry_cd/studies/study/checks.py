@@ -48,8 +48,10 @@ def check_varied(study: Study, space: Space) -> None:
             _try(tables, key)
         except InputError as error:
             shown = f"{value:.6g}" if isinstance(value, float) else str(value)
-            said = (str(error).partition(f"{RUN_SCENE}: ")[2] or str(error)).removeprefix(f'vary."{key}": ')
-            raise study.at_fault(InputError(f'vary."{key}": {of}{shown} is refused by the scene: {said}')) from None
+            place = f'vary."{key}"'
+            said = error.faults[0].text if error.place == place else error.unsourced()
+            with study.locating():
+                raise InputError(place, f"{of}{shown} is refused by the scene: {said}") from None
     if study.tables.records is not None and study.tables.records.rotate:
         _check_rotation(study, study.tables.records.rotate)
 
@@ -67,7 +69,7 @@ def check_first(plan: Plan) -> tuple[str, ...]:
     try:
         return prepare(scene_of_run(plan.maker.tables(plan.runs[0].asked), study.path)).warnings
     except InputError as error:
-        raise InputError(f"{study.path}: the first run: {str(error).removeprefix(f'{study.path}: ')}") from None
+        raise InputError(study.path, f"the first run: {error.unsourced()}") from None
 
 
 def _tried(space: Space) -> Iterator[tuple[str, Any, str]]:
@@ -108,4 +110,5 @@ def _check_rotation(study: Study, value: object) -> None:
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if not number or table is None or not (table.x and table.y):
         why = "should be an angle in degrees" if not number else "turns a horizontal pair: records.x and records.y are both needed"
-        raise study.at_fault(InputError(f"{ROTATE}: {why}"))
+        with study.locating():
+            raise InputError(ROTATE, why)

@@ -114,7 +114,7 @@ def _answering(address: str) -> Iterator[Client]:
         client = Client(address, timeout=ANSWER, set_as_default=True)
     except (OSError, ValueError) as failure:
         why = f"no scheduler answers there within {ANSWER:g} s" if isinstance(failure, OSError) else str(failure)
-        raise InputError(f"--scheduler {address}: {why}; start one with: dask scheduler") from None
+        raise InputError(f"--scheduler {address}", f"{why}; start one with: dask scheduler") from None
     try:
         yield client
     finally:
@@ -156,7 +156,7 @@ def _slurm(file: Path) -> Iterator[tuple[Any, str]]:
         cluster.scale(jobs=table.jobs)
     except (OSError, RuntimeError) as failure:
         cluster.close()
-        raise InputError(f"--slurm {file}: sbatch does not take the job: {failure}") from None
+        raise InputError(f"--slurm {file}", f"sbatch does not take the job: {failure}") from None
     try:
         yield cluster, f"{table.jobs} jobs of Slurm with {table.cores} workers each; they start as the queue lets them"
     finally:
@@ -170,11 +170,12 @@ def read_slurm(file: Path) -> SlurmTable:
         InputError: no such file, or a bad key, with its file.
     """
     if not file.exists():
-        raise InputError(f"{file}: no such file for --slurm")
+        raise InputError(file, "no such file for --slurm")
+    tables = parse_toml(read_text(file), file)
     try:
-        return parse_table(SlurmTable, parse_toml(read_text(file), file), "")
+        return parse_table(SlurmTable, tables, "")
     except InputError as error:
-        raise InputError(str(error) if str(error).startswith(str(file)) else f"{file}: {error}") from None
+        raise error.each(lambda fault: fault._replace(source=str(file))) from None
 
 
 def slurm_cluster(table: SlurmTable) -> Any:

@@ -54,15 +54,15 @@ class StudyFolder:
         file = self.path / NAME
         if not file.exists():
             if any((self.path / name).exists() for name in (ROWS, "result.h5")):
-                raise InputError(f"{self.path}: holds results, and no {NAME} says of which study; choose another folder, or --force")
+                raise InputError(self.path, f"holds results, and no {NAME} says of which study; choose another folder, or --force")
             return
         try:
             then = json.loads(read_text(file))["identity"]
         except (OSError, ValueError, KeyError, TypeError):
-            raise InputError(f"{file}: not that of a study, or damaged; choose another folder, or --force") from None
+            raise InputError(file, "not that of a study, or damaged; choose another folder, or --force") from None
         for name, digest in identity.items():
             if then.get(name) != digest:
-                raise InputError(f"{self.path}: holds another study, of another {name}; choose another folder, or --force to begin anew")
+                raise InputError(self.path, f"holds another study, of another {name}; choose another folder, or --force to begin anew")
 
     def clear(self) -> None:
         """Take away what a former study left."""

@@ -32,7 +32,7 @@ def perturb(tables: dict[str, Any], what: str, change: float) -> None:
             changed |= _grow(table, "record" if table is not load else str(load.get("kind")), 1.0 + change)
     if not changed:
         raise InputError(
-            'ensemble.perturb: no load is sinusoidal, a record or a sequence; perturb = "friction" or "velocities" is for any scene'
+            "ensemble.perturb", 'no load is sinusoidal, a record or a sequence; perturb = "friction" or "velocities" is for any scene'
         )
 
 
@@ -53,5 +53,5 @@ def _times(friction: Any, factor: float) -> Any:
     if isinstance(friction, dict):
         return {pair: _times(value, factor) for pair, value in friction.items()}
     if friction is None:
-        raise InputError("ensemble.perturb: the scene gives no material.friction")
+        raise InputError("ensemble.perturb", "the scene gives no material.friction")
     return float(friction) * factor

@@ -195,7 +195,7 @@ def _base_tables(study: Study) -> dict[str, Any]:
     records = study.tables.records
     if given.longest is not None and records is not None and records.folder is not None and records.duration == "record":
         raise InputError(
-            'records.duration: the scene gives run.longest, and every motion has a duration of its own; duration = "scene" keeps it'
+            "records.duration", 'the scene gives run.longest, and every motion has a duration of its own; duration = "scene" keeps it'
         )
     base |= {"report": report, "run": base["run"] | {"threads": 1, "checkpoint_every": 1e9}}
     base.setdefault("title", study.scene.title)
@@ -207,7 +207,7 @@ def _assign(tables: dict[str, Any], where: str, key: str, value: Any) -> None:
     try:
         assign(tables, key, copy.deepcopy(value))
     except InputError as error:
-        raise InputError(f"{where}: {error}") from None
+        raise error.under(where) from None
 
 
 def _make_absolute(tables: dict[str, Any], folder: Path) -> None:

@@ -65,7 +65,7 @@ class Records:
             try:
                 self._measured[key] = {name: measure.value(histories) for name, measure in self.measures.items()}
             except InputError as error:
-                raise InputError(f"intensity: {motion.name}: {error}") from None
+                raise error.under(motion.name).under("intensity") from None
         return self._measured[key]
 
     def factor(self, motion: Motion, degrees: float, level: float | None) -> float:
@@ -78,7 +78,7 @@ class Records:
             return self.table.scale
         measure, value = self.measures[self._scaled_by], self.measured(motion, degrees)[self._scaled_by]
         if measure.order == 0 or not value > 0.0:
-            raise InputError(f"intensity.measure: {measure.name}: no factor scales {motion.name} to it, where it is {value:g}")
+            raise InputError("intensity.measure", f"{measure.name}: no factor scales {motion.name} to it, where it is {value:g}")
         return level / value if measure.order == 1 else math.sqrt(level / value)
 
     def scaled(self, motion: Motion, degrees: float, factor: float, level: float | None) -> dict[str, float]:
@@ -119,7 +119,7 @@ def find_records(study: Study) -> Records | None:
     table, intensity = study.tables.records, study.tables.intensity
     if table is None:
         return None
-    try:
+    with study.locating():
         if table.values is not None:
             return Records(table, [Motion(f"{table.key}={value}", value=value) for value in table.values], {}, "")
         named = "PGA" if intensity is None else intensity.measure
@@ -130,8 +130,6 @@ def find_records(study: Study) -> Records | None:
         }
         dt = study.scene.run.dt
         return Records(table, [_read(motion, table, dt) for motion in _pair(table, study.folder)], measures, named)
-    except InputError as error:
-        raise study.at_fault(error) from None
 
 
 def _pair(table: RecordsTable, base: Path) -> list[Motion]:
@@ -139,7 +137,7 @@ def _pair(table: RecordsTable, base: Path) -> list[Motion]:
     assert table.folder is not None
     folder = (base / table.folder).resolve()
     if not folder.is_dir():
-        raise InputError(f"records.folder: {folder}: no such folder")
+        raise InputError("records.folder", f"{folder}: no such folder")
     found: dict[str, dict[str, Path]] = {}
     pattern = re.compile(table.pattern)
     names = sorted(path.name for path in folder.iterdir() if path.is_file())
@@ -149,17 +147,19 @@ def _pair(table: RecordsTable, base: Path) -> list[Motion]:
             continue
         motion, component = match["motion"], match["component"]
         if component in found.setdefault(motion, {}):
-            raise InputError(f'records.pattern: {found[motion][component].name} and {name} are both component "{component}" of "{motion}"')
+            raise InputError(
+                "records.pattern", f'{found[motion][component].name} and {name} are both component "{component}" of "{motion}"'
+            )
         found[motion][component] = folder / name
     if not found:
         seen = ", ".join(names[:MOST_NAMED]) + (" ..." if len(names) > MOST_NAMED else "")
-        raise InputError(f"records.pattern: no file of {folder} matches {table.pattern} (files there: {seen or 'none'})")
+        raise InputError("records.pattern", f"no file of {folder} matches {table.pattern} (files there: {seen or 'none'})")
     for name in table.exclude:
         if not any(fnmatchcase(motion, name) for motion in found):
-            raise InputError(f'records.exclude: there is no motion "{name}"{suggest(name, found)}')
+            raise InputError("records.exclude", f'there is no motion "{name}"{suggest(name, found)}')
     kept = {motion: files for motion, files in found.items() if not any(fnmatchcase(motion, name) for name in table.exclude)}
     if not kept:
-        raise InputError("records.exclude: leaves no motion")
+        raise InputError("records.exclude", "leaves no motion")
     return [Motion(motion, {axis: _component(table, axis, motion, files) for axis in table.axes}) for motion, files in kept.items()]
 
 
@@ -168,10 +168,10 @@ def _component(table: RecordsTable, axis: str, motion: str, files: Mapping[str, 
     asked = getattr(table, axis)
     chosen = next((name for name in asked if name in files), None)
     if chosen is None:
-        raise InputError(f'records.{axis}: the motion "{motion}" has components {", ".join(sorted(files))}, none of {", ".join(asked)}')
+        raise InputError(f"records.{axis}", f'the motion "{motion}" has components {", ".join(sorted(files))}, none of {", ".join(asked)}')
     taken = [name for other in table.axes if other != axis for name in getattr(table, other)[:1] if name == chosen]
     if taken:
-        raise InputError(f'records.{axis}: "{chosen}" of the motion "{motion}" is asked for along two axes')
+        raise InputError(f"records.{axis}", f'"{chosen}" of the motion "{motion}" is asked for along two axes')
     return files[chosen]
 
 
@@ -188,7 +188,7 @@ def _read(motion: Motion, table: RecordsTable, dt: float) -> Motion:
     histories = raw if window is None else {axis: _history(path, table, dt, window) for axis, path in motion.files.items()}
     if len({history.step for history in histories.values()}) > 1:
         steps = ", ".join(f"{axis} {history.step:g} s" for axis, history in histories.items())
-        raise InputError(f'records: the components of "{motion.name}" differ in their time steps, {steps}; resample brings them to one')
+        raise InputError("records", f'the components of "{motion.name}" differ in their time steps, {steps}; resample brings them to one')
     duration = max(histories[axis].duration for axis in table.shaken)
     return Motion(motion.name, motion.files, None, window, duration, histories)
 

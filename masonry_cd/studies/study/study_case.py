@@ -59,10 +59,8 @@ def plan_of_study(study: Study) -> Plan:
     """
     space = Space(study.tables, find_records(study), study.varied)
     check_varied(study, space)
-    try:
+    with study.locating():
         return Plan(study, space)
-    except InputError as error:
-        raise study.at_fault(error) from None
 
 
 @dataclass(frozen=True)
@@ -99,7 +97,7 @@ def study_case(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways 
     require("a study", "distributed", "dask", "pyarrow", "matplotlib")
     study, here = plan.maker.study, StudyFolder(folder)
     if options.resume and not (folder / NAME).exists():
-        raise InputError(f"--resume: {folder} holds no study")
+        raise InputError("--resume", f"{folder} holds no study")
     if not options.force:
         require_own(plan, folder)
     with locked(folder):

@@ -14,6 +14,7 @@ seed = 1
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -208,9 +209,9 @@ class Study:
         """Folder from which the paths of the study are read."""
         return self.path.parent
 
-    def at_fault(self, error: InputError) -> InputError:
-        """An error that begins with a key of this file, with file and line before it."""
-        return InputError(f"{self.origin.of(str(error).partition(':')[0])}: {error}")
+    def locating(self) -> AbstractContextManager[None]:
+        """Give the faults of the body, which lie in keys of this file, its name and line."""
+        return self.origin.locating()
 
 
 def read_study(path: Path | str) -> Study:
@@ -237,16 +238,15 @@ def parse_study(text: str, path: Path, called: str = "") -> Study:
     origin = Origin("" if called else text, Path(called) if called else path)
     tables = parse_toml(text, origin.path)
     of_scene = _UnitsOfScene(tables.get("scene"), path)
-    try:
+    with origin.locating():
         top = parse_table(StudyTables, study_in_si(tables, of_scene), "")
         _check_design(top)
         varied = read_varied(top.vary, top.correlation, of_scene)
-    except InputError as error:
-        raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None
     if isinstance(top.scene, str):
         file = path.parent / top.scene
-        if not is_file(file):
-            raise InputError(f"{origin.of('scene')}: scene: {file}: no such scene file")
+        with origin.locating():
+            if not is_file(file):
+                raise InputError("scene", f"{file}: no such scene file")
         scene, own = read_scene(file), parse_toml(read_text(file), file)
         return Study(path, text, top, scene, _in_si(own, scene), top.scene, varied, origin)
     inner = Origin(origin.text, origin.path, within="scene.")
@@ -256,10 +256,8 @@ def parse_study(text: str, path: Path, called: str = "") -> Study:
 
 def _in_si(tables: Mapping[str, Any], scene: Scene) -> dict[str, Any]:
     """The tables of a scene as numbers: runs change some of them, and compute with others."""
-    try:
+    with scene.locating():
         return scene_in_si(tables)
-    except InputError as error:
-        raise scene.at_fault(error) from None
 
 
 class _UnitsOfScene:
@@ -282,7 +280,7 @@ class _UnitsOfScene:
 def _study_text(path: Path) -> str:
     """The text of the file."""
     if not path.exists():
-        raise InputError(f"{path}: no such study file")
+        raise InputError(path, "no such study file")
     return read_text(path)
 
 
@@ -295,10 +293,10 @@ def _check_design(top: StudyTables) -> None:
     design, intensity = top.design, top.intensity
     if top.asks == "limit":
         if design not in ("grid", "sample"):
-            raise InputError(f'asks: limit analyses vary over a "grid" or a "sample", and this design is "{design}"')
+            raise InputError("asks", f'limit analyses vary over a "grid" or a "sample", and this design is "{design}"')
         stray = [key for key in ("records", "intensity", "limit_states") if getattr(top, key)]
         if stray:
-            raise InputError(f"{stray[0]}: belongs to runs, and this study asks for limit analyses")
+            raise InputError(stray[0], "belongs to runs, and this study asks for limit analyses")
     levels = intensity is not None and intensity.levels is not None
     needs = {
         "sample": [("samples", top.samples is not None), ("vary", bool(top.vary))],
@@ -308,20 +306,20 @@ def _check_design(top: StudyTables) -> None:
     }
     for key, there in needs.get(design, []):
         if not there:
-            raise InputError(f'{key}: missing, the design "{design}" needs it')
+            raise InputError(key, f'missing, the design "{design}" needs it')
     for key, owner in (("samples", "sample"), ("ida", "ida"), ("ensemble", "ensemble")):
         if getattr(top, key) is not None and design != owner:
-            raise InputError(f'{key}: belongs to the design "{owner}", and this one is "{design}"')
+            raise InputError(key, f'belongs to the design "{owner}", and this one is "{design}"')
     if levels and design in ("ida", "cloud", "ensemble"):
-        raise InputError(f'intensity.levels: the design "{design}" takes none')
+        raise InputError("intensity.levels", f'the design "{design}" takes none')
     if top.ida is not None and top.ida.limit_state not in top.limit_states:
         raise InputError(
-            f'ida.limit_state: there is no "{top.ida.limit_state}" in [limit_states]{suggest(top.ida.limit_state, top.limit_states)}'
+            "ida.limit_state", f'there is no "{top.ida.limit_state}" in [limit_states]{suggest(top.ida.limit_state, top.limit_states)}'
         )
     of_files = top.records is not None and top.records.folder is not None
     if intensity is not None and (intensity.key is None) != of_files:
         if of_files:
-            raise InputError("intensity.key: motions of a folder are scaled by their measure; leave it out")
+            raise InputError("intensity.key", "motions of a folder are scaled by their measure; leave it out")
         raise InputError(
-            "intensity.key: missing; there are no motions of a folder to measure, so a level is the value of a key of the scene"
+            "intensity.key", "missing; there are no motions of a folder to measure, so a level is the value of a key of the scene"
         )

@@ -169,7 +169,7 @@ def _factor(group: Correlation) -> np.ndarray:
     """L of R = L L^T, lower triangular."""
     n = len(group.keys)
     if not group.rho > -1.0 / (n - 1):
-        raise InputError(f"correlation.rho: {group.rho:g} is not possible between {n} keys, only above {-1.0 / (n - 1):.3g}")
+        raise InputError("correlation.rho", f"{group.rho:g} is not possible between {n} keys, only above {-1.0 / (n - 1):.3g}")
     return np.linalg.cholesky(np.full((n, n), group.rho) + (1.0 - group.rho) * np.eye(n))
 
 
@@ -190,7 +190,7 @@ def read_varied(table: Mapping[str, Any], correlations: Sequence[Correlation], u
         where = f'vary."{key}"'
         if isinstance(given, list):
             if not given:
-                raise InputError(f"{where}: an empty list")
+                raise InputError(where, "an empty list")
             lists[key] = given
         elif isinstance(given, Mapping) and "distribution" in given:
             random[key] = parse_table(Distribution, given, where)
@@ -199,14 +199,14 @@ def read_varied(table: Mapping[str, Any], correlations: Sequence[Correlation], u
             whole = all(isinstance(given[end], int) for end in ("from", "to")) and all(v == round(v) for v in even.values())
             lists[key] = [round(v) for v in even.values()] if whole else even.values()
         else:
-            raise InputError(f'{where}: should be a list, {{ from, to, count }} or {{ distribution = "lognormal", ... }}')
+            raise InputError(where, 'should be a list, { from, to, count } or { distribution = "lognormal", ... }')
     for i, group in enumerate(correlations):
         for key in group.keys:
             if key not in random:
-                raise InputError(f'correlation[{i}].keys: "{key}" is no distribution of [vary]{suggest(key, random)}')
+                raise InputError(f"correlation[{i}].keys", f'"{key}" is no distribution of [vary]{suggest(key, random)}')
     named = [key for group in correlations for key in group.keys]
     if len(set(named)) < len(named):
-        raise InputError("correlation: a key is named twice")
+        raise InputError("correlation", "a key is named twice")
     return Varied(lists, random, correlations)
 
 

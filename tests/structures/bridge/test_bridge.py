@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import structures
-from masonry_cd.foundation.errors import InputErrors
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.geometry import mass_properties
@@ -165,7 +165,7 @@ def test_wings_and_parapets_stand_beside_abutments_of_both_kinds() -> None:
     ],
 )  # fmt: skip
 def test_all_faults_are_named_by_span_and_place_a_line_each(spans: list[dict], keys: dict, words: list[str]) -> None:
-    with pytest.raises(InputErrors) as failure:
+    with pytest.raises(InputError) as failure:
         made(*spans, **keys)
     assert len(failure.value.lines) == len(words)
     for line, said in zip(failure.value.lines, words, strict=True):
@@ -193,7 +193,7 @@ friction = 0.6
 dt = 1e-3
 duration = 1.0
 """
-    with pytest.raises(InputErrors) as failure:
+    with pytest.raises(InputError) as failure:
         structure_of(parse_scene(text, tmp_path / "b.toml"))
     first, second = str(failure.value).split("\n")
     assert "b.toml:6: structure.spans[0].rise" in first

@@ -30,7 +30,7 @@ def prepare(keys: Mapping[str, Any]) -> Walls:
     """The walls of a table, without faults."""
     faults = Faults()
     made = prepared(parse_table(BuildingTable, keys, "structure"), faults)
-    assert not faults.lines
+    assert not faults.found
     return made
 
 

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import structures
 from masonry_cd.cli.app import app
-from masonry_cd.foundation.errors import InputError, InputErrors
+from masonry_cd.foundation.errors import InputError
 
 CORNERS = [[0, 0], [6, 0], [6, 4], [0, 4], [0, 0]]
 FLOOR = {"height": 2.1, "thickness": 0.2, "mass": 300.0, "walls": ["south", "north"]}
@@ -261,7 +261,7 @@ floors = [
 
 def test_rows_that_are_no_tables_are_named_and_the_rest_is_checked() -> None:
     keys = {"walls": [3.0, wall("a", [[0, 0], [4, 0]], 0.5, 3.0), {"name": "b", "openings": [1.5]}], "vaults": [True]}
-    with pytest.raises(InputErrors) as failure:
+    with pytest.raises(InputError) as failure:
         structures.make(KEYS | keys, 2000.0, Path())
     begins = [f"structure.{at}: " for at in ("walls[0]", "walls[2].axis", "walls[2].openings[0]", "vaults[0]")]
     assert [begin for begin in begins if not any(line.startswith(begin) for line in failure.value.lines)] == []

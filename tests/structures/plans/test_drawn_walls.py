@@ -132,7 +132,7 @@ def test_a_wall_without_a_height_is_a_fault_that_says_its_place(tmp_path: Path):
     ring(drawing)
     faults = drawing.plan(tmp_path, HIGH.model_copy(update={"wall_height": None})).faults
     assert faults.keys() == {"w1", "w2", "w3", "w4"}
-    assert re.search(r"height of wall w1 about \(0\.25, 2\.5.\) nor of 3 others: draw a text", faults["w1"])
+    assert re.search(r"height of wall w1 about \(0\.25, 2\.5.\) nor of 3 others: draw a text", faults["w1"].text)
 
 
 def test_heights_names_gables_and_steps(tmp_path: Path):

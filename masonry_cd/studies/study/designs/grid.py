@@ -16,7 +16,7 @@ def runs(space: Space) -> Iterator[Asked]:
         InputError: something varies by a distribution, of which a grid has no points.
     """
     for key in space.varied.keys:
-        raise InputError(f'vary."{key}": a grid takes lists and ranges; design = "sample" takes distributions')
+        raise InputError(f'vary."{key}"', 'a grid takes lists and ranges; design = "sample" takes distributions')
     for motion in space.motions:
         for level in space.levels:
             for values in space.combinations():
