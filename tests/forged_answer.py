@@ -20,6 +20,7 @@ SOUND = {
     "loops": [0, 1, 2],
     "loop_start": [0, 3],
     "figures": [1.0],
+    "notes": [""],
 }  # one block with one face, as arrays
 
 

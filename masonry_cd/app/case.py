@@ -21,7 +21,7 @@ from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.output_gauges import gauges_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import SceneKind, compiling
-from masonry_cd.foundation.errors import InputError, in_plain_words
+from masonry_cd.foundation.errors import Fault, InputError, in_plain_words
 from masonry_cd.foundation.jit import lost
 from masonry_cd.io.gauges import Gauges, GuideGauge
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
@@ -156,12 +156,30 @@ def make_structures(scene: Scene) -> Made:
     """
     import structures
 
-    with scene.locating():
+    with scene.locating(), _doubted(scene):
         if not scene.structures:
             return structures.make(scene.structure, scene.material.block_density, scene.folder)
         from structures import site
 
         return site.build(scene.structures, scene.material.block_density, scene.folder)
+
+
+@contextmanager
+def _doubted(scene: Scene) -> Iterator[None]:
+    """Add to the faults of a structure the values of its keys that are likely in another unit, which may be why it is none.
+
+    Faults that know their blocks stay as they are.
+    """
+    from masonry_cd.app.doubts import key_doubts
+    from structures.geometry.checks import Unsound
+
+    try:
+        yield
+    except InputError as error:
+        doubts = [] if isinstance(error, Unsound) else key_doubts(scene)
+        if not doubts:
+            raise
+        raise InputError.of([*error.faults, *(Fault("", line) for line in doubts)]) from None
 
 
 def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part] = ()) -> Case:

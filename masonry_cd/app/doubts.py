@@ -20,6 +20,7 @@ from masonry_cd.app.ranges import RANGES, G, range_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.scene_text import is_within, keys_of, parse_toml
 from masonry_cd.app.scene_units import scene_in_si, unit_of_key
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Block
 
@@ -44,6 +45,15 @@ def structure_doubts(scene: Scene, blocks: Sequence[Block], names: Sequence[str]
     tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
     mine: dict[str, Any] = {key: tables[key] for key in names if key in tables}
     return _spoken([*_plain(mine), *_stated(tables, blocks), *_ties(mine), *_carried(mine, blocks)], tables, scene.quiet_checks)
+
+
+def key_doubts(scene: Scene) -> list[str]:
+    """What is said of the keys of a structure by themselves, as where it cannot be built; nothing where its texts are no numbers."""
+    try:
+        tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
+    except InputError:
+        return []
+    return _spoken(_plain({key: tables[key] for key in ("structure", "structures") if key in tables}), tables, scene.quiet_checks)
 
 
 def assess_doubts(scene: Scene) -> list[str]:
@@ -79,14 +89,19 @@ def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence
 
 
 def _spoken(found: Sequence[Doubt], tables: Mapping[str, Any], quiet: Sequence[str]) -> list[str]:
-    """The lines but for those of keys that are meant so."""
-    return [_line(doubt, tables) for doubt in found if not any(is_within(doubt.key, name) for name in quiet)]
+    """The lines but for those of keys that are meant so; of one key in the rows of a list the first, and how many others."""
+    rows: dict[tuple[str, str], list[Doubt]] = {}
+    for doubt in found:
+        if not any(is_within(doubt.key, name) for name in quiet):
+            rows.setdefault((re.sub(r"\[\d+\]", "", doubt.key), doubt.words if doubt.value is None else ""), []).append(doubt)
+    return [_line(own[0], len(own) - 1, tables) for own in rows.values()]
 
 
-def _line(doubt: Doubt, tables: Mapping[str, Any]) -> str:
+def _line(doubt: Doubt, others: int, tables: Mapping[str, Any]) -> str:
     """A doubt in words: ``ag = 0.25 m/s2 is 0.025 g: ...; if g is meant: "0.25 g"; if it is meant so, ...``"""
     unit = unit_of_key(tables, doubt.key)
     said = doubt.words if doubt.value is None else f"{doubt.key} = {doubt.value:g}{f' {unit}' if unit else ''}{doubt.words}"
+    said += f" (and {others} more like it)" if others else ""
     return "; ".join([said, *([doubt.meant] if doubt.meant else []), f'if it is meant so, quiet_checks = ["{doubt.key}"] says so'])
 
 
@@ -114,9 +129,10 @@ def _plain(tables: Mapping[str, Any]) -> list[Doubt]:
     """Values that are compared by themselves."""
     found: dict[str, Doubt] = {}  # by key: of a list of numbers the first that is not usual
     for key, value in keys_of(tables):
-        name = range_of(re.sub(r"\[\d+\]", "", key).replace("structures.", "structure.", 1)) if is_number(value) else ""
+        unit = unit_of_key(tables, key) if is_number(value) else ""
+        name = range_of(re.sub(r"\[\d+\]", "", key).replace("structures.", "structure.", 1), unit) if is_number(value) else ""
         if name:
-            for doubt in _doubt(key, float(value), name, _in_g(float(value)) if unit_of_key(tables, key) == "m/s2" else ""):
+            for doubt in _doubt(key, float(value), name, _in_g(float(value)) if unit == "m/s2" else ""):
                 found.setdefault(re.sub(r"(\[\d+\])+$", "", key), doubt)
     return [*found.values()]
 
@@ -141,15 +157,17 @@ def _structures(tables: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]
 
 
 def _carried(tables: Mapping[str, Any], blocks: Sequence[Block]) -> Iterator[Doubt]:
-    """What a roof and floors weigh, against the masonry that bears them."""
+    """What roofs and floors weigh, against the masonry that bears them."""
     for where, table in _structures(tables):
         name = f"{table['name']}." if where != "structure" else ""
         floors = {
             f"{name}{floor.get('name', f'floor{i + 1}')}": (f"{where}.floors[{i}].mass", floor["mass"])
             for i, floor in enumerate(table.get("floors", []))
         }
-        if "roof_mass" in table:
-            floors[f"{name}roof"] = (f"{where}.roof_mass", table["roof_mass"])
+        roofs = [(f"{where}.roofs[{i}].mass", roof["mass"]) for i, roof in enumerate(table.get("roofs", []))]
+        roofs += [(f"{where}.roof_mass", table["roof_mass"])] if "roof_mass" in table else []
+        if roofs:  # all are one group
+            floors[f"{name}roof"] = max(roofs, key=lambda found: found[1])
         own = [block for block in blocks if not block.fixed and (not name or block.structure == table["name"])]
         borne = math.fsum(_mass(block) for block in own if block.group not in floors)
         for group, (key, value) in floors.items():

@@ -24,6 +24,7 @@ class Range:
     others: tuple[tuple[str, float], ...]  # units that are easily meant instead, and their size in the unit of the key
     reason: str
     keys: tuple[str, ...] = ()  # whose value itself is compared: patterns of their paths, without the numbers of tables in lists
+    unit: str = ""  # all keys that have it are compared, too: there is one rule for whatever is such a quantity
 
     def holds(self, value: float) -> bool:
         """Whether a value is usual, or zero."""
@@ -69,12 +70,11 @@ RANGES = {
     "overload": Range(0.0, 200.0, (), "even proof loads are a few tens of times the weight of what bears them"),  # over that of all blocks
     "axle": Range(500.0, 1e6, _FORCE, "axles weigh 0.5 kN (a cart) to 1 MN (heavy transport)", ("loads.axles",)),
     "crossing": Range(0.0, 45.0, (("km/h", 1.0 / 3.6),), "vehicles cross bridges of masonry at up to 45 m/s, 160 km/h", ("loads.speed",)),
-    "areal_mass": Range(15.0, 3000.0, _AREAL, "roofs and floors have 15 to 3000 kg/m2", ("structure.roof_mass", "structure.floors.mass")),
+    "areal_mass": Range(15.0, 3000.0, _AREAL, "roofs and floors have 15 to 3000 kg/m2", unit="kg/m2"),
     "carried": Range(0.0, 1.0, (), "roofs and floors weigh less than the masonry that bears them"),  # over its mass
     # masonry
     "density": Range(
-        400.0, 3500.0, _DENSITY, "masonry has 400 (foamed) to 3500 kg/m3 (basalt)",
-        ("material.density", "material.masonry.density", "structure.*density"),
+        400.0, 3500.0, _DENSITY, "masonry has 400 (foamed) to 3500 kg/m3 (basalt)", unit="kg/m3",
     ),
     "friction": Range(
         0.0, 1.2, (), "dry joints have 0.3 to 1.2; an angle is given by its tangent", ("material.friction*", "assess.friction*"),
@@ -83,7 +83,7 @@ RANGES = {
         1e7, 2.5e11, _PA, "from adobe, 0.01 GPa, to steel, 210 GPa",
         ("material.young*", "material.masonry.E", "material.masonry.G", "assess.young"),
     ),
-    "stiffness": Range(1e8, 1e15, _STIFFNESS, "joints of masonry have 1e8 to 1e13 N/m3", ("material.joints*_stiffness",)),
+    "stiffness": Range(1e8, 1e15, _STIFFNESS, "joints of masonry have 1e8 to 1e13 N/m3", unit="N/m3"),
     "compression": Range(
         1e5, 5e8, _STRENGTH, "from rubble, 0.1 MPa, to the hardest stone, 500",
         ("material.compressive_strength*", "material.masonry.compressive_strength", "material.joints*compressive_strength"),
@@ -95,6 +95,13 @@ RANGES = {
     "damping": Range(
         0.0, 0.5, (), "a share of critical is given, 0.05 for 5 %, and masonry has 0.01 to 0.1",
         ("material.damping", "material.damping.*", "material.joints*damping", "assess.damping"),
+    ),
+    "thickness": Range(
+        0.003, 12.0, _SMALL, "walls, vaults and slabs are 3 mm (a model) to 12 m (a fortress) thick",
+        ("structure.*thickness",),
+    ),
+    "height": Range(
+        0.003, 200.0, _SMALL, "masonry is at most some 170 m high", ("structure.*height",),
     ),
     "cover": Range(0.0, 10.0, _SMALL, "fill covers crowns by up to a few metres", ("structure.cover",)),
     "angle": Range(10.0, 60.0, (("rad", 57.29577951308232),), "fill has 20 to 50 degrees", ("structure.fill.friction_angle",)),
@@ -111,16 +118,18 @@ RANGES = {
         0.1, 30.0, _SMALL, "ties and anchors are 0.3 to 10 m apart", ("structure.ties.spacing", "structure.floors.anchors.spacing"),
     ),
     "side": Range(3e-4, 0.6, _SMALL, "from strips of 0.3 mm to beams of 0.6 m"),
-    "section": Range(1e-7, 0.25, _AREA, "from wires of 0.1 mm2 to beams of 0.25 m2", ("structure.ties.area", "loads.area")),
+    "section": Range(1e-7, 0.25, _AREA, "from wires of 0.1 mm2 to beams of 0.25 m2", unit="m2"),
     "yielding": Range(2e-5, 2e-2, _FORCE, "ties and anchorages yield at stretches of 2e-5 to 2e-2"),  # over E A
     "tension": Range(1e-6, 2e-2, _FORCE, "a tenth of a degree of warmth stretches a tie by 1e-6"),  # over E A
 }  # fmt: skip
 
 
-def range_of(path: str) -> str:
+def range_of(path: str, unit: str) -> str:
     """The name of the range with which the value of a key is compared itself; empty where there is none.
 
     Args:
         path: of the key, without the numbers of tables in lists.
+        unit: of the key; empty where it has none.
     """
-    return next((name for name, one in RANGES.items() if any(fnmatchcase(path, pattern) for pattern in one.keys)), "")
+    named = next((name for name, one in RANGES.items() if any(fnmatchcase(path, pattern) for pattern in one.keys)), "")
+    return named or next((name for name, one in RANGES.items() if unit and unit == one.unit), "")

@@ -9,11 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
+from structures import size
 from structures.building.stones import upright
 from structures.building.table import BuildingColumnTable, BuildingTable
 from structures.faults import Faults
-from structures.layout.columns import ColumnTable, column
+from structures.layout.columns import MOST_DRUMS, ColumnTable, column
 
 SIDES = 12  # of a round column
 LEAST_HEIGHT = 1.5  # of a round column, in diameters: what is lower has no plinth and capital
@@ -33,11 +35,47 @@ def rows_of(table: BuildingTable, faults: Faults) -> list[Row]:
     found: list[Row] = []
     for k, keys in enumerate(table.columns):
         name = keys.name or f"column{k + 1}"
+        with faults.of("", name, bears=True):
+            _refuse_many(keys, table, f"columns[{k}].{'height' if keys.drum is None else 'drum'}")
+        if name in faults.left_out:
+            continue
         with faults.of(f"columns {name}", name, bears=True):
             if name in {row.name for row in found}:
                 raise ValueError(f'other ones have the name "{name}", too')
             found.append(Row(name, keys, tuple(_places(keys))))
     return found
+
+
+def _refuse_many(keys: BuildingColumnTable, table: BuildingTable, key: str) -> None:
+    """Refuse columns of too many drums or stones.
+
+    Raises:
+        InputError: names the key, the number and the limit.
+    """
+    if keys.section == "square":
+        stones = _courses(keys, table) * max(1.0, keys.size / table.block_length)
+    else:
+        stones = _drums(keys, table)
+        if stones > MOST_DRUMS:
+            raise InputError(f"structure.{key}", f"makes {stones:.4g} drums of a column; at most {MOST_DRUMS} are allowed")
+    size.within((keys.number or 1) * stones, key)
+
+
+def _drums(keys: BuildingColumnTable, table: BuildingTable) -> float:
+    """How many drums a round column is to have, not rounded."""
+    _, plinth, capital = _ends(keys)
+    return (keys.height - plinth - capital) / (keys.drum or 2.0 * table.course_height)
+
+
+def _courses(keys: BuildingColumnTable, table: BuildingTable) -> float:
+    """How many courses a square pier is to have, not rounded."""
+    return keys.height / (keys.drum or table.course_height)
+
+
+def _ends(keys: BuildingColumnTable) -> tuple[bool, float, float]:
+    """Whether a round column is plain, and the heights of its plinth and capital [m]."""
+    plain = keys.height < LEAST_HEIGHT * keys.size
+    return (plain, 0.0, 0.0) if plain else (plain, 0.25 * keys.size, 0.4 * keys.size)
 
 
 def _places(keys: BuildingColumnTable) -> np.ndarray:
@@ -73,9 +111,7 @@ def blocks_of(row: Row, table: BuildingTable, density: float) -> list[Block]:
 def _round(row: Row, place: np.ndarray, prefix: str, table: BuildingTable, density: float) -> list[Block]:
     """A column with plinth and capital, as wide as an arcade needs."""
     keys = row.keys
-    plain = keys.height < LEAST_HEIGHT * keys.size
-    plinth, capital = (0.0, 0.0) if plain else (0.25 * keys.size, 0.4 * keys.size)
-    drum = keys.drum or 2.0 * table.course_height
+    plain, plinth, capital = _ends(keys)
     own = ColumnTable.model_validate(
         {
             "height": keys.height,
@@ -84,7 +120,7 @@ def _round(row: Row, place: np.ndarray, prefix: str, table: BuildingTable, densi
             "plinth": plinth,
             "capital": capital,
             "sides": SIDES,
-            "drums": max(1, round((keys.height - plinth - capital) / drum)),
+            "drums": max(1, round(_drums(keys, table))),
         }
     )
     return column((float(place[0]), float(place[1])), keys.base, own, density, prefix, row.name)
@@ -96,7 +132,7 @@ def _square(row: Row, place: np.ndarray, prefix: str, table: BuildingTable, dens
     half, turn = 0.5 * keys.size, math.radians(keys.turned)
     x, y = libm.cos(np.array([turn]))[0], libm.sin(np.array([turn]))[0]
     axes = np.array([[x, y], [-y, x]])
-    beds = keys.base + np.linspace(0.0, keys.height, max(1, round(keys.height / (keys.drum or table.course_height))) + 1)
+    beds = keys.base + np.linspace(0.0, keys.height, max(1, round(_courses(keys, table))) + 1)
     count = max(1, round(keys.size / table.block_length))
     found = []
     for course in range(len(beds) - 1):

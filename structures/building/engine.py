@@ -47,8 +47,8 @@ class Walls:
     layings: list[Laying]  # of each leg
 
 
-def blocks_of(table: BuildingTable, density: float, faults: Faults) -> tuple[list[Block], list[Bar]]:
-    """The blocks of a building without its base, and the tie beams of its roofs.
+def blocks_of(table: BuildingTable, density: float, faults: Faults) -> tuple[list[Block], list[Bar], list[str]]:
+    """The blocks of a building without its base, the tie beams of its roofs, and a line on each wall that is near others and joins none.
 
     Args:
         table: the building.
@@ -80,7 +80,7 @@ def blocks_of(table: BuildingTable, density: float, faults: Faults) -> tuple[lis
         if len(walls.layings) < len(walls.plan.legs):
             faults.left_out[ANYTHING] = True
         raise Incomplete(faults, built)
-    return built(), bars
+    return built(), bars, junctions.apart(walls.plan.legs, walls.plan.junctions)
 
 
 def blocks_of_walls(walls: Walls, density: float) -> list[Block]:

@@ -9,11 +9,12 @@ one junction, of two walls or more.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
+import shapely
 from shapely.geometry import Polygon
 
 from masonry_cd.mechanics.model.components import connected_components
@@ -23,6 +24,7 @@ from structures.faults import Absent, Faults
 
 LEAST_ANGLE = math.radians(25.0)  # of two walls that meet: stones of a sharper one would be slivers
 STUB = 0.1  # by which a wall that crosses another has to stick out beyond it [m]
+NEARBY = 3.0  # of a wall that joins no other, from the nearest: farther off it is another building [m]
 MORE = 0.2  # of a facet of an arc beside a junction [m]
 
 
@@ -65,19 +67,25 @@ def find(legs: Sequence[Leg], table: BuildingTable, faults: Faults) -> list[Junc
     """The junctions of a plan; what cannot be one is added to the faults."""
     pairs = []
     quads = [[strip(leg, facet) for facet in leg.facets] for leg in legs]
-    boxes = [np.array([[*quad.min(axis=0), *quad.max(axis=0)] for quad in own]) for own in quads]
-    for a in range(len(legs)):
-        for b in range(a + 1, len(legs)):
-            if min(_highest(legs[a]), _highest(legs[b])) <= max(legs[a].base, legs[b].base) + SAME:
-                continue
-            for f in range(len(legs[a].facets)):
-                for g in np.flatnonzero(_near(boxes[a][f], boxes[b])):
-                    pair = _meet(legs, (a, f), (b, int(g)), (quads[a][f], quads[b][g]), faults)
-                    pairs += [pair] if pair else []
+    for a, f, b, g in _candidates(legs, quads):
+        if min(_highest(legs[a]), _highest(legs[b])) > max(legs[a].base, legs[b].base) + SAME:
+            pair = _meet(legs, (a, f), (b, g), (quads[a][f], quads[b][g]), faults)
+            pairs += [pair] if pair else []
     pairs = _without_doubles(pairs)
     bonds = _bonds(legs, pairs, table, faults)
     pairs = [Pair(p.arms, p.point, p.region, *bond) for p, bond in zip(pairs, bonds, strict=True)]
     return _clusters(pairs)
+
+
+def _candidates(legs: Sequence[Leg], quads: Sequence[Sequence[np.ndarray]]) -> Iterator[tuple[int, int, int, int]]:
+    """Leg and facet of those whose strips may meet, and of the other, in the order of the legs."""
+    boxes = np.array([[*quad.min(axis=0), *quad.max(axis=0)] for own in quads for quad in own]).reshape(-1, 4)
+    owner = np.repeat(np.arange(len(legs)), [len(leg.facets) for leg in legs])
+    first = np.concatenate([[0], np.cumsum([len(leg.facets) for leg in legs])]).astype(int)
+    for a in range(len(legs)):
+        near = [(f, first[a + 1] + np.flatnonzero(_near(boxes[first[a] + f], boxes[first[a + 1] :]))) for f in range(len(legs[a].facets))]
+        found = sorted((int(owner[k]), f, int(k - first[owner[k]])) for f, own in near for k in own)
+        yield from ((a, f, b, g) for b, f, g in found)
 
 
 def along(legs: Sequence[Leg], wall: int) -> list[Span]:
@@ -232,3 +240,26 @@ def _clusters(pairs: Sequence[Pair]) -> list[Junction]:
         own = tuple(pairs[i] for i in np.flatnonzero(label == k).tolist())
         junctions.append(Junction(own, tuple(sorted({arm.leg for pair in own for arm in pair.arms}))))
     return junctions
+
+
+def apart(legs: Sequence[Leg], found: Sequence[Junction]) -> list[str]:
+    """A line on each wall, or set of walls, that is near others and joins none of them, though they are joined among themselves."""
+    link = [(a, b) for junction in found for a, b in pairwise(junction.legs)]
+    link += [(k, k + 1) for k in range(len(legs) - 1) if legs[k].wall == legs[k + 1].wall]
+    first, second = (np.array([pair[k] for pair in link], dtype=int) for k in (0, 1))
+    label = connected_components(first, second, len(legs))
+    sizes = np.bincount(label, minlength=1)
+    if len(sizes) < 2 or sizes.max() < 2:
+        return []
+    strips = [shapely.union_all([Polygon(strip(leg, facet)) for facet in leg.facets]) for leg in legs]
+    lines = []
+    for one in range(len(sizes)):
+        own = np.flatnonzero(label == one)
+        others = [(k, j) for k in own for j in np.flatnonzero(label != one) if sizes[one] < sizes.max() or label[j] < one]
+        gap, k, j = min(((strips[k].distance(strips[j]), int(k), int(j)) for k, j in others), default=(math.inf, 0, 0))
+        if SAME < gap <= NEARBY:
+            at = np.array(shapely.shortest_line(strips[k], strips[j]).coords[0])
+            more = f" and {len(own) - 1} joined to it" if len(own) > 1 else ""
+            near = f"{legs[k].keys.name}{more} joins no other: it is {gap:.3g} m from wall {legs[j].keys.name} at {place(at)}"
+            lines.append(f"wall {near}; draw its axis on to the other where they are one")
+    return lines

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
+from structures import size
 from structures.building import vaults
 from structures.building.axes import place
 from structures.building.footprints import Plan
@@ -58,6 +59,7 @@ def _pairs(plan: Plan, keys: BuildingRoofTable, name: str, where: str) -> Iterat
     section = np.array([(-a - bearing, 0.0), (-a, 0.0), (0.0, keys.rise), (0.0, keys.rise + high), (-a - bearing, high - slope * bearing)])
     area = 0.5 * bearing * (2.0 * high - slope * bearing) + a * high
     density = keys.mass * (a + bearing) / area
+    size.within(4.0 * b / keys.spacing, f"{where.removeprefix('structure.')}.spacing")
     ends = np.linspace(-b, b, max(1, round(2.0 * b / keys.spacing)) + 1)
     for k in range(len(ends) - 1):
         rafters = []

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from structures.files import step_names
-from structures.files.facets import curved_faces, gathered, opened, shells_of
+from structures.files.facets import curved_faces, gathered, left_out, opened, shells_of
 from structures.files.foreign import Answer, Piece, Refused
 
 SAME = 1e-7  # corners this close are one, as a share of the extents of the whole
@@ -37,6 +37,7 @@ def read(path: Path, chord: float | None = None) -> Answer:
     """
     own = step_names.get(path)
     with opened(path, labels=own is None) as gmsh:
+        unread = left_out(gmsh, path)
         curved_faces(gmsh, chord, path.name)
         volumes = [tag for _, tag in gmsh.model.occ.getEntities(3)]
         boxes = np.array([gmsh.model.occ.getBoundingBox(3, tag) for tag in volumes])
@@ -45,7 +46,8 @@ def read(path: Path, chord: float | None = None) -> Answer:
         names, groups = own or named([gmsh.model.getEntityName(3, tag) for tag in volumes])
     if not len(names) == len(groups) == len(shells):
         raise Refused(path.name, f"has {len(shells)} solids, {len(names)} names and {len(groups)} groups of blocks")
-    return [Piece(k, names[k], *gathered(shell), group=groups[k]) for k, shell in enumerate(shells)], (same, off)
+    pieces = [Piece(k, names[k], *gathered(shell), group=groups[k]) for k, shell in enumerate(shells)]
+    return Answer(pieces, (same, off), unread)
 
 
 def named(labels: list[str]) -> tuple[list[str], list[str]]:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from structures.files.facets import curved_faces, gathered, opened, shells_of
+from structures.files.facets import curved_faces, gathered, left_out, opened, shells_of
 from structures.files.foreign import Answer, Piece, Refused
 from structures.size import MOST, beyond
 
@@ -66,11 +66,12 @@ def cut(path: Path, **asked: Any) -> Answer:
         Refused: a file that cannot be read, curved faces without ``chord``, or facets that stay farther off.
     """
     with opened(path) as gmsh:
+        unread = left_out(gmsh, path)
         cutting = _cutting(gmsh, Asked(**asked))
         whole = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.occ.getEntities(3))
         curved = curved_faces(gmsh, cutting.chord, path.name)
         stones, off = _stones(gmsh, cutting, path.name)
-    return stones, (whole, float(curved), off)
+    return Answer(stones, (whole, float(curved), off), unread)
 
 
 def _cutting(gmsh: Any, asked: Asked) -> Cutting:

@@ -8,6 +8,7 @@ called.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
@@ -20,6 +21,7 @@ from masonry_cd.foundation.gmsh_session import gmsh_session
 from structures.files.foreign import Faces, Refused
 
 FINEST = 64  # most facets along one curve
+EXTERNAL = re.compile(rb"\bAPPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT\s*\(")
 FORMATS = {".step": "step", ".stp": "step", ".brep": "brep"}  # as gmsh calls them; it would go by the file's name
 
 
@@ -37,7 +39,7 @@ def opened(path: Path, labels: bool = True) -> Iterator[Any]:
             else:
                 gmsh.option.setString("Geometry.OCCTargetUnit", "M")
                 gmsh.option.setNumber("Geometry.OCCImportLabels", labels)
-                gmsh.model.occ.importShapes(str(path), format=FORMATS[path.suffix.lower()])
+                gmsh.model.occ.importShapes(str(path), highestDimOnly=False, format=FORMATS[path.suffix.lower()])
             gmsh.model.occ.synchronize()
             found = gmsh.model.occ.getEntities(3)
         except Exception as failure:  # gmsh raises bare exceptions
@@ -46,6 +48,21 @@ def opened(path: Path, labels: bool = True) -> Iterator[Any]:
             hint = '; a .geo file begins with SetFactory("OpenCASCADE");' if path.suffix.lower() == ".geo" else ""
             raise Refused(path.name, f"no volume of the OpenCASCADE kernel in it{hint}")
         yield gmsh
+
+
+def left_out(gmsh: Any, path: Path) -> list[str]:
+    """Take faces, curves and points that bound no volume out of a CAD model: a line on these, and one on parts in other files."""
+    if path.suffix.lower() == ".geo":  # a program, which draws what it needs
+        return []
+    found = []
+    for dimension, what in ((2, "faces"), (1, "curves"), (0, "points")):
+        bare = [pair for pair in gmsh.model.getEntities(dimension) if not len(gmsh.model.getAdjacencies(*pair)[0])]
+        gmsh.model.occ.remove(bare, recursive=True)
+        gmsh.model.occ.synchronize()
+        found += [f"{len(bare)} {what}"] if bare else []
+    lines = [f"{path.name}: {', '.join(found)} that bound no solid not read"] if found else []
+    count = len(EXTERNAL.findall(path.read_bytes())) if FORMATS[path.suffix.lower()] == "step" else 0
+    return [*lines, *([f"{path.name}: {count} parts of it are in other files, which are not read; export one file"] if count else [])]
 
 
 def curved_faces(gmsh: Any, chord: float | None, source: str) -> int:

@@ -6,7 +6,7 @@ memory or go round for ever. So a reader is a function that runs in a child proc
 without a shell, without the environment and in an empty folder that is removed. It answers with plain arrays, which are checked before
 they are used. However the child ends, the caller gets one line that names the file.
 
-A reader is named ``module:function``, takes the path and keywords that JSON knows, and returns an :data:`Answer`. It raises
+A reader is named ``module:function``, takes the path and keywords that JSON knows, and returns an :class:`Answer`. It raises
 :class:`Refused` with place and text for the user; the message of any other exception becomes "FILE: cannot be read: ...". The child
 imports the reader's module and what that imports, so these keep to numpy and the one library that reads the format.
 
@@ -47,7 +47,13 @@ class Piece(NamedTuple):
     density: float = 0.0  # stated by the file [kg/m3]; 0 where it states none
 
 
-Answer = tuple[Sequence[Piece], Sequence[float]]  # and figures whose meaning the reader states
+class Answer(NamedTuple):
+    """What a file holds."""
+
+    pieces: Sequence[Piece]
+    figures: Sequence[float] = ()  # whose meaning the reader states
+    notes: Sequence[str] = ()  # a line each for the user: what of the file was not read
+
 
 GIB = 2**30
 MEMORY = 4 * GIB  # addresses [B]: gmsh takes 0.4 GiB and VTK with its readers 0.7 GiB before they open a file; the rest is for the file
@@ -57,6 +63,7 @@ SECONDS = 120.0  # processor time [s]: an STL of 20,000 boxes takes 6, a VTU 3
 WAIT = 2.0  # wall time, in processor times: another program may have the core, but a child that only waits has to end
 LOADER = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # of the environment, what a child needs to start: Windows the latter
 SHOWN = 300  # most characters of a child's message
+NOTES = 50  # most lines of its notes
 CHILD = """import json, sys
 request = json.load(open("request.json", encoding="utf-8"))
 sys.path[:] = request["path"]
@@ -182,8 +189,8 @@ def answer(request: Mapping[str, Any]) -> None:
     limits, file = Limits(*request["limits"]), request["file"]
     try:
         module, function = request["reader"].split(":")
-        pieces, figures = getattr(import_module(module), function)(Path(file), **request["keywords"])
-        np.savez("answer.npz", allow_pickle=False, **_packed(pieces, figures))
+        made = getattr(import_module(module), function)(Path(file), **request["keywords"])
+        np.savez("answer.npz", allow_pickle=False, **_packed(Answer(*made)))
     except Refused as refusal:
         _refuse(refusal.place, refusal.text)
     except MemoryError:
@@ -201,9 +208,9 @@ def _refuse(place: str, text: str) -> None:
     Path("refused").write_text(json.dumps([place, text]), encoding="utf-8")
 
 
-def _packed(pieces: Sequence[Piece], figures: Sequence[float]) -> dict[str, np.ndarray]:
+def _packed(made: Answer) -> dict[str, np.ndarray]:
     """An answer as plain arrays: ``*_start`` delimit a piece or a face, the loops count the vertices of their own piece."""
-    pieces = [Piece(*piece) for piece in pieces]
+    pieces = [Piece(*piece) for piece in made.pieces]
     loops = [loop for piece in pieces for loop in piece.faces]
     return {
         "number": np.array([piece.number for piece in pieces], dtype=np.int64),
@@ -216,7 +223,8 @@ def _packed(pieces: Sequence[Piece], figures: Sequence[float]) -> dict[str, np.n
         "face_start": _starts([len(piece.faces) for piece in pieces]),
         "loops": np.fromiter((corner for loop in loops for corner in loop), dtype=np.int64),
         "loop_start": _starts([len(loop) for loop in loops]),
-        "figures": np.array(figures, dtype=float),
+        "figures": np.array(made.figures, dtype=float),
+        "notes": np.array(list(made.notes), dtype=np.str_),
     }
 
 
@@ -238,6 +246,7 @@ KINDS = {
     "loops": "i",
     "loop_start": "i",
     "figures": "f",
+    "notes": "U",
 }
 
 
@@ -287,4 +296,4 @@ def _unpacked(arrays: Mapping[str, np.ndarray]) -> Answer:
         Piece(number, name, arrays["vertices"][a:b].copy(), tuple(faces[c:d]), group, bool(fixed), density)
         for (number, name, group, fixed, density), (a, b), (c, d) in zip(names, of_vertices, of_faces, strict=True)
     ]
-    return pieces, arrays["figures"].tolist()
+    return Answer(pieces, arrays["figures"].tolist(), [_line(note.encode(errors="replace")) for note in arrays["notes"].tolist()[:NOTES]])

@@ -32,8 +32,8 @@ FORMATS = {
     "stl": Format((".stl",), "a closed shell a block, solids of a text apart", f"{PACKAGE}mesh_readers:read_stl", written=True),
     "ply": Format((".ply",), "a closed shell a block", f"{PACKAGE}surface_readers:read_ply"),
     "off": Format((".off",), "a closed shell a block", f"{PACKAGE}surface_readers:read_off"),
-    "gltf": Format((".gltf", ".glb"), "a mesh of a node a block; metres, y up", f"{PACKAGE}surface_readers:read_gltf"),
-    "3mf": Format((".3mf",), "an object of the build a block; states its unit, z up", f"{PACKAGE}surface_readers:read_3mf"),
+    "gltf": Format((".gltf", ".glb"), "a mesh of a node a block; metres, y up", f"{PACKAGE}gltf:read"),
+    "3mf": Format((".3mf",), "an object of the build a block; states its unit, z up", f"{PACKAGE}threemf:read"),
     "vtu": Format(
         (".vtu",), "a volume cell a block, or those of one number in the array block", f"{PACKAGE}mesh_readers:read_vtu", written=True
     ),
@@ -42,8 +42,8 @@ FORMATS = {
     "vtkhdf": Format((".vtkhdf",), "as VTU", f"{PACKAGE}mesh_readers:read_vtkhdf", written=True),
     "dxf": Format(
         (".dxf",),
-        "3DFACEs: a closed shell of a layer; polyface mesh: each a block; layers are groups",
-        f"{PACKAGE}program_readers:read_dxf",
+        "3DFACEs: a closed shell of a layer; polyface mesh, mesh: each a block, as often as inserted; layers are groups",
+        f"{PACKAGE}dxf_blocks:read",
     ),
     "compas": Format(
         (".compas",), "JSON of COMPAS: each mesh or polyhedron a block, is_support a support", f"{PACKAGE}program_readers:read_compas"
@@ -53,7 +53,7 @@ FORMATS = {
     ),
     "step": Format((".step", ".stp"), "a solid a block, by its label; states its unit", f"{PACKAGE}cad_solids:read"),
     "brep": Format((".brep",), "a solid a block", f"{PACKAGE}cad_solids:read"),
-    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{PACKAGE}program_readers:read_3dec"),
+    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{PACKAGE}decks_3dec:read"),
 }
 CAD = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # marks by which their content is known
 
@@ -95,7 +95,7 @@ def _by_content(head: bytes, size: int) -> str | None:
             if text.startswith(b"{")
             else None
         )
-    marks = ((b"glTF", "gltf"), (b"ply", "ply"), (b"\x89HDF", "vtkhdf"), (b"PK\x03\x04", "3mf"))
+    marks = ((b"glTF", "gltf"), (b"AutoCAD Binary DXF", "dxf"), (b"ply", "ply"), (b"\x89HDF", "vtkhdf"), (b"PK\x03\x04", "3mf"))
     if found := next((name for mark, name in marks if text.startswith(mark)), None):
         return found
     if lower.startswith((b"<?xml", b"<vtkfile")):

@@ -53,7 +53,7 @@ def read_stl(path: Path) -> Answer:
             raise Refused(path.name, "no triangles in it")
         for points, loops in shells(np.asarray(solid.vertices, dtype=float), np.asarray(solid.faces).tolist()):
             found.append(Piece(len(found), f"b{len(found)}", points, loops))
-    return found, ()
+    return Answer(found)
 
 
 def _triangles_of(path: Path) -> float:
@@ -101,7 +101,7 @@ def read_vtu(path: Path) -> Answer:
             number_of = {old: new for new, old in enumerate(used)}
             faces: Faces = tuple(tuple(number_of[i] for i in face) for face in loops)
             found.append(Piece(int(number), f"b{int(number)}", points[used], faces, *_marks(mesh.cell_data, k, len(found) - count)))
-    return sorted(found, key=lambda piece: piece.number), ()  # the file has cells of one number of corners together
+    return Answer(sorted(found, key=lambda piece: piece.number))  # the file has cells of one number of corners together
 
 
 def _marks(data: Any, kind: int, place: int) -> tuple[str, bool]:
@@ -128,7 +128,13 @@ def read_vtp(path: Path) -> Answer:
         raise Refused(path.name, "no polygons in it")
     polygons = data.triangulate() if data.n_strips else data
     made = shells(np.asarray(data.points, dtype=float), [list(map(int, face)) for face in _split(polygons.faces)])
-    return [Piece(k, f"b{k}", *shell) for k, shell in enumerate(made)], ()
+    return Answer([Piece(k, f"b{k}", *shell) for k, shell in enumerate(made)], (), _bare(path, "", data))
+
+
+def _bare(path: Path, where: str, data: Any) -> list[str]:
+    """A line on points and lines of a surface, which are no faces."""
+    count = int(data.n_verts + data.n_lines)
+    return [f"{path.name}: {where}{count} cells of points and lines not read"] if count else []
 
 
 def read_vtkhdf(path: Path) -> Answer:
@@ -148,7 +154,7 @@ def read_vtkhdf(path: Path) -> Answer:
         raise Refused(path.name, "cells that are no volumes; a block is a volume cell")
     arrays = {name: [data.cell_data[name]] for name in ("block", "group", "fixed") if name in data.cell_data}
     numbers = np.asarray(arrays.get("block", [np.arange(len(cells))])[0]).astype(int)
-    return [Piece(int(n), f"b{n}", *cell, *_marks(arrays, 0, k)) for k, (n, cell) in enumerate(zip(numbers, cells, strict=True))], ()
+    return Answer([Piece(int(n), f"b{n}", *cell, *_marks(arrays, 0, k)) for k, (n, cell) in enumerate(zip(numbers, cells, strict=True))])
 
 
 def read_vtm(path: Path) -> Answer:
@@ -166,14 +172,17 @@ def read_vtm(path: Path) -> Answer:
     if not isinstance(whole, pyvista.MultiBlock):
         raise Refused(path.name, "no multi-block data in it")
     found: list[Piece] = []
+    unread: list[str] = []
     for number, (name, data) in enumerate(_leaves(whole, "")):
         if data is None or data.n_cells == 0:
             raise Refused(path.name, f'block "{name}": empty, or the file that it refers to is missing or damaged')
-        made = [_surface(data)] if isinstance(data, pyvista.PolyData) else _volumes(data)
-        if not made:
-            raise Refused(path.name, f'block "{name}": neither a closed surface nor volume cells')
+        is_surface = isinstance(data, pyvista.PolyData)
+        made = [_surface(data)] if is_surface else _volumes(data)
+        unread += _bare(path, f'block "{name}": ', data) if is_surface else []
+        if not made or (not is_surface and len(made) < data.n_cells):
+            raise Refused(path.name, f'block "{name}": neither a closed surface nor volume cells alone')
         found += [Piece(number, name, *shell) for shell in made]
-    return found, ()
+    return Answer(found, (), unread)
 
 
 def _leaves(whole: Any, prefix: str) -> Iterator[tuple[str, Any]]:

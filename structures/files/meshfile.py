@@ -12,9 +12,10 @@ area go, and so do faces given twice; loops are turned to agree with each other,
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
@@ -25,30 +26,17 @@ import numpy as np
 from masonry_cd.foundation.arrays import LARGEST
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.files import read_text
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, triangles
-from structures.files import foreign, solidfile, vtkfile
+from structures.files import foreign, objfile, solidfile, vtkfile
+from structures.files.entries import Entry, Read, Shell, lines_of
 from structures.files.formats import CAD, FORMATS, format_of
-from structures.files.shells import shells
 from structures.geometry.compound_block import compound_block
 
 MET = 100  # corners within the tolerance of one: a solid has a few
 MARK = "masonry-cd: "  # before what the formats themselves have no place for: unit, axis, and names, groups and supports
 MARKED = ("obj", "vtu", "vtm", "vtkhdf")
 DEFAULT = "block"  # group of a block for which the file states none
-Shell = tuple[np.ndarray, Faces]
-
-
-@dataclass
-class Entry:
-    """A block of a mesh file, in its own unit and axes."""
-
-    name: str
-    shells: list[Shell]
-    group: str = ""
-    fixed: bool = False
-    density: float = 0.0  # [kg/m3]; 0 where the file states none
 
 
 @dataclass(frozen=True)
@@ -59,6 +47,7 @@ class Loaded:
     metres: float | None = None  # of its unit
     up: str | None = None
     firm: bool = True  # whether what it says is to be relied upon
+    notes: Sequence[str] = ()  # what of it was not read
 
 
 def load(path: Path, format_: str, **asked: Any) -> Loaded:
@@ -72,22 +61,32 @@ def load(path: Path, format_: str, **asked: Any) -> Loaded:
     Raises:
         InputError: one line that names the file, and the line or block.
     """
-    entries, figures = (_read_obj(path), ()) if format_ == "obj" else _read_apart(path, format_, asked)
+    entries, figures, notes = objfile.read(path) if format_ == "obj" else _read_apart(path, format_, asked)
     marks = _marks(path, format_)
     if marks and len(marks["blocks"]) == len(entries):
         for entry, mark in zip(entries, marks["blocks"], strict=True):
             entry.name, entry.group, entry.fixed = str(mark["name"]), str(mark["group"]), bool(mark["fixed"])
             entry.density = float(mark.get("density", 0.0))
-        return Loaded(entries, 1.0, "z", firm=False)
+        return Loaded(entries, 1.0, "z", firm=False, notes=notes)
+    _name_apart(entries)
     if format_ in CAD:
         for entry in entries:
             entry.shells = [mended(vertices, faces, figures[0]) for vertices, faces in entry.shells]
-        return Loaded(entries, 1.0 if format_ == "step" else None)
+        return Loaded(entries, 1.0 if format_ == "step" else None, notes=notes)
     if format_ == "gltf":
-        return Loaded(entries, 1.0, "y", firm=False)
+        return Loaded(entries, 1.0, "y", firm=False, notes=notes)
     if format_ in ("3mf", "dxf") and figures and figures[0] > 0.0:
-        return Loaded(entries, float(figures[0]), "z" if format_ == "3mf" else None)
-    return Loaded(entries)
+        return Loaded(entries, float(figures[0]), "z" if format_ == "3mf" else None, notes=notes)
+    return Loaded(entries, notes=notes)
+
+
+def _name_apart(entries: Sequence[Entry]) -> None:
+    """Number the blocks that share a name, as copies of one object do: ``name.0``, ``name.1`` ..., since the name of a block is its own."""
+    count, taken = Counter(entry.name for entry in entries), {entry.name for entry in entries}
+    for name in [name for name, times in count.items() if times > 1]:
+        numbers = itertools.count()
+        for entry in [entry for entry in entries if entry.name == name]:
+            entry.name = next(own for k in numbers if (own := f"{name}.{k}") not in taken)
 
 
 def read(path: Path, density: float, scale: float, up: str, repair: bool = False, tolerance: float = 1e-6) -> list[Block]:
@@ -141,85 +140,14 @@ def placed(vertices: np.ndarray, scale: float, up: str) -> np.ndarray:
     return np.asarray(turned * scale, dtype=float)
 
 
-def _read_obj(path: Path) -> list[Entry]:
-    """Objects (``o``; ``g`` where there are none, else ``usemtl``) with their faces; indices count from one, or back from the end.
-
-    The group of an object is its ``g``, or else its material. A file that names none of them is a soup of closed shells. Where a name
-    comes more than once, closed shells are blocks of their own, ``name.0``, ``name.1`` ..., and open ones belong together.
-    """
-    points: list[list[float]] = []
-    objects: dict[str, list[list[list[int]]]] = {}
-    groups: dict[str, str] = {}
-    lines = _text(path)
-    named = {line[:2].strip() for line in lines if line[:2] in ("o ", "g ")}
-    mark = "o" if "o" in named else "g"
-    name, last = "", {"g": "", "usemtl": ""}
-    for number, line in enumerate(lines, start=1):
-        word, *rest = line.split("#")[0].split() or [""]
-        try:
-            if word == "v":
-                if len(rest) < 3:
-                    raise InputError(path.name, f"line {number}: a vertex has three coordinates: {line.strip()[:60]}")
-                points.append([float(x) for x in rest[:3]])
-            elif word == mark:
-                name = " ".join(rest) or "b0"
-                objects.setdefault(name, []).append([])
-            elif word in last:
-                last[word] = " ".join(rest)
-            elif word == "f":
-                corners = [int(corner.split("/")[0]) for corner in rest]
-                if len(corners) < 3 or 0 in corners:
-                    raise InputError(path.name, f"line {number}: a face has three corners or more, counted from 1: {line.strip()[:60]}")
-                objects.setdefault(name, [[]])[-1].append([i - 1 if i > 0 else len(points) + i for i in corners])
-                groups.setdefault(name, (last["g"] if mark == "o" else "") or last["usemtl"])
-        except InputError:
-            raise
-        except ValueError:
-            raise InputError(path.name, f"line {number}: no number where one belongs: {line.strip()[:60]}") from None
-    found = []
-    vertices = np.array(points).reshape(-1, 3)
-    for name, group, faces in _apart(objects, groups):
-        used = sorted({i for face in faces for i in face})
-        if used[0] < 0 or used[-1] >= len(vertices):
-            raise InputError(path.name, f'block "{name or "b0"}": a face names a vertex outside 1 to {len(vertices)}')
-        number_of = {old: new for new, old in enumerate(used)}
-        own = (vertices[used], tuple(tuple(number_of[i] for i in face) for face in faces))
-        apart = [own] if name else shells(*own)
-        found += [Entry(name or f"b{k}", [shell], group) for k, shell in enumerate(apart)]
-    return found
-
-
-def _apart(objects: dict[str, list[list[list[int]]]], groups: dict[str, str]) -> Iterator[tuple[str, str, list[list[int]]]]:
-    """Names, groups and faces of blocks, from the faces below each mention of a name; what has no faces is none."""
-    for name, mentions in objects.items():
-        given = [faces for faces in mentions if faces]
-        if len(given) > 1 and all(map(_is_closed, given)):
-            yield from ((f"{name}.{k}", groups[name], faces) for k, faces in enumerate(given))
-        elif given:
-            yield name, groups[name], [face for faces in given for face in faces]
-
-
-def _is_closed(loops: list[list[int]]) -> bool:
-    """Whether each edge has a face on both sides."""
-    sides = Counter(frozenset(edge) for loop in loops for edge in zip(loop, (*loop[1:], loop[0]), strict=True))
-    return all(count > 1 for count in sides.values())
-
-
-def _text(path: Path) -> list[str]:
-    try:
-        return read_text(path, path.name).splitlines()
-    except UnicodeDecodeError:
-        raise InputError(path.name, "no text in UTF-8") from None
-
-
-def _read_apart(path: Path, format_: str, asked: dict[str, Any]) -> tuple[list[Entry], Sequence[float]]:
+def _read_apart(path: Path, format_: str, asked: dict[str, Any]) -> Read:
     """The blocks of a file that is read in a child process; shells of one number are one block."""
     found: dict[int, Entry] = {}
-    pieces, figures = foreign.read(FORMATS[format_].reader, path, asked, foreign.of_model(path) if format_ in CAD else None)
+    pieces, figures, notes = foreign.read(FORMATS[format_].reader, path, asked, foreign.of_model(path) if format_ in CAD else None)
     for piece in pieces:
         new = Entry(piece.name, [], piece.group, piece.fixed, piece.density)
         found.setdefault(piece.number, new).shells.append((piece.vertices, piece.faces))
-    return list(found.values()), figures
+    return list(found.values()), figures, notes
 
 
 def _marks(path: Path, format_: str) -> dict[str, Any] | None:
@@ -233,7 +161,7 @@ def _marks(path: Path, format_: str) -> dict[str, Any] | None:
             with h5py.File(path, "r") as file:
                 text = str(file["VTKHDF"].attrs[MARK.strip(" :")])
         else:
-            text = next(line.partition(MARK)[2] for line in _text(path) if MARK in line)
+            text = next(line.partition(MARK)[2] for line in lines_of(path, path.name) if MARK in line)
             text = text.removesuffix("-->").strip()
         marks = json.loads(text)
         sound = marks["units"] == "m" and all({"name", "group", "fixed"} <= set(block) for block in marks["blocks"])

@@ -18,7 +18,8 @@ import numpy as np
 
 from masonry_cd.foundation.arrays import LARGEST
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.contact.find_joints import MOST_INEXACT, inexactness
+from masonry_cd.mechanics.model.blocks import Block, Shapes
 from masonry_cd.mechanics.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
 from masonry_cd.mechanics.model.polygon import next_in_loop
 from structures.geometry.overlap import overlapping_pairs, overlapping_spheres
@@ -315,6 +316,7 @@ def _check_overlap(blocks: Sequence[Block], shells: Shells, overlap: float) -> N
     owner = shells.owner
     fixed = np.array([blocks[i].fixed for i in owner])
     pairs, depths = overlapping_pairs(shells.flat, owner, fixed, np.maximum(OVERLAP * shells.size, overlap))
+    pairs, depths = _beyond_inexact(blocks, pairs, depths)
     if not len(depths):
         return
     deepest = int(np.argmax(depths))
@@ -328,9 +330,19 @@ def _check_overlap(blocks: Sequence[Block], shells: Shells, overlap: float) -> N
     )
 
 
+def _beyond_inexact(blocks: Sequence[Block], pairs: np.ndarray, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs (n, 2) and depths (n,) [m] of overlaps that are more than inexact coordinates, as gaps of joints may be."""
+    free = np.array([not block.fixed for block in blocks])
+    if not len(depths) or depths.min() > MOST_INEXACT or not free.any():
+        return pairs, depths
+    shapes = Shapes.of(blocks, np.zeros((len(blocks), 3)))
+    deep = depths > inexactness(float(shapes.size[free[shapes.part_block]].min()))
+    return pairs[deep], depths[deep]
+
+
 def _check_spheres_apart(blocks: Sequence[Block]) -> None:
     """No sphere instead of another block."""
-    pairs, depths = overlapping_spheres(blocks, OVERLAP)
+    pairs, depths = _beyond_inexact(blocks, *overlapping_spheres(blocks, OVERLAP))
     if len(depths):
         deepest = int(np.argmax(depths))
         a, b = (blocks[i].name for i in sorted(pairs[deepest]))

@@ -35,10 +35,10 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
 
     faults = Faults()
     keys, plan = _opened(table, folder, faults)
-    blocks, bars = engine.blocks_of(keys, density, faults)
+    blocks, bars, apart = engine.blocks_of(keys, density, faults)
     blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
     check(blocks)
-    return Made(blocks, plan.notes, bars)
+    return Made(blocks, [*plan.notes, *apart], bars)
 
 
 def plan_tables(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], list[Left]]:

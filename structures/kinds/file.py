@@ -128,7 +128,7 @@ def _from_mesh(keys: FileTable, path: Path, density: float, format_: str) -> tup
     asked = {"chord": None if keys.chord is None else keys.chord / scale} if format_ in CAD else {}
     loaded = meshfile.load(path, format_, **asked)
     stated = {"units": next((name for name, size in METRES.items() if size == loaded.metres), None), "up": loaded.up}
-    notes = []
+    notes = [*loaded.notes]
     for key, known in (("units", METRES), ("up", ("y", "z"))):
         asked, own = getattr(keys, key), stated[key]
         known_by_kind = loaded.metres if key == "units" else format_ in CAD  # of CAD models z is up, as where a solid is cut

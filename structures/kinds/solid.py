@@ -78,7 +78,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     """Cut the solid that a [structure] table names.
 
     Returns:
-        the blocks, with a fixed one underneath, and a line on the facets where faces are curved.
+        the blocks, with a fixed one underneath, and lines on what was not read, and on the facets where faces are curved.
 
     Raises:
         InputError: a file that cannot be read or is not trusted, curved faces without ``chord``, or a piece that makes no sound block.
@@ -87,12 +87,12 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     path = folder / keys.path
     scale = _scale(keys, path)
     _trusted(keys, path)
-    stones, (whole, curved, off) = _cut(keys, path, scale)
+    stones, (whole, curved, off), unread = _cut(keys, path, scale)
     blocks = _named(stones, keys, scale, density, path.name)
     filled = sum(block.mass_properties.volume for block in blocks)
     if not curved and abs(filled / (whole * scale**3) - 1.0) > FILLED:
         raise InputError(path.name, f"its pieces have {filled:.9g} m3, the solid has {whole * scale**3:.9g} m3")
-    notes = []
+    notes = [*unread]
     if curved:
         share = 100.0 * (filled / (whole * scale**3) - 1.0)
         notes.append(
@@ -123,8 +123,9 @@ def _cut(keys: SolidTable, path: Path, scale: float) -> foreign.Answer:
         "most_blocks": size.most_blocks(),
     }
     limits = foreign.Limits(seconds=keys.time_limit)
-    pieces, figures = foreign.read("structures.files.cutting:cut", path, asked, limits, advice="; structure.time_limit gives it longer")
-    return [foreign.Piece(p.number, p.name, *mended(p.vertices, p.faces, keys.tolerance / scale)) for p in pieces], figures
+    made = foreign.read("structures.files.cutting:cut", path, asked, limits, advice="; structure.time_limit gives it longer")
+    pieces = [foreign.Piece(p.number, p.name, *mended(p.vertices, p.faces, keys.tolerance / scale)) for p in made.pieces]
+    return made._replace(pieces=pieces)
 
 
 def _scale(keys: SolidTable, path: Path) -> float:

@@ -14,6 +14,8 @@ from masonry_cd.mechanics.model.geometry import Faces
 from structures.geometry.prism import between, box
 from structures.schema import Height, Length, Table
 
+MOST_DRUMS = 500  # of a column: more are slices
+
 
 class ColumnTable(Table):
     """The [structure] table of a column."""
@@ -24,7 +26,7 @@ class ColumnTable(Table):
     """of the shaft at its foot"""
     top_diameter: Length | None = None
     """of the shaft at its top; by default 0.85 of the foot"""
-    drums: int = Field(7, ge=1, le=500)
+    drums: int = Field(7, ge=1, le=MOST_DRUMS)
     """of the shaft"""
     sides: int = Field(12, ge=4, le=64)
     """flat sides of a drum"""

@@ -94,9 +94,6 @@ def loose(plan: Plan, diameters: Sequence[float], numbers: Sequence[int], seed: 
 
 def _cells(plan: Plan, least: float) -> tuple[np.ndarray, tuple[float, float, float]]:
     """Low corners of the cells of a layer (n, 2), and the measures of a cell, which are at least ``least`` where there is room [m]."""
-    if plan.round and plan.length < 2.0 * math.sqrt(2.0) * least:  # one in the middle
-        edge = plan.length / math.sqrt(2.0)
-        return np.array([[-0.5 * edge, -0.5 * edge]]), (edge, edge, least)
     number = [max(1, math.floor(edge / least)) for edge in (plan.length, plan.width)]
     side = (plan.length / number[0], plan.width / number[1])
     x, y = (np.arange(n) * edge - 0.5 * n * edge for n, edge in zip(number, side, strict=True))
@@ -104,4 +101,7 @@ def _cells(plan: Plan, least: float) -> tuple[np.ndarray, tuple[float, float, fl
     if plan.round:
         far = np.linalg.norm(np.abs(corners + 0.5 * np.array(side)) + 0.5 * np.array(side), axis=1)
         corners = corners[far <= 0.5 * plan.length]
+    if not len(corners):  # of a round plan: those of the square within it, of which one at least takes a sphere
+        edge = plan.length / math.sqrt(2.0)
+        return _cells(Plan(edge, edge), least)
     return corners, (*side, least)

@@ -75,7 +75,7 @@ def _drawing(path: Path, keys: PlanKeys) -> Plan:
     from structures.plans.entities import from_pieces
     from structures.plans.recognised import counted, recognise
 
-    pieces, figures = foreign.read("structures.plans.dxf_file:read", path)
+    pieces, figures, unread = foreign.read("structures.plans.dxf_file:read", path)
     try:
         entities = from_pieces(pieces)
     except ValueError as failure:
@@ -84,7 +84,7 @@ def _drawing(path: Path, keys: PlanKeys) -> Plan:
     unit = keys.units or stated
     if unit is None:
         raise InputError("structure.units", f"missing; {path.name} does not state its unit ($INSUNITS), so take one of {', '.join(METRES)}")
-    notes = [f"{path.name}: is damaged; what could be read of it was"] if figures[1] else []
+    notes = [*([f"{path.name}: is damaged; what could be read of it was"] if figures[1] else []), *unread]
     if keys.units and stated and keys.units != stated:
         notes.append(f'{path.name}: units "{keys.units}" as the scene says, where the file has "{stated}"')
     scaled = [e.scaled(METRES[unit]) for e in entities]

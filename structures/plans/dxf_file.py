@@ -14,14 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from structures.files.drawing import DAMAGED, Shown, opened, sheets_line, shown
 from structures.files.foreign import Answer, Refused
 from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity, to_pieces
 
 MOST = 200_000  # entities of a plan: a drawing of a whole town has as many
-DEEPEST = 8  # inserts within inserts: what goes deeper inserts itself
 LONGEST = 300  # characters of a text that are read: a mark has thirty
-# What ezdxf raises of damaged files, beside errors of its own.
-DAMAGED = (ValueError, ArithmeticError, KeyError, IndexError, AttributeError, TypeError, StopIteration, RecursionError)
 FARTHEST = 1e12  # of a place from the origin, in units of the file
 LETTER = 0.8  # width of a letter over its height
 CHORD = 1e-3  # of the extent of an ellipse or a spline, by which its chords may be off
@@ -33,49 +31,31 @@ def read(path: Path) -> Answer:
     Raises:
         Refused: no DXF, or more than a plan has.
     """
-    from ezdxf import DXFError, filemanagement, recover
-
-    mended = False
-    try:
-        drawing = filemanagement.readfile(path)
-    except DAMAGED + (DXFError,):
-        mended = True
-        try:
-            drawing, _ = recover.readfile(path)
-        except DAMAGED + (DXFError,) as failure:
-            raise Refused(path.name, f"no DXF that can be read: {str(failure).strip() or type(failure).__name__}") from None
-    except OSError:
-        raise Refused(path.name, "is no DXF file; its first lines should be 0 and SECTION") from None
-    hidden = {layer.dxf.name.lower() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
+    drawing, mended = opened(path, mend=True)
     entities: list[Entity] = []
-    for entity in _entities(drawing.modelspace(), "", "", 0):
-        entities.append(entity._replace(kind=OTHER, text="its layer is off or frozen") if entity.layer.lower() in hidden else entity)
+    for item in shown(drawing):
+        entities += _read_one(item)
         if len(entities) > MOST:
             raise Refused(path.name, f"more than {MOST} entities; keep those of one floor")
     units = drawing.header.get("$INSUNITS", 0)
-    return to_pieces(entities), [float(units) if isinstance(units, int) else 0.0, float(mended)]
+    return Answer(to_pieces(entities), [float(units) if isinstance(units, int) else 0.0, float(mended)], sheets_line(drawing, path.name))
 
 
-def _entities(drawn: Any, owner: str, layer: str, depth: int) -> Iterator[Entity]:
-    """What a space or an insert holds; on layer 0 of an insert a thing lies on the insert's own layer."""
+def _read_one(item: Shown) -> list[Entity]:
+    """An entity of a file as one or more of ours; what is hidden or damaged as one that is not understood."""
     from ezdxf import DXFError
 
-    for number, one in enumerate(drawn):
-        handle = one.dxf.handle if not owner and one.dxf.handle else f"{owner}/{number}"
-        on = str(one.dxf.layer) if one.dxf.hasattr("layer") else "0"
-        on = layer if owner and on == "0" else on
-        try:
-            yield from list(_read_one(one, handle, on, owner))
-            if one.dxftype() == "INSERT" and depth < DEEPEST:
-                for copy in one.multi_insert() if one.mcount > 1 else (one,):
-                    yield from _entities(copy.virtual_entities(), handle, on, depth + 1)
-        except DAMAGED + (DXFError,) as failure:
-            yield _other(one, handle, on, owner, f"damaged: {failure}")
+    if item.hidden or item.damage:
+        return [_other(item, item.damage or item.hidden)]
+    try:
+        return list(_entities(item))
+    except DAMAGED + (DXFError,) as failure:
+        return [_other(item, f"damaged: {failure}")]
 
 
-def _read_one(one: Any, handle: str, layer: str, owner: str) -> Iterator[Entity]:
+def _entities(item: Shown) -> Iterator[Entity]:
     """An entity of a file as one or more of ours."""
-    kind = one.dxftype()
+    one, handle, layer, owner, kind = item.entity, item.handle, item.layer, item.owner, item.kind
     read = PATHS.get(kind)
     if read:
         for points, closed, width in read(one):
@@ -88,7 +68,7 @@ def _read_one(one: Any, handle: str, layer: str, owner: str) -> Iterator[Entity]
         place = _seen(one, one.dxf.insert)
         yield Entity(INSERT, handle, kind, layer, _flat([(place.x, place.y, 0.0)]), _cut("\n".join([one.dxf.name, *marks])), owner=owner)
     else:
-        yield _other(one, handle, layer, owner, "")
+        yield _other(item, "")
 
 
 def _text_line(one: Any, text: str) -> list[tuple[float, float, float]]:
@@ -107,10 +87,12 @@ def _text_line(one: Any, text: str) -> list[tuple[float, float, float]]:
     return [(end.x, end.y, 0.0) for end in ends]
 
 
-def _other(one: Any, handle: str, layer: str, owner: str, why: str) -> Entity:
+def _other(item: Shown, why: str) -> Entity:
+    one = item.entity
     place = next((one.dxf.get(name) for name in ("insert", "start", "defpoint", "location", "center") if one.dxf.hasattr(name)), None)
     points = np.zeros((0, 3)) if place is None else np.array([[place.x, place.y, 0.0]])
-    return Entity(OTHER, handle, one.dxftype(), layer, points if _are_places(points) else np.zeros((0, 3)), _cut(why), owner=owner)
+    points = points if _are_places(points) else np.zeros((0, 3))
+    return Entity(OTHER, item.handle, item.kind, item.layer, points, _cut(why), owner=item.owner)
 
 
 def _cut(text: str) -> str:

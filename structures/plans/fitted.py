@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +20,8 @@ BESIDE = 0.3  # an opening this far off every wall lies in none [m]
 NARROWEST = 0.08  # m
 DOOR, WINDOW, SILL = 2.1, 1.2, 0.9  # heights and sill where no text says them [m]
 READ_AT = 1.5  # a text further away than this belongs to something else [m]
+STACKED = 0.3  # things over one another are as near to a text, but for this [m]
+ALIKE = 0.001  # numbers of two texts that differ by less are one [m]
 ROUND = 0.03  # share by which the radius of a round column may vary
 
 
@@ -31,6 +33,11 @@ class Drawn(NamedTuple):
     shape: Any  # of shapely: a polygon of what is closed, else lines
     paths: tuple[Entity, ...]
     text: str = ""  # the name and the attributes of its insert
+
+    @property
+    def attributes(self) -> list[str]:
+        """Of its insert, TAG=value each."""
+        return self.text.splitlines()[1:]
 
     def distance(self, line: Any) -> float:
         """From a line of shapely, as of a text [m]."""
@@ -145,14 +152,51 @@ def _across(wall: Wall, corners: np.ndarray) -> tuple[float, float]:
     return min(out), max(out)
 
 
-def opening_tables(fitted: Fitted, own: str, texts: Iterable[str], thickness: float) -> tuple[list[dict[str, Any]], list[str]]:
-    """The openings that a drawn one stands for, one above the other where its text has several parts, and what was taken for granted.
+def beside_of(text: Entity, read: Marks, things: Sequence[Drawn], taken: Mapping[str, Sequence[str]]) -> Drawn | None:
+    """The thing that a text belongs to: the nearest; of several over one another that one which it fits, and that has none yet.
+
+    Args:
+        text: that stands beside it.
+        read: what it says.
+        things: of one kind.
+        taken: texts that things have, by their first handle.
+    """
+    line = text.line
+    apart = [one.distance(line) for one in things]
+    nearest = min(range(len(things)), key=lambda k: apart[k], default=None)
+    if nearest is None or apart[nearest] > READ_AT:
+        return None
+    place = things[nearest].shape.convex_hull
+    over = [k for k, one in enumerate(things) if apart[k] < apart[nearest] + STACKED and one.shape.convex_hull.intersects(place)]
+    layered = any(things[k].layer == text.layer for k in over)
+
+    def misfit(k: int) -> tuple[bool, bool, bool, bool, int, float]:
+        own = marks.read("\n".join(things[k].attributes)).numbers
+        width = float(np.ptp(_coordinates(things[k].shape), axis=0).max())
+        said = read.numbers | ({} if read.pair is None else _with_pair(read, width))
+        return (
+            any(abs(own[key] - said[key]) > ALIKE for key in own.keys() & said.keys()),
+            layered and things[k].layer != text.layer,
+            {"height", "sill"} <= own.keys(),
+            read.pair is not None and min(abs(value - width) for value in read.pair) > _near(width),
+            len(taken.get(things[k].handles[0], ())),
+            apart[k],
+        )
+
+    return things[min(over, key=misfit)]
+
+
+def opening_tables(fitted: Fitted, one: Drawn, texts: Sequence[str], thickness: float) -> tuple[list[dict[str, Any]], list[str], list[str]]:
+    """The openings that a drawn one stands for, one above the other where its text has several parts.
 
     Args:
         fitted: where it lies.
-        own: name and attributes of its insert, layer.
+        one: as drawn; the attributes of its insert come before texts, the name of the insert and its layer after them.
         texts: beside it; parts between semicolons are openings one above the other.
         thickness: of the wall [m].
+
+    Returns:
+        their tables, what was taken for granted, and what texts or attributes say that is not taken.
     """
     groups: list[list[str]] = [[]]
     for part in (part for text in texts for part in text.split(";") if part.strip()):
@@ -161,12 +205,31 @@ def opening_tables(fitted: Fitted, own: str, texts: Iterable[str], thickness: fl
         if whole and groups[-1]:
             groups.append([])
         groups[-1].append(part)
-    tables, assumed = [], []
+    attributes = "\n".join(one.attributes) if len(groups) == 1 else ""  # which are of one opening
+    named = "\n".join([*one.text.splitlines()[:1], *([] if attributes else one.attributes), one.layer])
+    tables, assumed, dropped = [], [], []
     for group in groups:
-        table, said = _opening_table(fitted, [marks.read(part) for part in group], marks.read(own), thickness)
+        said = [text for text in (attributes, *group) if text]
+        table, more = _opening_table(fitted, [marks.read(text) for text in said], marks.read(named), thickness)
         tables.append(table)
-        assumed += said
-    return tables, assumed
+        assumed += more
+        dropped += [line for text in said for line in _not_taken(text, fitted.width, table)]
+    return tables, assumed, dropped
+
+
+def _not_taken(text: str, width: float, table: Mapping[str, Any]) -> list[str]:
+    """What a text says of an opening, other than its table."""
+    read = marks.read(text)
+    numbers = _with_pair(read, width)
+    pair = {} if read.pair is None or "sill" not in read.numbers else {"width": read.pair[0]}
+    differ = [
+        f"{key} {value:g} m, where {table[key]:g} m is taken"
+        for key, value in (pair | numbers).items()
+        if key in ("width", "height", "sill", "rise")
+        and key in table
+        and abs(table[key] - value) > (_near(width) if key in pair else ALIKE)
+    ]
+    return [f'"{" ".join(text.split())[:40]}" says {said}' for said in differ]
 
 
 def _opening_table(fitted: Fitted, beside: Sequence[Marks], own: Marks, thickness: float) -> tuple[dict[str, Any], list[str]]:
@@ -203,12 +266,19 @@ def _with_pair(read: Marks, width: float) -> dict[str, float]:
     if read.pair is None:
         return read.numbers
     a, b = read.pair
-    near = max(0.06, 0.08 * width)
+    near = _near(width)
+    if "sill" in read.numbers:  # so that the pair is none of height and sill: a width and a height, in this order unless the drawing has it
+        return read.numbers | {"height": a if abs(b - width) < near <= abs(a - width) else b}
     if abs(b - width) < near and abs(a - width) >= near:
         return read.numbers | {"height": a}
     if abs(a - width) < near:
         return read.numbers | {"height": b}
     return read.numbers | {"height": a, "sill": b}
+
+
+def _near(width: float) -> float:
+    """By how much a width that a text says may differ from the one that is drawn [m]."""
+    return max(0.06, 0.08 * width)
 
 
 def _rounded(value: float) -> float:

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.errors import Fault, InputError
-from structures.plans import marks
+from structures.plans import marks, single_lines
 from structures.plans.axes import Wall, walls_of
 from structures.plans.bands import Band, bands_of
 from structures.plans.edges import Faces, edges_of, faces_of
 from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity
-from structures.plans.fitted import READ_AT, Drawn, column_table, drawn, fit, opening_tables, vault_table
+from structures.plans.fitted import READ_AT, Drawn, beside_of, column_table, drawn, fit, opening_tables, vault_table
 from structures.plans.heights import Note, height_keys, nearest_wall
 from structures.plans.keys import PlanKeys
 
@@ -98,7 +98,12 @@ def recognise(entities: Sequence[Entity], keys: PlanKeys, name: str) -> Recognis
     walls, faces, unread = _walls(roles, keys, openings, name)
     left += unread
     texts = [e for e in roles.all() if e.kind == TEXT]
-    return _Reader(walls, keys, left, name).tables(roles, openings, texts, faces)
+    none, doubt = single_lines.signs([*faces.edges, *faces.loose], walls, [e for e in entities if e.kind == TEXT])
+    if none:
+        raise InputError(name, doubt)
+    reader = _Reader(walls, keys, left, name)
+    reader.notes += [f"{name}: {doubt}"] if doubt else []
+    return reader.tables(roles, openings, texts, faces)
 
 
 def _told(entities: Iterable[Entity]) -> list[Entity]:
@@ -125,7 +130,8 @@ def _walls(roles: _Roles, keys: PlanKeys, openings: Sequence[Drawn], name: str) 
     if not walls:
         on = ", ".join(sorted({e.layer for e in paths})) or "none of structure.layers.walls"
         layers = ", ".join(sorted({e.layer for e in (*roles.unknown, *roles.all())})[:12]) or "none"
-        raise InputError(name, f"no wall comes out of what is drawn; layers of walls in it: {on}; its layers: {layers}")
+        none = f"no wall comes out of what is drawn; layers of walls in it: {on}; its layers: {layers}"
+        raise InputError(name, f"{none}; {single_lines.REMEDY}")
     used = {handle for wall in walls for handle in wall.handles}
     by_handle = {e.handle: e for e in paths}
     said = dict(faces.left)
@@ -207,8 +213,7 @@ class _Reader:
             home = next((d for each in things.values() for d in each if text.owner in d.handles), None)
             if home is None and (role in things or read.of_opening or "springing" in read.numbers):
                 role = role if role in things else "vaults" if "springing" in read.numbers else "openings"
-                home = min(things[role], key=lambda d: d.distance(place), default=None)
-                home = home if home is not None and home.distance(place) <= READ_AT else None
+                home = beside_of(text, read, things[role], beside)
             elif home is None:
                 k = nearest_wall(place, self.walls)
                 if k is not None and (not read.means_nothing or marks.name_in(text.text)):
@@ -246,12 +251,11 @@ class _Reader:
                 self._leave(one, "no wall within 0.3 m")
                 continue
             wall = walls[fitted.wall]
-            made, assumed = opening_tables(
-                fitted, f"{one.text}\n{one.layer}", beside.get(one.handles[0], []), self.walls[fitted.wall].thickness
-            )
+            made, assumed, dropped = opening_tables(fitted, one, beside.get(one.handles[0], []), self.walls[fitted.wall].thickness)
             wall["openings"] += made
+            where = f"{one.layer} {one.handles[0]}, wall {wall['name']} at {fitted.at:.2f} m"
+            self.notes += [f"{self.name}: opening {where}: {said}" for said in dropped]
             if assumed:
-                where = f"{one.layer} {one.handles[0]}, wall {wall['name']} at {fitted.at:.2f} m"
                 self.notes.append(f"{self.name}: no text says {' and '.join(assumed)} of opening {where}: taken so")
         for wall in walls:
             wall["openings"].sort(key=lambda table: (table["at"], table["sill"]))

@@ -76,6 +76,9 @@ CASES = [
     ("run.gravity=[0, 0, -1.0]", "run.gravity = 1 m/s2 is 0.102 g: ", 'if g is meant: "1 g"'),
     ("run.gravity=[0, 0, -981.0]", "run.gravity = 981 m/s2 is 100 g: ", 'if cm/s2 is meant: "981 cm/s2"'),
     ('structure={kind="church", roof_mass=1.2}', "structure.roof_mass = 1.2 kg/m2: ", 'if kN/m2 is meant: "122.4 kg/m2"'),
+    ('structure={kind="building", roofs=[{mass=1.5}]}', "structure.roofs[0].mass = 1.5 kg/m2: ", 'if kN/m2 is meant: "153 kg/m2"'),
+    ('structure={kind="building", roofs=[{mass=0.15}]}', "structure.roofs[0].mass = 0.15 kg/m2: ", '"0.15 t/m2"'),
+    ('structure={kind="wall", core_density=19}', "structure.core_density = 19 kg/m3: ", 'if kN/m3 is meant: "1937 kg/m3"'),
     ("structure.floors=[{height=3.0, mass=4.0}]", "structure.floors[0].mass = 4 kg/m2: ", 'if kN/m2 is meant: "407.9 kg/m2"'),
     ('loads=[{kind="pulse", direction="x", acceleration=0.15, duration=1}]', "loads[0].acceleration = 0.15 m/s2 is 0.0153 g: ", '"0.15 g"'),
     ('loads=[{kind="vehicle", axles=[100, 100], spacing=[2.0]}]', "loads[0].axles[0] = 100 N: ", 'if kN is meant: "100 kN"'),
@@ -253,6 +256,6 @@ def test_starters_draw_no_line(kind: str, tmp_path: Path) -> None:
 def _drawn(scene: Scene) -> list[str]:
     """The lines of a scene whose records may not be there; its structure is built where a load is compared with it."""
     compared = any(table.get("kind") in ("point", "settlement", "spreading") for table in scene.loads)
-    carries = any({"floors", "roof_mass"} & {*table} for table in (scene.structure, *scene.structures))
+    carries = any({"floors", "roof_mass", "roofs"} & {*table} for table in (scene.structure, *scene.structures))
     assembly = structure_of(scene).assembly if compared or carries else PAIR
     return doubts(scene, assembly, find_joints(assembly))

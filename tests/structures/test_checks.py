@@ -115,6 +115,18 @@ def test_overlap_below_the_tolerance_passes_and_supports_may_meet() -> None:
     check([box("ground", 0, 0, fixed=True), box("footing", 0.5, 0.5, fixed=True)])
 
 
+@pytest.mark.parametrize(
+    ("width", "depth", "sound"), [(1.0, 1.9e-5, True), (1.0, 2.1e-5, False), (0.01, 0.9e-6, True), (0.01, 1.5e-6, False)]
+)
+def test_overlaps_of_inexact_coordinates_pass_as_their_gaps_do(width: float, depth: float, sound: bool) -> None:
+    """Up to a ten-thousandth of the smallest width, and 0.02 mm; of supports too, whose own width does not count."""
+    base, stone = box("base", 0, -0.001, (1.0, 1.0, 0.001), fixed=True), box("a", 0, -depth, (1.0, 1.0, width))
+    if sound:
+        check([base, stone])
+    else:
+        assert '"base" and "a" overlap' in refused(base, stone)
+
+
 def test_boxes_whose_bounding_boxes_meet_but_which_are_apart() -> None:
     # two tilted cubes, one edge to another: only the cross product of two edges separates them
     lower = turned(box("lower", 0, 0), np.pi / 4, 1)  # an edge along y on top, at z = 0.5 + sqrt(2)/2

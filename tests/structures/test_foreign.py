@@ -349,7 +349,7 @@ def test_answers_are_checked(tmp_path: Path, change: dict[str, list[object]], me
 
 
 def test_an_answer_that_could_swell_is_refused(tmp_path: Path) -> None:
-    (((number, name, vertices, faces, *_),), figures) = foreign.read("forged_answer:forge", tmp_path / "a.bin", {"change": {}})
+    (((number, name, vertices, faces, *_),), figures, _) = foreign.read("forged_answer:forge", tmp_path / "a.bin", {"change": {}})
     assert (number, name, vertices.shape, faces, figures) == (0, "b", (4, 3), ((0, 1, 2),), [1.0])
     with pytest.raises(InputError, match=r"a\.bin: cannot be read: its reader answers nonsense: compressed arrays"):
         foreign.read("forged_answer:forge", tmp_path / "a.bin", {"change": {}, "compressed": True})

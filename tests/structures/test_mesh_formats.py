@@ -170,7 +170,7 @@ def test_obj_groups_and_materials(tmp_path: Path) -> None:
     [
         ("a.xyz", "1 2 3\n", r"structure\.path: a\.xyz is no file of blocks; .* \.dxf, "),
         ("a.dat", "ISO-10303-21;\n", r"a\.dat: cannot be read"),
-        ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n0\nEOF\n", r"a\.dxf: no 3DFACE and no polyface mesh in it; lines,"),
+        ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n0\nENDSEC\n0\nEOF\n", r"a\.dxf: no 3DFACE and no polyface mesh in it"),
         ("a.off", "OFF\n3 1 0\n0 0 0\n", r"a\.off: not the counts, corners and faces of an OFF file"),
         ("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n", r"a\.ply: not the corners and faces"),
         ("a.glb", "glTF....", r"a\.glb: not the nodes, meshes and accessors"),

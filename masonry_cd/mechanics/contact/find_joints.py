@@ -3,7 +3,8 @@
 
 Structures from files are inexact: their blocks leave gaps and overlaps of micrometres. Such a joint was made without a gap; taken at its
 word it would carry only where its blocks have sunk onto one another, on three corners here and one there, and so would the whole structure.
-Gaps and overlaps as built up to INEXACT of the smallest width, and MOST_INEXACT, are therefore taken for none (:func:`built_gap`).
+Gaps and overlaps as built up to INEXACT of the smallest width, and MOST_INEXACT, are therefore taken for none (:func:`built_gap`), and
+blocks in each other by no more are sound (:mod:`structures.geometry.checks`).
 """
 
 from __future__ import annotations
@@ -54,11 +55,16 @@ def loose_contacts(assembly: Assembly) -> int:
     return len(np.unique(contacts.pair)) - len(pieces)
 
 
+def inexactness(width: float) -> float:
+    """Gaps and overlaps as built that are inexact coordinates [m], by the smallest width of a free block [m]."""
+    return min(INEXACT * width, MOST_INEXACT)
+
+
 def built_gap(assembly: Assembly) -> float:
     """The largest gap or overlap, as built, of joints that were meant to have none [m]; 0 where coordinates are exact."""
     contacts, pieces, _ = _touching(assembly)
     gaps = np.abs(contacts.gap[np.concatenate(pieces)]) if pieces else np.zeros(0)
-    return float(gaps[gaps <= min(INEXACT * assembly.width, MOST_INEXACT)].max(initial=0.0))
+    return float(gaps[gaps <= inexactness(assembly.width)].max(initial=0.0))
 
 
 def _touching(assembly: Assembly) -> tuple[ContactSet, list[np.ndarray], np.ndarray]:

@@ -114,8 +114,60 @@ def test_nothing_is_dropped_in_silence(tmp_path: Path):
         ("DOORS", "LWPOLYLINE"): "no wall within 0.3 m",
         ("HEIGHTS", "TEXT"): '"SALA 1" stands beside nothing',
         ("FURNITURE", "LINE"): "its layer has no meaning in structure.layers",
-        ("WALLS-OLD", "LWPOLYLINE"): "its layer is off or frozen",
+        ("WALLS-OLD", "LWPOLYLINE"): "its layer is off",
         ("VAULTS", "LWPOLYLINE"): "no text within 1.5 m says its springing, imp. 4.50",
     }
     assert all(one.handle for one in found.left)
     assert len(counted(found.left)) == 7
+
+
+def stacked(
+    drawing: Drawing, *attributes: dict[str, str], layers: tuple[str, str] = ("WINDOWS", "WINDOWS_UPPER"), widths=(1.2, 1.0)
+) -> None:
+    """Two inserts over one another in the middle of a wall, with the attributes of each."""
+    wall(drawing)
+    for name, width, layer, own in zip(("LOW", "HIGH"), widths, layers, attributes, strict=True):
+        block = drawing.document.blocks.new(name)
+        block.add_lwpolyline([(-0.5 * width, 0), (0.5 * width, 0), (0.5 * width, 0.6), (-0.5 * width, 0.6)], close=True)
+        insert = drawing.space.add_blockref(name, (5.0, 0.0), dxfattribs={"layer": layer})
+        for tag, value in own.items():
+            insert.add_attrib(tag, value, (5.0, 0.3))
+
+
+@pytest.mark.parametrize(
+    ("attributes", "texts", "found"),
+    [  # width, height and sill of the lower and the upper one
+        (({}, {"H": "140", "S": "410"}), (("120/140 dav. 90", "HEIGHTS"),), [(1.2, 1.4, 0.9), (1.0, 1.4, 4.1)]),
+        (({"H": "140", "S": "90"}, {}), (("100/140 dav. 410", "HEIGHTS"),), [(1.2, 1.4, 0.9), (1.0, 1.4, 4.1)]),
+        (({}, {}), (("100/130 dav. 410", "HEIGHTS"), ("120/140 dav. 90", "HEIGHTS")), [(1.2, 1.4, 0.9), (1.0, 1.3, 4.1)]),  # by width
+        (({}, {}), (("h=1.3 s=4.1", "WINDOWS_UPPER"), ("h=1.4 s=0.9", "WINDOWS")), [(1.2, 1.4, 0.9), (1.0, 1.3, 4.1)]),  # by layer
+    ],
+)
+def test_a_text_belongs_to_one_of_two_openings_over_one_another(tmp_path: Path, attributes, texts, found) -> None:
+    drawing = Drawing()
+    stacked(drawing, *attributes)
+    for k, (words, layer) in enumerate(texts):
+        drawing.text(words, (4.6, 0.8 + 0.2 * k), layer)
+    plan = drawing.plan(tmp_path)
+    assert [(o["width"], o["height"], o["sill"]) for o in plan.tables["walls"][0]["openings"]] == found
+    assert plan.notes == []
+
+
+def test_attributes_come_before_a_text_and_what_is_not_taken_is_said(tmp_path: Path) -> None:
+    drawing = Drawing()
+    stacked(drawing, {"H": "140", "S": "90"}, {"H": "140", "S": "410"})
+    drawing.text("h=2.2 dav. 90", (4.6, 0.8))
+    plan = drawing.plan(tmp_path)
+    assert [(o["height"], o["sill"]) for o in plan.tables["walls"][0]["openings"]] == [(1.4, 0.9), (1.4, 4.1)]
+    (note,) = plan.notes
+    assert "h=2.2 dav. 90" in note and "height 2.2 m" in note and "1.4 m" in note
+
+
+def test_a_width_that_is_not_the_drawn_one_is_said(tmp_path: Path) -> None:
+    drawing = Drawing()
+    wall(drawing)
+    drawing.box((4.0, 0.0), (5.0, 0.6), "FINESTRE")
+    drawing.text("150/140 dav. 90", (4.2, 0.8), "FINESTRE")
+    plan = drawing.plan(tmp_path)
+    assert plan.tables["walls"][0]["openings"] == [{"shape": "rectangular", "at": 4.5, "width": 1.0, "sill": 0.9, "height": 1.4}]
+    assert "width 1.5 m" in plan.notes[0] and "1 m" in plan.notes[0]

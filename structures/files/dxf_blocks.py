@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blocks of a DXF drawing, in a child process (:mod:`structures.files.foreign`).
+
+3DFACEs: closed shells of a layer, within one insert; polyface meshes and meshes without smoothing: a block each. The layer is the group,
+$INSUNITS gives the unit. Inserts place their blocks as often as they stand there (:mod:`structures.files.drawing`). ACIS solids would be
+blocks, too, and are refused; what else is drawn, and what is hidden, is counted.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from structures.files.drawing import DAMAGED, Shown, opened, sheets_line, shown
+from structures.files.foreign import Answer, Piece, Refused
+from structures.files.shells import shells
+
+UNITS = {1: 0.0254, 2: 0.3048, 4: 1e-3, 5: 1e-2, 6: 1.0, 14: 0.1}  # $INSUNITS -> metres
+BINARY = b"AutoCAD Binary DXF"
+LAST = 64  # bytes among which the end of a text stands
+ACIS = ("3DSOLID", "BODY")
+READ = "3DFACEs, polyface meshes and meshes are"
+Loops = list[list[int]]
+
+
+def read(path: Path) -> Answer:
+    """The blocks of a DXF; the figure is the metres of its unit, 0 where it states none.
+
+    Raises:
+        Refused: damaged, an ACIS solid or a face that cannot be read, or no block.
+    """
+    from ezdxf import DXFError
+
+    _refuse_cut_short(path)
+    drawing, _ = opened(path, mend=False)
+    faces: dict[tuple[str, str], list[np.ndarray]] = {}  # loops by insert and layer
+    whole: list[tuple[str, np.ndarray, Loops]] = []
+    unread: Counter[str] = Counter()
+    for item in shown(drawing):
+        if item.hidden or item.damage:
+            unread[f"{item.kind} on layer {item.layer}: {item.damage or item.hidden}"] += 1
+            continue
+        try:
+            if item.kind == "3DFACE":
+                faces.setdefault((item.owner, item.layer), []).append(_turned([_corners(item.entity)], item)[0])
+            elif (mesh := _mesh(item.entity)) is not None:
+                whole.append((item.layer, mesh[0], _turned(mesh[1], item)))
+            elif item.kind in ACIS:
+                raise Refused(
+                    path.name, f"{item.kind} {item.handle} on layer {item.layer}: an ACIS solid; {READ} read, so save it as a mesh"
+                )
+            elif item.kind != "INSERT":
+                unread[f"{item.kind} on layer {item.layer}"] += 1
+        except DAMAGED + (DXFError,):
+            raise Refused(path.name, f"{item.kind} {item.handle} on layer {item.layer}: not the corners and faces of one") from None
+    for (_, layer), loops in faces.items():
+        ends = np.cumsum([len(loop) for loop in loops])
+        numbers = [list(range(int(end) - len(loop), int(end))) for end, loop in zip(ends, loops, strict=True)]
+        whole.append((layer, np.concatenate(loops), numbers))
+    pieces: list[Piece] = []
+    for layer, points, loops_of in whole:
+        for corners, own in shells(points, loops_of):
+            pieces.append(Piece(len(pieces), f"b{len(pieces)}", corners, own, layer))
+    notes = [f"{path.name}: {count} {what} not read" for what, count in unread.items()]
+    if not pieces:
+        seen = f"; {', '.join(f'{count} {what}' for what, count in list(unread.items())[:3])}" if unread else ""
+        raise Refused(path.name, f"no 3DFACE and no polyface mesh in it; lines, polylines and ACIS solids are not read{seen}")
+    unit = drawing.header.get("$INSUNITS", 0)
+    return Answer(pieces, (UNITS.get(unit, 0.0),), [*notes, *sheets_line(drawing, path.name)])
+
+
+def _refuse_cut_short(path: Path) -> None:
+    data = path.read_bytes()
+    if not data.startswith(BINARY) and data[-LAST:].split()[-2:] != [b"0", b"EOF"]:
+        raise Refused(path.name, "does not end with EOF, as a DXF does: cut short")
+
+
+def _turned(loops: list[Any], item: Shown) -> list[Any]:
+    """Loops as they are seen from outside: inserts that mirror turn them round."""
+    return [loop[::-1] for loop in loops] if item.mirrored else loops
+
+
+def _corners(face: Any) -> np.ndarray:
+    """The three or four corners of a 3DFACE (n, 3).
+
+    Raises:
+        ValueError: fewer, or no numbers.
+    """
+    points = np.array([tuple(face.dxf.get(f"vtx{k}")) for k in range(4) if face.dxf.hasattr(f"vtx{k}")], dtype=float).reshape(-1, 3)
+    kept = [0, *(k for k in range(1, len(points)) if (points[k] != points[k - 1]).any())]
+    if len(kept) > 3 and (points[kept[-1]] == points[0]).all():
+        kept.pop()
+    if len(kept) < 3:
+        raise ValueError("two corners")
+    return np.asarray(points[kept])
+
+
+def _mesh(one: Any) -> tuple[np.ndarray, Loops] | None:
+    """Corners (V, 3) and faces of a polyface mesh, or of a mesh without smoothing; None of anything else."""
+    kind = one.dxftype()
+    if kind == "POLYLINE" and one.is_poly_face_mesh:
+        corners, faces = one.indexed_faces()
+        points = [tuple(vertex.dxf.location) for vertex in corners]
+        loops = [list(face.indices) for face in faces]
+    elif kind == "MESH" and not one.dxf.get("subdivision_levels", 0):
+        points, loops = [tuple(point) for point in one.vertices], [list(face) for face in one.faces]
+    else:
+        return None
+    return np.array(points, dtype=float).reshape(-1, 3), [loop for loop in loops if len(loop) >= 3]
