@@ -13,7 +13,7 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.materials import ROUGHEST
 
 FILL = ("fill resistance", "fill spread", "fill pressure", "fill angle")  # of bridges
-ASSUMPTIONS = ("joint stiffness", "friction", "block size", "bond", *FILL, "damping", "time step", "tolerance")
+ASSUMPTIONS = ("joint stiffness", "friction", "block size", "bond", *FILL, "damping", "joint points", "time step", "tolerance")
 _RANGE = {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": ROUGHEST}, "minItems": 2, "maxItems": 2}
 _FRICTION: dict[str, Any] = {"anyOf": [_RANGE, {"type": "object", "minProperties": 1, "additionalProperties": _RANGE}]}
 
@@ -33,8 +33,8 @@ class AssessTable(Table):
     leave_out: Annotated[
         tuple[str, ...], Field(strict=False, json_schema_extra={"items": {"type": "string", "enum": list(ASSUMPTIONS)}})
     ] = ()
-    """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "damping", "time step",
-    "tolerance", and of bridges "fill resistance", "fill spread", "fill pressure", "fill angle"."""
+    """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "damping",
+    "joint points", "time step", "tolerance", and of bridges "fill resistance", "fill spread", "fill pressure", "fill angle"."""
 
     @field_validator("friction", mode="before")
     @classmethod

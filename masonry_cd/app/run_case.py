@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.advance import Advance, Advanced
+from masonry_cd.app.bed_checks import beds
 from masonry_cd.app.beginning import begin as begin_run
 from masonry_cd.app.beginning import pauses_of, stepper_of
 from masonry_cd.app.case import Case
@@ -212,8 +213,10 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
         summary |= outcome(case, results) | {"displacement_max": displacement_max(results)}
         fast = time_step_checks.after_run(case.assembly, results, settings.dt)
         gravity = math.hypot(*settings.gravity)
+        of_beds = beds(case.assembly, results)
         restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.longest_step, settings.tolerance)
     summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
+    summary |= of_beds
     summary["time_step_remarks"] = [*case.coarse, *fast]
     summary["wall_seconds"] = since + time.perf_counter()
     writer.write_closing(as_json(summary))

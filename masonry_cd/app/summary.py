@@ -155,6 +155,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}{deep}",
         *_shortening_lines(s),
+        *_bed_lines(s),
         f"solver {solver['name']}{on}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
         *_violation_lines(solver),
@@ -184,6 +185,13 @@ def _shortening_lines(s: dict[str, Any]) -> list[str]:
         return []
     shortened = f"joints shortened by up to {length(s['shortening_max'])}, {s['shortening_where']}"
     return [f"{shortened}; stones would crush, elastic joints do not"]
+
+
+def _bed_lines(s: dict[str, Any]) -> list[str]:
+    """That joints have too few points for how they opened; nothing where all are resolved."""
+    from masonry_cd.analysis.damage.verdict import bed_words
+
+    return [f"elastic joints: {bed_words(s['beds'])}"] if (s.get("beds") or {}).get("unresolved") else []
 
 
 def _balance(energy: dict[str, Any]) -> str:

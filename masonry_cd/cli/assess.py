@@ -27,9 +27,9 @@ def assess(
 ) -> None:
     """Vary each assumption of a scene by itself: which of them decides the answer, and which do not.
 
-    Varied are the stiffness of the joints, friction, the size of the blocks, their bond, damping, the time step and the tolerance; the
-    scene as it is runs again as a small ensemble, which shows what chance does. A scene with a table [limit] has its load factor
-    among the answers. Ranges of its own stand in the table [assess].
+    Varied are the stiffness of the joints, friction, the size of the blocks, their bond, damping, the points of elastic joints, the time
+    step and the tolerance; the scene as it is runs again as a small ensemble, which shows what chance does. A scene with a table [limit]
+    has its load factor among the answers. Ranges of its own stand in the table [assess].
 
     DIR gets assess.png, a tornado chart, the page assess.html, assess.csv and assess.json. The same command again continues where the
     last one ended.

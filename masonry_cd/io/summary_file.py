@@ -12,7 +12,7 @@ from masonry_cd.foundation.files import read_text
 
 NAME = "summary.json"
 FORMAT = 1  # of its keys; raised when an older program would misread them
-TABLES = ("solver", "energy", "islands", "closing", "loads", "left_out")
+TABLES = ("solver", "energy", "islands", "closing", "loads", "left_out", "beds")
 NUMBERS = ("steps", "steps_asked", "dt", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max")
 TEXTS = ("title", "version", "stopped", "penetration_where", "crushed_where", "provisional")
 OF_TABLES: dict[str, dict[str, type]] = {
@@ -29,6 +29,7 @@ OF_TABLES: dict[str, dict[str, type]] = {
     },
     "energy": {"balance_error": float, "kinetic_end": float},
     "loads": {"tables": list},
+    "beds": {"share_least": float, "unresolved": float, "share": float, "points": float, "resolved": float, "where": str},
 }  # each may be missing, or null as what is not finite is
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.damage.verdict import END, ENERGY, FALSE_MOTION, FORCES, OVERLAP, TIME_STEP
+from masonry_cd.analysis.damage.verdict import BEDS, END, ENERGY, FALSE_MOTION, FORCES, OVERLAP, TIME_STEP
 from masonry_cd.analysis.limit.outcome import one_factor
 from masonry_cd.analysis.verdict import GOOD, NOT_GRADED
 from masonry_cd.foundation.quantities import force
@@ -59,6 +59,11 @@ SAID = {  # what a check means, and what to do
         "Halve run.dt, and tighten run.tolerance; a jam between moving supports shows here as well.",
     ),
     TIME_STEP: ("It has to resolve the shaking, the rocking of the smallest block, and the fastest motion.", "Take a smaller run.dt."),
+    BEDS: (
+        "An elastic joint that opens carries on part of its depth. Where a single row of points carries for that part, it does so at the "
+        "very edge, and the joint is stronger than its bed.",
+        "Set more material.joints.joint_points, or leave the key out.",
+    ),
 }
 
 

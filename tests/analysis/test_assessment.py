@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from made_assessment import KNOWN, LEVELS, made, row_of, written
 
-from masonry_cd.analysis.assessment.assessment import ANSWERS, as_facts, read_assessment
+from masonry_cd.analysis.assessment.assessment import ANSWERS, LEVEL, Known, Member, as_facts, read_assessment
 from masonry_cd.analysis.assessment.verdict import lines_of, on_the_whole, to_pin_down, verdict, warnings_of
 from masonry_cd.foundation.errors import InputError
 
@@ -52,6 +52,16 @@ def test_a_time_step_that_decides_is_a_warning_and_nothing_to_pin_down() -> None
     assert any(line.startswith("time step change") for line in warnings_of(found))
     assert [one.name for one in to_pin_down(found)] == ["joint stiffness"]
     assert verdict(found).startswith("between D2 and D4; time step and joint stiffness decide; ")
+
+
+def test_levels_coarser_than_the_base_case_are_shown_and_decide_nothing(tmp_path: Path) -> None:
+    points = Known("joint points", "9", ("5", "15"), "", True, ("5",))
+    base, rows = made(), ((one, row_of(value)) for one, value in (("5", 900.0), ("15", 101.0)))
+    members = (*base.members, *(Member(LEVEL, {"joint points": name}, row) for name, row in rows))
+    found = type(base)(base.title, base.scene, (*base.assumptions, points), (), members)
+    assert points not in found.deciding and found.range(DISPLACEMENT) == base.range(DISPLACEMENT)
+    assert found.level("joint points", "5") in found.members
+    assert read_assessment(written(tmp_path, found)).assumptions == found.assumptions
 
 
 FAILED = {"status": "failed", "reason": "blocks overlap", "run": "x", "seconds": 0.1}

@@ -113,7 +113,7 @@ def test_an_arch_on_elastic_joints_gives_way_at_the_peak_of_its_curve_and_not_wh
     found = run_case(case, tmp_path / "out")["load_factor"]
     rigid = limit_bracket(case)
     assert rigid is not None
-    assert found["given_way"] == pytest.approx(rigid["associated"], rel=0.02)  # stiff joints: close to that of rigid blocks
+    assert found["given_way"] == pytest.approx(rigid["associated"], rel=0.03)  # stiff joints: nearly that of rigid blocks
     assert found["given_way"] < found["end"]
     assert found["given_way_displacement"] > found["limit"]  # elastic joints go as far before
 

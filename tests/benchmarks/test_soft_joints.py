@@ -23,8 +23,8 @@ def test_what_rings_cost_is_tabled_beside_three_points_and_rings_in_all_joints(t
     scene.write_text(WALL)
     _, _, *rows = costs(scene, [], 60).splitlines()
     names, contacts = zip(*((cells[1].strip(), int(cells[2])) for cells in (row.split("|") for row in rows)), strict=True)
-    assert names == ("3", "7", "7 in all joints")
-    assert contacts[0] < contacts[1] <= contacts[2]
+    assert names == ("3", "7", "9", "11", "9 in all joints")
+    assert contacts[0] < contacts[1] < contacts[2] < contacts[3] and contacts[2] <= contacts[4]
 
 
 def test_the_pulse_that_throws_an_arch_down_is_found_between_one_that_it_stands_and_one_it_does_not(

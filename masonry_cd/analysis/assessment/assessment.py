@@ -82,6 +82,7 @@ class Known:
     levels: tuple[str, ...]
     reference: str = ""  # the level that others are compared with; empty: the base case
     numerical: bool = False
+    coarser: tuple[str, ...] = ()  # levels, than the base case: no measure of its error
 
 
 @dataclass(frozen=True)
@@ -137,8 +138,9 @@ class Assessment:
         return (float(values.min()), float(values.max())) if len(values) > 1 else (np.nan, np.nan)
 
     def range(self, answer: Answer, kinds: Sequence[str] = (BASE, ENSEMBLE, LEVEL, PAIR)) -> tuple[float, float]:
-        """The range of an answer over all runs."""
-        values = self._of([one for one in self.members if one.kind in kinds], answer)
+        """The range of an answer over all runs that are no coarser than the base case."""
+        coarser = {(known.name, level) for known in self.assumptions for level in known.coarser}
+        values = self._of([one for one in self.members if one.kind in kinds and coarser.isdisjoint(one.values.items())], answer)
         return (float(values.min()), float(values.max())) if len(values) else (np.nan, np.nan)
 
     def by_chance(self, answer: Answer, runs: int) -> float:
@@ -152,7 +154,8 @@ class Assessment:
         """What an assumption does to an answer."""
         reference = self.base if not assumption.reference else self.level(assumption.name, assumption.reference)
         at = np.nan if reference is None else reference.of(answer)
-        found = [(name, self.level(assumption.name, name)) for name in assumption.levels if name != assumption.reference]
+        beside = (assumption.reference, *assumption.coarser)
+        found = [(name, self.level(assumption.name, name)) for name in assumption.levels if name not in beside]
         values = tuple((name, member.of(answer)) for name, member in found if member is not None and np.isfinite(member.of(answer)))
         every = np.array([at, *(value for _, value in values)])
         if not np.isfinite(at) or not values:
@@ -227,7 +230,9 @@ def read_assessment(folder: Path) -> Assessment:
         raise InputError(folder, f"holds no {FILE}: no assessment was made there")
     try:
         facts = json.loads(read_text(file))
-        known = tuple(Known(**{**one, "levels": tuple(one["levels"])}) for one in facts["assumptions"])
+        known = tuple(
+            Known(**{**one, "levels": tuple(one["levels"]), "coarser": tuple(one.get("coarser", ()))}) for one in facts["assumptions"]
+        )
         members = [dict(one) for one in facts["members"]]
         made = tuple(Member(one.pop("kind"), one.pop("values"), one) for one in members)
         left = tuple((one["assumption"], one["why"]) for one in facts["left_out"])

@@ -16,11 +16,11 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import EndState
 from masonry_cd.analysis.damage.joint_damage import collapsed_blocks, displacement_max
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, RANKS, UNKNOWN, Verdict
-from masonry_cd.foundation.quantities import length
+from masonry_cd.foundation.quantities import counted, length
 from masonry_cd.io.results import Results
 
 END, FORCES, FALSE_MOTION = "End of the run", "Contact forces", "Motion against the contact laws"
-ENERGY, OVERLAP, TIME_STEP = "Energy balance", "Overlap of blocks", "Time step"
+ENERGY, OVERLAP, TIME_STEP, BEDS = "Energy balance", "Overlap of blocks", "Time step", "Points of open joints"
 WORDS = {
     GOOD: "all checks of the computation are good",
     LOOK: "read this before you rely on the run",
@@ -107,6 +107,8 @@ def checks_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState 
         found.append(_overlap(summary, thresholds))
     if "time_step_remarks" in summary:
         found.append(_time_step(summary))
+    if summary.get("beds"):
+        found.append(_beds(summary["beds"]))
     return Checks(tuple(found))
 
 
@@ -190,3 +192,22 @@ def _time_step(summary: Mapping[str, Any]) -> Finding:
     if adapted:
         return Finding(TIME_STEP, GOOD, f"{length(adapted['shortest'], 's')} to {length(adapted['longest'], 's')}, by the local error")
     return Finding(TIME_STEP, GOOD, length(summary["dt"], "s") if "dt" in summary else "")
+
+
+def _beds(found: Mapping[str, Any]) -> Finding:
+    """Whether the points of elastic joints resolve the part of their depth that carries while they are open."""
+    if not (found.get("unresolved") and all(found.get(key) for key in ("where", "share", "points", "resolved"))):
+        least = found.get("share_least")
+        return Finding(
+            BEDS, GOOD, "no joint opened" if least is None else f"joints carry on {100 * least:.2g} % of their depth at the least"
+        )
+    return Finding(BEDS, LOOK, bed_words(found))
+
+
+def bed_words(found: Mapping[str, Any]) -> str:
+    """How many elastic joints carry on less of their depth than their points resolve, the worst of them, and what to do."""
+    return (
+        f"{counted(found['unresolved'], 'open joint')} carried on less of the depth than the points resolve, {found['where']} on "
+        f"{100 * found['share']:.2g} % of it where {found['points']} points resolve {100 * found['resolved']:.2g} %: too strong by some "
+        f"{200 / 3 * found['share']:.2g} %; more material.joints.joint_points resolve it"
+    )

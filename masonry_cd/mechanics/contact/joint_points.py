@@ -14,8 +14,8 @@ the same force, moments and energy with either. So the points are exchanged whil
 where it is closed well again, and are fixed in the joint in between: its springs have a potential. About an axis along the sides of a
 rectangle the rings are a rule of n = 2 rings + 1 points over the depth.
 
-Up to seven points the rules are those of least error of the moment of a bed without tension, over all openings up to nine tenths of the
-depth (``benchmarks/joint_points.py`` has the errors), from nine on those of Gauss and Lobatto; three points are corners and centroid alone.
+Up to nine points the rules are those of least error of the moment of a bed without tension, over all openings down to 3 % of the depth in
+contact (``benchmarks/joint_points.py`` has the errors), beyond those of Gauss and Lobatto; three points are corners and centroid alone.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ from masonry_cd.foundation.jit import borrower
 LEAST_ERROR = {
     3: ((1.0,), ()),
     5: ((1.0, 0.683447), (1.663232,)),
-    7: ((1.0, 0.785282, 0.443760), (0.900667, 1.222805)),
+    7: ((1.0, 0.855554, 0.510454), (0.738353, 1.38517)),
+    9: ((1.0, 0.912794, 0.703483, 0.388777), (0.441718, 0.81366, 1.116285)),
 }
 MOST = 15  # points over the depth
 OPENING, CLOSED = 0.3, 0.5  # overlap of the corner that is most open over that of the centroid: below, rings; above, corners again
@@ -48,6 +49,13 @@ def rule(points: int) -> tuple[np.ndarray, np.ndarray]:
     legendre = Legendre.basis(points - 1)
     way = np.array([1.0, *np.sort(legendre.deriv().roots())[::-1][: points // 2 - 1]])
     return way, 6.0 / (points * (points - 1) * legendre(way) ** 2)
+
+
+def resolved_share(points: int) -> float:
+    """The share of the depth of a rectangle in contact down to which a rule has two points or more of its depth carry; below, the
+    outermost one carries alone, and has the force at the very edge instead of a third of that share inside."""
+    way, share = rule(points)
+    return float(np.sqrt(share[0] * (1.0 - (way[1] if len(way) > 1 else 0.0)) / 6.0))
 
 
 def _tables() -> tuple[np.ndarray, np.ndarray]:

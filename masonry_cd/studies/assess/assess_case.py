@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Known, M
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.summary import write_json
-from masonry_cd.studies.assess.assumptions import NUMERICAL
+from masonry_cd.studies.assess.assumptions import NUMERICAL, Level
 from masonry_cd.studies.assess.plan import AssessPlan
 from masonry_cd.studies.assess.task import assess_task, limit_task
 from masonry_cd.studies.study.checks import check_first
@@ -49,7 +49,15 @@ def _write(plan: AssessPlan, folder: Path, runs: Sequence[Planned], maker: Maker
     """Write assess.json of the runs that have ended."""
     del runs, maker
     known = [
-        Known(one.name, one.base, tuple(level.name for level in one.levels), one.reference, one.name in NUMERICAL) for one in plan.known
+        Known(
+            one.name,
+            one.base,
+            _names(one.levels),
+            one.reference,
+            one.name in NUMERICAL,
+            _names(level for level in one.levels if level.coarser),
+        )
+        for one in plan.known
     ]
     members = []
     for part, run in zip(plan.parts, plan.runs, strict=True):
@@ -59,6 +67,10 @@ def _write(plan: AssessPlan, folder: Path, runs: Sequence[Planned], maker: Maker
     study = plan.maker.study
     found = Assessment(study.title, study.scene_name, tuple(known), left, tuple(members), __version__)
     write_json(as_facts(found), folder / FILE)
+
+
+def _names(levels: Iterable[Level]) -> tuple[str, ...]:
+    return tuple(level.name for level in levels)
 
 
 def check_statics(plan: Plan) -> list[str]:

@@ -7,6 +7,7 @@ block size        times 0.7 and 1.4, where the kind of structure has a key for i
 bond              straight joints, another seed, where the kind has a key for it
 fill              of a bridge: its resistance, how it spreads wheels, its pressure, its angle of friction
 damping           0, 2 and 5 % of critical, on elastic joints; where the scene's are rigid, all of them on joints of the mean E
+joint points      over the depth of elastic joints that open: 5, 7, 11 and 15
 time step         half of it
 tolerance         a tenth of it
 """
@@ -24,21 +25,24 @@ from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.settings import AUTO, LONGEST_STEP, RUNGS
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
+from masonry_cd.mechanics.model.materials import JointLaw
 from structures.variants import rebonded, refilled, resized
 
 Tables = dict[str, Any]
 Change = Callable[[Tables], None]
 
-STIFFNESS, FRICTION, SIZE, BOND, DAMPING, STEP, TOLERANCE = (
-    "joint stiffness", "friction", "block size", "bond", "damping", "time step", "tolerance",
+STIFFNESS, FRICTION, SIZE, BOND, DAMPING, POINTS, STEP, TOLERANCE = (
+    "joint stiffness", "friction", "block size", "bond", "damping", "joint points", "time step", "tolerance",
 )  # fmt: skip
-NUMERICAL = (STEP, TOLERANCE)  # no property of the structure: the answer should not depend on them
+NUMERICAL = (POINTS, STEP, TOLERANCE)  # no property of the structure: the answer should not depend on them
 SMALLER, LARGER = 0.7, 1.4  # sizes of blocks
 ASIDE = 0.2  # share by which friction is varied
 STONE = {"least": 0.7e9, "mean": 1.5e9, "largest": 3.3e9}  # E [Pa]: of irregular stone to squared stone (Circolare 7/2019, table C8.5.I)
 STAND_IN = "split stone"  # kind that gives G / E = 1/3, as all stone of that table; density stays that of the scene
 OF_STIFFNESS = ("normal_stiffness", "tangential_stiffness")
 OF_DAMPING = ("damping", "damping_frequency")
+OF_SPRINGS = (*OF_STIFFNESS, *OF_DAMPING, "joint_points")
+OVER_THE_DEPTH = {5: 0.9, 7: 0.95, 11: 1.1, 15: 1.2}  # joint points, and the cost of a run with them, times the default, about
 GIGA = 1e9  # [Pa]
 TIGHTER_COST = 4.0  # of a tenth of the tolerance, times the base case, about (church of 308 blocks: 6)
 ELASTIC_COST = 1.5  # times a rigid run, about (church of 308 blocks)
@@ -51,6 +55,7 @@ class Level:
     name: str
     change: Change  # of the tables of the scene, in place
     cost: float = 1.0  # of a run, times that of the base case, about
+    coarser: bool = False  # than the base case, of a setting of the computation: shown, but no measure of its error
 
 
 @dataclass(frozen=True)
@@ -84,7 +89,7 @@ def assumptions_of(scene: Scene, tables: Tables, shakes: bool) -> tuple[list[Ass
     stiffness = _stiffness(scene, asked)
     size, refused = _size(scene, tables)
     found: list[Assumption | LeftOut] = [stiffness, _friction(tables, asked), size, _bond(tables), *_fill(tables)]
-    found += [_damping(scene, asked, stiffness), _step(tables), _tolerance(scene)]
+    found += [_damping(scene, asked, stiffness), _points(scene), _step(tables), _tolerance(scene)]
     known, left = [], [] if SIZE in asked.leave_out else refused
     for one in found:
         why = "left out by the scene, assess.leave_out" if one.name in asked.leave_out else one.why if isinstance(one, LeftOut) else ""
@@ -117,10 +122,10 @@ def _without(tables: Tables, keys: tuple[str, ...]) -> None:
 
 
 def _rigid(tables: Tables) -> None:
-    """Rigid joints, which do not vibrate."""
+    """Rigid joints, without what springs have."""
     material = tables["material"]
-    _without(tables, (*OF_STIFFNESS, *OF_DAMPING))
     named = material.get("masonry")
+    _without(tables, OF_SPRINGS if named is not None else (*OF_SPRINGS, "tension"))
     if named is not None:
         material["masonry"] = {**({"kind": named} if isinstance(named, str) else named), "stiffness": RIGID}
 
@@ -296,19 +301,45 @@ def _damped(share: float, on: Level | None) -> Level:
         if on is not None:
             on.change(tables)
         if on is None or share > 0.0:
-            _damp(tables["material"], share)
+            _put_in_springs(tables["material"], "damping", share)
 
     return Level(f"{100.0 * share:g} %", change, 1.0 if on is None else on.cost)
 
 
-def _damp(material: Tables, share: float) -> None:
-    """Give a share of critical to the laws of a table [material]."""
+def _put_in_springs(material: Tables, key: str, value: Any) -> None:
+    """Give a key to all laws of elastic joints of a table [material]."""
+    named = material.get("masonry")
     if not material.get("joints"):
-        material["joints"] = {"damping": share}
+        material["joints"] = {key: value}
         return
     for law in _laws({"material": material}):
-        if material.get("masonry") is not None or law.get("normal_stiffness"):
-            law["damping"] = share
+        if named is not None or law.get("normal_stiffness"):
+            law[key] = value
+    bonded = isinstance(named, Mapping) and named.get("shear_bond")  # a law of its own would bond the rest as well
+    if named is not None and not bonded and all(isinstance(law, Mapping) for law in material["joints"].values()):
+        material["joints"].setdefault("default", {key: value})
+
+
+def _points(scene: Scene) -> Assumption | LeftOut:
+    """Points over the depth of elastic joints. Coarser levels than the scene's are made to be seen, and do not count against it."""
+    if not is_elastic(scene):
+        return LeftOut(POINTS, "rigid joints have their corners alone")
+    material = scene.material
+    laws = [law for law in material.joint_laws.values() if material.joint_moduli is not None or law.normal_stiffness] or [JointLaw()]
+    given = sorted({law.points for law in laws})
+    if given[0] >= max(OVER_THE_DEPTH):
+        return LeftOut(POINTS, f"it has {given[0]}, the most there are")
+    levels = [_pointed(points, cost, points < given[-1]) for points, cost in OVER_THE_DEPTH.items() if given != [points]]
+    return Assumption(POINTS, f"{given[0]}{f' to {given[-1]}' if len(given) > 1 else ''}", tuple(levels))
+
+
+def _pointed(points: int, cost: float, coarser: bool) -> Level:
+    """All elastic joints with as many points."""
+
+    def change(tables: Tables) -> None:
+        _put_in_springs(tables["material"], "joint_points", points)
+
+    return Level(str(points), change, cost, coarser)
 
 
 def _step(tables: Tables) -> Assumption:

@@ -15,7 +15,8 @@ from masonry_cd.app.scene import Scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, parse_toml
 from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.studies.assess.assumptions import Assumption, Level, assumptions_of
+from masonry_cd.mechanics.model.masonry_kinds import RIGID
+from masonry_cd.studies.assess.assumptions import DAMPING, POINTS, STIFFNESS, Assumption, Level, assumptions_of
 from masonry_cd.studies.study.perturb import perturb
 from masonry_cd.studies.study.plan import Maker, Plan, Planned
 from masonry_cd.studies.study.space import Asked, Space
@@ -112,7 +113,7 @@ class AssessPlan(Plan):
         if all_pairs:
             for first, second in combinations([one for one in self.known if not one.reference], 2):
                 for levels in product(ends_of(first), ends_of(second)):
-                    if not (first.name == "joint stiffness" and second.name == "damping" and levels[0].name == "rigid"):
+                    if not (first.name == STIFFNESS and second.name in (DAMPING, POINTS) and levels[0].name == RIGID):
                         yield Part(PAIR, ((first, levels[0]), (second, levels[1])))
 
     def shuffled(self, runs: Sequence[Planned]) -> list[Planned]:
@@ -121,8 +122,8 @@ class AssessPlan(Plan):
 
 
 def ends_of(assumption: Assumption) -> tuple[Level, ...]:
-    """The two outer levels of an assumption, or its only one."""
-    levels = assumption.levels
+    """The two outer levels of an assumption that are no coarser than the base case, or its only one."""
+    levels = tuple(level for level in assumption.levels if not level.coarser)
     return levels if len(levels) < 2 else (levels[0], levels[-1])
 
 

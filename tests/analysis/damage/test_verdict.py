@@ -33,6 +33,7 @@ SOUND: dict[str, Any] = {
     "penetration_max": 1e-6,
     "time_step_remarks": [],
 }
+BEDS: dict[str, Any] = {"share_least": 0.06, "share": 0.29, "points": 3, "resolved": 0.408, "where": '"a" - "b"'}
 SCENE = '[structure]\nkind = "file"\npath = "blocks.json"\n[material]\ndensity = 2000.0\nfriction = 0.6\n'
 CUT = "do not rely on this run before it is mended: end of the run"
 
@@ -73,6 +74,9 @@ def solver(**changes: Any) -> dict[str, Any]:
         ({"stopped": "interrupted after step 3"}, "doubtful", "it ended early: interrupted after step 3"),
         ({"provisional": "provisional: still moving"}, "look", "provisional: still moving"),
         ({"time_step_remarks": ["run.dt is coarse"]}, "look", "run.dt is coarse"),
+        ({"beds": {"share_least": None, "unresolved": 0}}, "good", ""),  # elastic joints of which none opened
+        ({"beds": BEDS | {"unresolved": 2}}, "look", '"a" - "b" on 29 % of it where 3 points resolve 41 %'),
+        ({"beds": BEDS | {"unresolved": 0}}, "good", ""),
         (false(1e-5, 1e-2), "good", ""),
         (false(5e-4, 1e-2), "look", "500 um of slip"),
         (false(5e-3, 1e-2), "doubtful", "5 mm of slip"),
