@@ -18,7 +18,8 @@ from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
-from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.faults import ContactFault, TooManyPoints, UnexplainedOverlap
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 BITS = ROOT / "benchmarks" / "bits"
@@ -180,22 +181,24 @@ def test_without_gmsh_a_line_says_what_is_missing(tmp_path: Path, monkeypatch: p
     assert run(BITS / "tilt.toml", tmp_path / "out", "run.duration=0.02", material=()).exit_code == 0  # rigid blocks need none
 
 
+@pytest.mark.parametrize("fault", [TooManyPoints((0, 1)), UnexplainedOverlap((0, 1), 0.167, 0.003)], ids=["crowded", "unexplained"])
 @pytest.mark.parametrize("dt", ["dt = 1e-3", 'dt = "auto"\ndt_min = 1e-3'], ids=["fixed", "adapting"])
-def test_a_run_whose_meshes_cross_too_often_ends_with_its_results(block_on_plate, tmp_path: Path, monkeypatch, dt: str) -> None:
+def test_a_run_whose_contacts_are_not_found_ends_with_its_results(
+    block_on_plate, tmp_path: Path, monkeypatch, dt: str, fault: ContactFault
+) -> None:
     """Found in the detection of a step: one line with the blocks, exit code 1, and all that was computed can be read."""
     detect, far = Detector.detect, 0.01
 
-    def crowded(self: Detector, position: np.ndarray, *where: object) -> object:
+    def faulty(self: Detector, position: np.ndarray, *where: object) -> object:
         if far < position[0, 0] < 0.05:  # the plate, which is shaken
-            raise TooManyPoints((0, 1))
+            raise fault
         return detect(self, position, *where)
 
-    monkeypatch.setattr(Detector, "detect", crowded)
+    monkeypatch.setattr(Detector, "detect", faulty)
     result = masonry_cd("run", block_on_plate(dt=dt), "-o", tmp_path / "out")
     assert result.exit_code == 1, result.output
     found = summary_of(tmp_path / "out")
-    line = f'step {found["steps"] + 1}: the meshes of "plate" and "block" cross in too many points; material.mesh_size: '
-    assert found["stopped"].startswith(line)
+    assert found["stopped"] == f"step {found['steps'] + 1}: " + fault.text.format('"plate"', '"block"')
     assert f"the run ended early, {found['stopped']}; the results hold all frames up to there" in result.output
     with Results.open(tmp_path / "out" / "result.h5") as results:
         assert len(results.per_step("solver/error")) == found["steps"] > 10

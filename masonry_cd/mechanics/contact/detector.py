@@ -26,6 +26,7 @@ from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.mechanics.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
 from masonry_cd.mechanics.contact.contact_set import ContactSet, write_contacts
 from masonry_cd.mechanics.contact.facets import Facets, Overlay
+from masonry_cd.mechanics.contact.faults import TooManyPoints, UnexplainedOverlap
 from masonry_cd.mechanics.contact.flat_contact import look_again
 from masonry_cd.mechanics.contact.joint_points import CRUSHES, GRAVITY, LIGHT
 from masonry_cd.mechanics.contact.motion import Motion, pair_margin
@@ -43,18 +44,6 @@ ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for ea
 CORNERS, BY_AREA, FACET_PAIR, FACETS_BY_AREA, ROUND_PAIR = 0, 1, 2, 3, 4
 
 StiffnessOf = Callable[[np.ndarray, np.ndarray], np.ndarray]
-
-
-class TooManyPoints(RuntimeError):
-    """The meshes of two faces cross in more points than a pair has room for.
-
-    Attributes:
-        blocks: whose faces they are.
-    """
-
-    def __init__(self, blocks: tuple[int, int]) -> None:
-        super().__init__(f"blocks {blocks}")
-        self.blocks = blocks
 
 
 class Detector:
@@ -128,6 +117,7 @@ class Detector:
 
         Raises:
             TooManyPoints: the meshes of two faces cross too often.
+            UnexplainedOverlap: two parts are deeper in each other than they can have moved.
         """
         motion = Motion(position, rotation, velocity, float(step), float(slack), self._affine)
         count = self._update(motion, origin, False, threads)
@@ -136,6 +126,8 @@ class Detector:
             count = self._update(motion, origin, True, threads)
         if self._overlay.crowded[0] >= 0:
             raise self._crowding()
+        if any(work.unexplained[0] >= 0.0 for work in self._work):
+            raise self._unexplained()
         self.contacts, found = count, ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, motion, found)
         return found
@@ -224,6 +216,14 @@ class Detector:
         self._overlay.crowded[:] = -1
         blocks = self._shapes.part_block[self._shapes.solids.owner_of_face()[faces]]
         return TooManyPoints((int(blocks[0]), int(blocks[1])))
+
+    def _unexplained(self) -> UnexplainedOverlap:
+        """What is wrong with the first pair whose overlap no motion explains; other detections may go on."""
+        pair, gap, least = min(tuple(work.unexplained) for work in self._work if work.unexplained[0] >= 0.0)
+        for work in self._work:
+            work.unexplained[0] = -1.0
+        a, b = self._shapes.part_block[self.pairs[int(pair)]]
+        return UnexplainedOverlap((int(a), int(b)), float(-gap), float(-least))
 
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""

@@ -6,7 +6,8 @@ its corners kept, no inset (their placement is physics: an inset of 1.25 % raise
 narrower than SLIVER of the smaller part are no interface: blocks that only share an edge or a corner, as diagonal neighbours in a bond do,
 must not wedge each other apart. Corners that have moved less than SNAP off a side plane stay on it, or every small turn would double them.
 
-**Crossing edges**: one point, midway between them.
+**Crossing edges**: one point, midway between them. Where one of them ends before they come nearest, the axis across them is not the
+shortest way from one part to the other: such edges have a point only where they are within reach all the same.
 
 **Areas.** A joint whose law goes by area, elastic or bonded, has one more point, at the centroid of its polygon, and shares its area out so
 that springs at the points act as springs all over it. With A_i the triangles (centroid, c_i, c_i+1), c seen from the centroid,
@@ -52,15 +53,15 @@ class Manifold(NamedTuple):
 
 
 @borrower()
-def contact_points(parts, feature, solids, own, other, width, with_area, normal, manifold):
+def contact_points(parts, feature, solids, own, other, width, reach, with_area, normal, manifold):
     """Fill ``manifold`` and ``normal`` (3,), from a to b, with the contact points of a pair; returns how many.
 
     ``parts`` are the numbers of a and b, ``own`` and ``other`` the two as placed; ``feature`` (3,) separates them; ``width`` [m] of the
-    smaller; ``with_area``: with the centroid and the areas.
+    smaller; ``reach`` [m] of edges that do not cross within their lengths; ``with_area``: with the centroid and the areas.
     """
     a, b = parts
     if feature[0] == EDGES:
-        return _edge_contact(solids.edges[feature[1]], solids.edges[feature[2]], own, other, normal, manifold)
+        return _edge_contact(solids.edges[feature[1]], solids.edges[feature[2]], own, other, reach, normal, manifold)
     if feature[0] == FACE_OF_A:
         face, sign = feature[1], 1.0
         incident = incident_face(b, solids, other, own.normals[face - own.first_face])
@@ -199,25 +200,18 @@ def _triangle(p, q, r, nx, ny, nz):
 
 
 @borrower()
-def across_edges(edge_a, edge_b, own, other):
-    """The direction across edges (4,) of a and b, as long as the parallelogram that they span is large [m2]: three numbers."""
-    p, p_end = own.vertices[edge_a[0] - own.first_vertex], own.vertices[edge_a[1] - own.first_vertex]
-    q, q_end = other.vertices[edge_b[0] - other.first_vertex], other.vertices[edge_b[1] - other.first_vertex]
-    ux, uy, uz = p_end[0] - p[0], p_end[1] - p[1], p_end[2] - p[2]
-    vx, vy, vz = q_end[0] - q[0], q_end[1] - q[1], q_end[2] - q[2]
-    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-
-
-@borrower()
-def _edge_contact(edge_a, edge_b, own, other, normal, manifold):
-    """The point midway between two crossing edges (4,) of a and b, its gap, and the normal (3,) from a to b; returns 1: one point."""
+def _edge_contact(edge_a, edge_b, own, other, reach, normal, manifold):
+    """The point midway between two edges (4,) of a and b, its gap, and the normal (3,) from a to b; returns how many points: 1, or 0 where
+    they separate a and b, but do not cross within their lengths and are farther apart than ``reach`` [m]."""
     p, p_end = own.vertices[edge_a[0] - own.first_vertex], own.vertices[edge_a[1] - own.first_vertex]
     q, q_end = other.vertices[edge_b[0] - other.first_vertex], other.vertices[edge_b[1] - other.first_vertex]
     left, right = own.normals[edge_a[2] - own.first_face], own.normals[edge_a[3] - own.first_face]
     point, height = manifold.point, manifold.height
     uu, uv, vv, uw, vw = 0.0, 0.0, 0.0, 0.0, 0.0  # u, v along the edges, w from one to the other
     length, side = 0.0, 0.0
-    normal[0], normal[1], normal[2] = across_edges(edge_a, edge_b, own, other)
+    ux, uy, uz = p_end[0] - p[0], p_end[1] - p[1], p_end[2] - p[2]
+    vx, vy, vz = q_end[0] - q[0], q_end[1] - q[1], q_end[2] - q[2]
+    normal[0], normal[1], normal[2] = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     for d in range(3):
         u, v, w = p_end[d] - p[d], q_end[d] - q[d], q[d] - p[d]
         uu, uv, vv, uw, vw = uu + u * u, uv + u * v, vv + v * v, uw + u * w, vw + v * w
@@ -225,11 +219,16 @@ def _edge_contact(edge_a, edge_b, own, other, normal, manifold):
         side += normal[d] * (left[d] + right[d])
     scale = (1.0 if side >= 0.0 else -1.0) / np.sqrt(length)
     det = uu * vv - uv * uv
-    s = min(1.0, max(0.0, (uw * vv - uv * vw) / det))
-    t = min(1.0, max(0.0, (uw * uv - uu * vw) / det))
-    height[0] = 0.0
+    s, t = (uw * vv - uv * vw) / det, (uw * uv - uu * vw) / det
+    crossing = 0.0 <= s <= 1.0 and 0.0 <= t <= 1.0
+    if not crossing:  # the nearest points of the edges themselves
+        t = min(1.0, max(0.0, (min(1.0, max(0.0, s)) * uv - vw) / vv))
+        s = min(1.0, max(0.0, (uw + t * uv) / uu))
+    height[0], distance = 0.0, 0.0
     for d in range(3):
         normal[d] *= scale
         height[0] += normal[d] * (q[d] - p[d])
-        point[0, d] = 0.5 * (p[d] + s * (p_end[d] - p[d]) + q[d] + t * (q_end[d] - q[d]))
-    return 1
+        from_a, from_b = p[d] + s * (p_end[d] - p[d]), q[d] + t * (q_end[d] - q[d])
+        point[0, d] = 0.5 * (from_a + from_b)
+        distance += (from_b - from_a) ** 2
+    return 1 if crossing or height[0] < 0.0 or distance <= reach * reach else 0

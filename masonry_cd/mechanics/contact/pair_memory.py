@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is remembered of each pair of parts from one step to the next, so that no work is done twice.
 
-    distance    of a pair apart: not looked at before the two can have met
+    distance    of a pair when it was last searched: apart, it is not looked at before the two can have met
     feature     the face or the edges that separate them, until the pair has moved by REUSE of its width
     manifold    the points, until it has moved by STILL of its width. They are carried along with a, so they are off by that much at
                 most; gaps follow the motion to first order, so they are off by that times the angle between the faces
@@ -36,9 +36,9 @@ class PairMemory(NamedTuple):
 
     parts: np.ndarray  # (P, 2) a and b, sorted
     feature: np.ndarray  # (P, 3) kind of the separating feature and its face or edges
-    budget: np.ndarray  # (P,) distance between the parts when they were last found apart [m]
+    budget: np.ndarray  # (P,) separation of the parts when the feature was found [m]
     pose: np.ndarray  # (P, 12) pose of b in the frame of a when the feature was found
-    built: np.ndarray  # (P, 12) that when the points were found
+    built: np.ndarray  # (P, 12) that in which the points were found
     normal: np.ndarray  # (P, 3) from a to b, in the frame of a
     unfelt: np.ndarray  # (P,) overlap that the springs between a and b do not feel [m]
     rings: np.ndarray  # (P,) of points that the joint has where it opens, see joint_points.py

@@ -21,7 +21,7 @@ from masonry_cd.mechanics.model.geometry import Polyhedra, turned_normal
 
 UNKNOWN, FAR_APART, FACE_OF_A, FACE_OF_B, EDGES, ROUND = 0, 1, 2, 3, 4, 5  # kinds of separating feature; none is kept of pairs far apart
 
-PARALLEL = 1e-6  # edges at less than this angle [rad] are parallel: a face axis is at least as good
+PARALLEL = 1e-4  # edges at less than this angle [rad] are parallel: a face axis is as good, and does not turn about with every small motion
 FICKLE = 0.1  # share of the bias by which a face of the other part must be better than one of the part of the last face
 
 HELD = 0.5  # of the depth of a pair on springs: what frees it by another face than the last goes at most this share of the way
@@ -76,7 +76,7 @@ def separate(a, b, solids, own, other, bias, springs, feature):
     kind = FACE_OF_A
     if best_b > best + (-FICKLE * bias if feature[0] == FACE_OF_B else FICKLE * bias):
         best, face, kind = best_b, face_b, FACE_OF_B
-    edge_best, edge_a, edge_b = edge_axis(a, b, solids, own, other)
+    edge_best, edge_a, edge_b = edge_axis(_edges_of(a, solids), _edges_of(b, solids), solids, own, other)
     if edge_best > best + bias:
         feature[0], feature[1], feature[2] = EDGES, edge_a, edge_b
         return edge_best
@@ -128,18 +128,51 @@ def face_axis(a, b, solids, own, other):
 
 
 @borrower()
-def edge_axis(a, b, solids, own, other):
-    """Largest separation over the edge pairs of polyhedra a and b whose Gauss arcs cross [m], and the two edges; -inf where none do."""
+def _edges_of(p, solids):
+    """The first edge of polyhedron p, and the end of its edges."""
+    return solids.edge_start[p], solids.edge_start[p + 1]
+
+
+@borrower()
+def edges_separate(feature, solids, own, other):
+    """Whether the axis across the two edges of a ``feature`` (3,) separates the pair as it is placed."""
+    i, j = feature[1], feature[2]
+    return edge_axis((i, i + 1), (j, j + 1), solids, own, other)[0] >= 0.0
+
+
+@borrower()
+def separation_along(n, a, b, solids, pose):
+    """Separation along n (3,), which is in the frame of polyhedron a, of polyhedron b with a pose (12,) in it [m]."""
+    most, least = -np.inf, np.inf
+    for i in range(solids.vertex_start[a], solids.vertex_start[a + 1]):
+        v = solids.vertices[i]
+        most = max(most, n[0] * v[0] + n[1] * v[1] + n[2] * v[2])
+    t = n[0] * pose[0] + n[1] * pose[1] + n[2] * pose[2]
+    x = n[0] * pose[3] + n[1] * pose[6] + n[2] * pose[9]
+    y = n[0] * pose[4] + n[1] * pose[7] + n[2] * pose[10]
+    z = n[0] * pose[5] + n[1] * pose[8] + n[2] * pose[11]
+    for i in range(solids.vertex_start[b], solids.vertex_start[b + 1]):
+        v = solids.vertices[i]
+        least = min(least, t + x * v[0] + y * v[1] + z * v[2])
+    return least - most
+
+
+@borrower()
+def edge_axis(edges_a, edges_b, solids, own, other):
+    """Largest separation over pairs of edges of two polyhedra whose Gauss arcs cross [m], and the two edges; -inf, -1 and -1 where none do.
+
+    ``edges_a`` and ``edges_b`` are the first edge of each and the end of them.
+    """
     edges, normals, vertices, normals_b, vertices_b = solids.edges, own.normals, own.vertices, other.normals, other.vertices
     a_vertex, a_face, b_vertex, b_face = own.first_vertex, own.first_face, other.first_vertex, other.first_face
     best, at_a, at_b = -np.inf, -1, -1
-    for i in range(solids.edge_start[a], solids.edge_start[a + 1]):
+    for i in range(edges_a[0], edges_a[1]):
         left, right = edges[i, 2] - a_face, edges[i, 3] - a_face
         ax, ay, az = normals[left, 0], normals[left, 1], normals[left, 2]
         bx, by, bz = normals[right, 0], normals[right, 1], normals[right, 2]
         px, py, pz = by * az - bz * ay, bz * ax - bx * az, bx * ay - by * ax  # b x a, along the edge
         p = vertices[edges[i, 0] - a_vertex]
-        for j in range(solids.edge_start[b], solids.edge_start[b + 1]):
+        for j in range(edges_b[0], edges_b[1]):
             left, right = edges[j, 2] - b_face, edges[j, 3] - b_face
             cx, cy, cz = normals_b[left, 0], normals_b[left, 1], normals_b[left, 2]
             dx, dy, dz = normals_b[right, 0], normals_b[right, 1], normals_b[right, 2]
@@ -187,5 +220,5 @@ def _depths(solids: Polyhedra, pairs: np.ndarray, enough: np.ndarray, out: np.nd
         if -apart > enough[k]:
             apart = max(apart, face_axis(b, a, solids, placed, placed)[0])
         if -apart > enough[k]:
-            apart = max(apart, edge_axis(a, b, solids, placed, placed)[0])
+            apart = max(apart, edge_axis(_edges_of(a, solids), _edges_of(b, solids), solids, placed, placed)[0])
         out[k] = -apart

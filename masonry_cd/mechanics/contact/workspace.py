@@ -22,6 +22,7 @@ class Workspace(NamedTuple):
     crushed: np.ndarray  # (N,) by how much the joint is shorter at them for good [m]
     ahead_position: np.ndarray  # (2, 3) of both bodies a step later [m]
     ahead_rotation: np.ndarray  # (2, 3, 3)
+    unexplained: np.ndarray  # (3,) a pair with an overlap that no motion explains, or -1; its gap, and the least that is explained [m]
 
     @classmethod
     def allocate(cls, shapes: Shapes, corners: int, more: int = 0) -> Workspace:
@@ -29,5 +30,5 @@ class Workspace(NamedTuple):
         manifold = Manifold.allocate(corners, more)
         vertices, faces = (int(np.diff(start).max()) for start in (shapes.solids.vertex_start, shapes.solids.face_start))
         place, crushed = np.empty(len(manifold.point), dtype=np.int64), np.empty(len(manifold.point))
-        ahead = np.empty((2, 3)), np.empty((2, 3, 3))
+        ahead = np.empty((2, 3)), np.empty((2, 3, 3)), np.array([-1.0, 0.0, 0.0])
         return cls(np.empty(12), np.empty((vertices, 3)), np.empty((faces, 3)), manifold, place, crushed, *ahead)

@@ -29,7 +29,8 @@ from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.freed_memory import keep_freed_memory
 from masonry_cd.foundation.kernel_store import clock
 from masonry_cd.mechanics.contact.contact_set import ContactSet
-from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.faults import ContactFault
 from masonry_cd.mechanics.dynamics import joint_forces
 from masonry_cd.mechanics.dynamics.contact_rows import assemble
 from masonry_cd.mechanics.dynamics.crushing import solve_crushing
@@ -60,7 +61,6 @@ from masonry_cd.mechanics.solvers.condensed import in_condensed_unknowns
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
 
-ALIKE = "material.mesh_size: elements of one size on both sides would not"  # what to do about meshes that cross too often
 Watch = Callable[[int, str, FrictionProblem], None]  # the step, and a problem solved in it by name: "" where it is the only one
 
 
@@ -100,7 +100,7 @@ def detect(system: System, detector: Detector, predicted: Prediction, number: in
     """The contacts at q_m in step ``number``, counted from 1. What moves with the supports has not moved for the broad phase.
 
     Raises:
-        RunStopped: the meshes of two faces cross too often.
+        RunStopped: the meshes of two faces cross too often, or two blocks overlap by more than they can have moved.
     """
     h, support, state = system.constants.step, system.support, predicted.state
     slack = 4.0 * h * h * predicted.pull + system.stretch + predicted.swelling
@@ -108,9 +108,9 @@ def detect(system: System, detector: Detector, predicted: Prediction, number: in
     threads = system.threads_for(detector.contacts)
     try:
         return detector.detect(state.position, predicted.maps, state.velocity, h, slack, moved, threads)
-    except TooManyPoints as reason:
-        a, b = (system.assembly.names[block] for block in reason.blocks)
-        raise RunStopped(f'step {number}: the meshes of "{a}" and "{b}" cross in too many points; {ALIKE}') from None
+    except ContactFault as fault:
+        a, b = (f'"{system.assembly.names[block]}"' for block in fault.blocks)
+        raise RunStopped(f"step {number}: {fault.text.format(a, b)}") from None
 
 
 def solve(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None = None) -> Solved:
@@ -209,7 +209,7 @@ class Stepper:
         """Advance by one time step, of some ticks of length dt.
 
         Raises:
-            RunStopped: a velocity is not finite, or the meshes of two faces cross too often.
+            RunStopped: a velocity is not finite, or see :func:`detect`.
         """
         begin = clock()
         self._set_length(ticks)

@@ -7,6 +7,7 @@ from models import box, ground, turned
 
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.faults import UnexplainedOverlap
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.materials import JointLaw
 from masonry_cd.mechanics.model.state import State, rotation_matrices
@@ -65,11 +66,31 @@ def test_a_joint_that_closes_is_felt_from_the_first():
 
 
 def test_edges_that_are_nearly_parallel_do_not_turn_their_normal_about():
-    """Upright edges of two blocks 0.4 m apart, seen first from afar: where they lean by 1e-5 decides to which side the normal points."""
+    """Upright edges of two blocks 0.42 m apart, seen from afar: where they lean by 1e-5 would decide to which side a normal across them
+    points, so they have none, and with a greater lean no gap is less than what separates the blocks."""
     pair = Watched([box("a", (0.0, 0.0, 0.0), (0.3, 0.3, 0.3), fixed=True), box("b", (0.6, 0.6, 0.0), (0.9, 0.9, 0.3))])
-    gaps = []
-    for axis in ((1.0, 1.0, 0.0), (1.0, -1.5, 0.0)):
-        state = turned(pair.assembly, 1, np.array(axis) / np.linalg.norm(axis), 2e-5, (0.75, 0.75, 0.15))
-        gaps.append(pair.at(state, slack=0.6).gap)
-    assert len(gaps[0]) == 1
-    assert (np.concatenate(gaps) > 0.42).all()  # not the 0.08 that lie along another normal
+    for angle in (2e-5, 1e-3, 1e-2):
+        for axis in ((1.0, 1.0, 0.0), (1.0, -1.5, 0.0)):
+            state = turned(pair.assembly, 1, np.array(axis) / np.linalg.norm(axis), angle, (0.75, 0.75, 0.15))
+            gaps = pair.at(state, slack=0.6).gap
+            assert angle > 1e-4 or len(gaps) == 0
+            assert (gaps > 0.3 - angle).all()  # not the 0.08 that lie along another normal
+
+
+def test_an_overlap_that_no_motion_explains_is_reported_with_its_blocks():
+    """A detector that takes blocks to have been apart just now, which are deep in each other: as a false contact would look."""
+    blocks = [ground(), box("low", (0.0, 0.0, 0.1), (0.4, 0.4, 0.5)), box("high", (0.0, 0.0, 0.48), (0.4, 0.4, 0.9))]
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    state, turn, still = State.at_rest(assembly), rotation_matrices(State.at_rest(assembly).orientation), np.zeros((3, 6))
+    detector = Detector(assembly)
+    where = (turn, still, 1e-3, 1e-4, np.zeros(3))
+    assert detector.detect(state.position, *where).gap.min() == pytest.approx(-0.02)
+    state.position[2, 2] -= 0.01  # which explains 10 mm more
+    assert detector.detect(state.position, *where).gap.min() == pytest.approx(-0.03)
+    known = detector.snapshot()
+    detector.restore(known | {"budget": np.full(len(known["budget"]), 0.005)})
+    state.position[2, 2] -= 0.01
+    with pytest.raises(UnexplainedOverlap, match="by 40 mm, of which their motion explains 5 mm") as fault:
+        detector.detect(state.position, *where)
+    assert fault.value.blocks == (1, 2)
+    assert detector.detect(state.position, *where).gap.min() == pytest.approx(-0.04)  # others, of a shorter step perhaps, go on

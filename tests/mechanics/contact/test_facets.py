@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from masonry_cd.mechanics.contact.contact_set import ContactSet
-from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.faults import TooManyPoints
 from masonry_cd.mechanics.dynamics.warps import Warps
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
