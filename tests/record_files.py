@@ -138,3 +138,26 @@ def itaca() -> str:
 
 def counted(line: str = f"{COUNT} {STEP} 656") -> str:
     return "\n".join(["Time history matched to spectrum: made", line, *rows(WAVE, 5, "{:14.6E}"), ""])
+
+
+START = "2021-03-04T05:06:07.000000"
+
+
+def announced(
+    layout: str = "SLIST", kind: str = "FLOAT", unit: str = ", M/S**2", channel: str = "HNE", count: int = COUNT, start: str = START
+) -> str:
+    return f"TIMESERIES XX_SITE__{channel}_D, {count} samples, {1.0 / STEP:g} sps, {start}, {layout}, {kind}{unit}\n"
+
+
+def slist(values: np.ndarray = WAVE) -> str:
+    return announced() + "\n".join([*rows(values, 6, "{:e}  "), ""])
+
+
+def tspair(values: np.ndarray = WAVE, step: float = STEP) -> str:
+    lines = [f"2021-03-04T05:06:{7.0 + step * k:09.6f}  {v:e}\n" for k, v in enumerate(values)]
+    return "".join([announced("TSPAIR"), *lines])
+
+
+def fortran(values: np.ndarray = WAVE) -> str:
+    lines = [f"{line:72}{k + 1:8d}" for k, line in enumerate(rows(values, 8, "{:9.6f}"))]
+    return "\n".join(["A SHOCK, 8F9.6, DT=0.005 SEC, UNITS G", *lines, ""])

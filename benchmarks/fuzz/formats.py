@@ -34,6 +34,11 @@ RECORDS: dict[str, tuple[str | bytes, str]] = {  # and the key that they need
     "sac": (record_files.sac(), "units=m/s2"),
     "itaca": (record_files.itaca(), ""),
     "counted": (record_files.counted(), "units=m/s2"),
+    "rate": (record_files.counted("103 SAMPLES AT 200 HZ, CM/S2"), ""),
+    "fixed": (record_files.fortran(), ""),
+    "above": ("SITE,,\nSAMPLING RATE=200Hz,,\nUNIT=gal,,\nNS,EW\n" + "".join(f"{v:.6f},{-v:.6f}\n" for v in record_files.WAVE), "column=0"),
+    "slist": (record_files.slist(), ""),
+    "tspair": (record_files.tspair(), ""),
 }
 
 

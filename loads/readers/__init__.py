@@ -16,8 +16,8 @@ from masonry_cd.foundation.extensions import Entries
 __all__ = ["READERS", "FormatName", "RawRecord", "Request", "Source", "formats", "read"]
 
 FormatName = Literal[
-    "auto", "afad", "at2", "bhrc", "columns", "cosmos", "counted", "csmip", "csv", "cwb", "esm", "geonet", "knet", "mseed", "renadic",
-    "sac", "smc", "unam", "usc",
+    "auto", "afad", "at2", "bhrc", "columns", "cosmos", "counted", "csmip", "csv", "cwb", "esm", "fixed", "geonet", "knet", "mseed",
+    "renadic", "sac", "smc", "timeseries", "unam", "usc",
 ]  # fmt: skip
 """What a table may ask for: "auto", or one of ``READERS``, which a test compares."""
 

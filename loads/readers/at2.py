@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from loads.readers.orientation import of_name
 from loads.readers.quantity import Stated, named
 from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
 from loads.readers.units import units_in
@@ -50,7 +51,13 @@ def read(source: Source, request: Request) -> RawRecord:
     check_count(source, values, points, index)
     unit = re.search(r"UNITS?\s*(?:\s(?:OF|ARE)\s|[:=])\s*(\S+)", heading, re.IGNORECASE)
     named_unit = unit[1].strip(".,;()[]") if unit else next(iter(units_in(source.lines[index - 1] if index else "")), None)
-    return RawRecord(values, h, 0.0, named_unit, stated=_stated(source.lines[:index]))
+    return RawRecord(values, h, 0.0, named_unit, _component(source.lines[:index]), stated=_stated(source.lines[:index]))
+
+
+def _component(heading: Sequence[str]) -> str:
+    """The component, which ends the second line: ``..., EL CENTRO, 180`` or ``UP`` or ``NS COMPONENT``; empty where it is none."""
+    last = heading[1].rpartition(",")[2].upper().replace("COMPONENT", "").strip() if len(heading) > 1 else ""
+    return last if of_name(last) else ""
 
 
 def _stated(heading: Sequence[str]) -> Stated | None:

@@ -23,7 +23,7 @@ from loads.readers.quantity import Stated
 from loads.readers.source import RawRecord, Reader, Request, Source
 
 BEGIN = re.compile(r"\(format v", re.IGNORECASE)
-SERIES = re.compile(r"^\s*(\d+)\s+(?:\w+\s+)?(acceleration|velocity|displacement|counts?)\s+pts\b(.*)$", re.IGNORECASE)
+SERIES = re.compile(r"^\s*(\d+)\s+(?:\w+\s+)?(accel|veloc|displ|count)(?:\w*|\.)\s+pts\b(.*)$", re.IGNORECASE)  # "raw accel.   pts"
 HEADER = re.compile(r"^\s*(\d+)\s+(integer|real)-header values follow(.*)$", re.IGNORECASE)
 WRITTEN = re.compile(r"units?\s*=\s*([^(,]+)", re.IGNORECASE)
 QUANTITIES = {1: "acceleration", 2: "velocity", 3: "displacement"}  # table 1
@@ -73,11 +73,13 @@ def read(source: Source, request: Request) -> RawRecord:
     values, _ = fixed(
         source, one.line + 1, whole(source, one.points, one.line, "the number of points"), fields_of(one.rest, USUAL["series"]), last=True
     )
-    if int(one.integers[UNIT]) == COUNTS or one.what.lower().startswith("count"):
+    if int(one.integers[UNIT]) == COUNTS or one.what == "counts":
         factor = 1.0 if request.calibration is None else request.calibration
-        return RawRecord(factor * values, step, 0.0, None, one.name, counts=True)
+        what = QUANTITIES.get(int(one.integers[QUANTITY])) if one.what == "counts" else one.what
+        of_counts = Stated(what, f"line {one.line + 1}", firm=True) if what else None
+        return RawRecord(factor * values, step, 0.0, None, one.name, stated=of_counts, counts=True)
     only_physical(source, request, "COSMOS")
-    stated = Stated(one.what.lower(), f"line {one.line + 1}", firm=True)
+    stated = Stated(one.what, f"line {one.line + 1}", firm=True)
     announced = QUANTITIES.get(int(one.integers[QUANTITY]))
     if announced not in (None, stated.quantity):
         raise source.error(
@@ -112,7 +114,8 @@ def _sets(source: Source) -> list[_Set]:
         elif match := SERIES.match(line):
             if len(headers.get("integer", ())) <= AZIMUTH or len(headers.get("real", ())) <= INTERVAL:
                 raise source.error("a series without the integer and real headers of a COSMOS file", index)
-            found.append(_Set(headers["integer"], headers["real"], index, match[1], match[2], match[3]))
+            what = next(word for word in ("acceleration", "velocity", "displacement", "counts") if word.startswith(match[2].lower()))
+            found.append(_Set(headers["integer"], headers["real"], index, match[1], what, match[3]))
     return found
 
 

@@ -1,41 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One series behind a heading that gives the number of its values and their step: any layout, read in reading order.
 
-    TITLE
-    1706 0.0200
-    five values a line ...
+    TITLE                           SITE 7, ACCELERATION IN M/S2
+    1706 0.0200                     1600 SAMPLES AT 200 HZ
+    five values a line ...          values, or pairs of time and value ...
 
-A heading line counts when one of its whole numbers is the number of all values below it, and the step stands beside it: ``DT = .005``,
-``200 Hz``, or a second number that a step can be.
+One of the heading's whole numbers is the number of all values below it. The step stands on the same line or on another: ``DT = .005``, a
+rate, which is a number of ``HZ``, ``SPS`` or samples per second, or, on the same line alone, a second number that a step can be. A number
+is count or rate, never both, and lines that contradict each other give no step.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from loads.readers.quantity import of_comments
+from loads.readers.rates import Spacing, agree, spacings
 from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source, refuse_keys
-from loads.readers.units import units_in
+from loads.readers.units import declared_unit, units_in
+from loads.readers.wrapped import advances
 
 HEADING = 20  # lines of text above the numbers, at most
 FEWEST = 8  # values
-STEP = re.compile(r"\b(?:DT|STEP|PASSO|PASO|INTERVALO?|SAMPLING INTERVAL)\b[^\d.+-]*([\d.]+(?:E[+-]?\d+)?)", re.IGNORECASE)
-RATE = re.compile(r"([\d.]+)\s*(?:HZ\b|SAMPLES|SPS\b)", re.IGNORECASE)
-NUMBER = re.compile(r"(?<![\w.])[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?(?![\w.])")
 SHORTEST, LONGEST = 1e-4, 0.2  # [s] of a step that has no word beside it
+NUMBER = re.compile(r"(?<![\w.])[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?(?![\w.])")
 
 
 class _Found(NamedTuple):
-    step: float
+    steps: list[float]  # as the heading gives them [s], at least one
     first: int  # index of the first line of numbers
+    origin: float  # time of the first value [s]
     values: np.ndarray
 
 
 def recognises(source: Source) -> bool:
-    """True when a heading counts the values below it."""
+    """True when a heading counts the values below it and gives their step."""
     return _found(source) is not None
 
 
@@ -43,53 +46,65 @@ def read(source: Source, request: Request) -> RawRecord:
     """Read the series.
 
     Raises:
-        InputError: no heading that counts the values.
+        InputError: no heading that counts the values and gives their step, one that gives several, or one number as both.
     """
     refuse_keys(source, request, "counted text")
     found = _found(source)
     if found is None:
-        raise source.error("no line above the numbers gives how many there are, and their step")
+        raise source.error("no line above the numbers gives how many there are, and, by another number, one step or rate")
+    step = found.steps[0]
+    if not agree(found.steps):
+        raise source.error(f"the heading gives steps of {min(found.steps):g} and {max(found.steps):g} s: correct the file", found.first - 1)
     heading = [line for line in source.lines[: found.first] if line.strip()]
-    units = {unit for line in heading for unit in units_in(line)}
-    return RawRecord(found.values, found.step, 0.0, units.pop() if len(units) == 1 else None, stated=of_comments(heading))
+    if any(float(line[slice(*stated.place)]) == len(found.values) for line in heading for stated in spacings(line)):
+        said = f"{len(found.values)} as the number of values and as their rate: correct the file, or leave one out"
+        raise source.error(f"the heading gives {said}", found.first - 1)
+    units = {unit for line in heading for unit in units_in(line)} or {unit for line in heading if (unit := declared_unit(line))}
+    return RawRecord(found.values, step, found.origin, units.pop() if len(units) == 1 else None, stated=of_comments(heading))
 
 
 def _found(source: Source) -> _Found | None:
     """The heading and the values, where one of the heading's lines counts them."""
-    rows = [line for line in source.lines if line.strip() and not line.lstrip().startswith(COMMENTS)]
-    if len(rows) < 2:
+    if sum(1 for line in source.lines if line.strip() and not line.lstrip().startswith(COMMENTS)) < 2:
         return None
     words = [line.split() for line in source.lines]
+    text = max((i for i, line in enumerate(words[:HEADING]) if _numbers([line]) is None), default=-1)
+    held = _numbers(words[text + 1 :])
+    if held is None:
+        return None
+    before = 0  # values between the last text and the line that is looked at
     for index in range(min(HEADING, len(words) - 1)):
-        step = _step(source.lines[index])
-        if step is None:
-            continue
-        values = _numbers(words[index + 1 :])
-        first = next((i for i in range(index + 1, len(words)) if words[i]), index + 1)
-        if values is not None and len(values) >= FEWEST and str(len(values)) in NUMBER.findall(source.lines[index]):
-            return _Found(step, first, values)
+        before += len(words[index]) if index > text else 0
+        values, first = held[before:], next((i for i in range(max(index, text) + 1, len(words)) if words[i]), index + 1)
+        leads = index <= text or before == len(words[index])  # no numbers above it
+        found = _counted(source.lines, index, values, leads) if len(values) >= FEWEST else None
+        if found is not None:
+            return _Found(found[0], first, *found[1:])
     return None
 
 
-def _step(line: str) -> float | None:
-    """The step that a line gives [s]; None where it gives none."""
-    if found := STEP.search(line):
-        step = _float(found[1])
-    elif found := RATE.search(line):
-        rate = _float(found[1])
-        step = 1.0 / rate if rate else None
-    else:
-        numbers = [_float(word) or 0.0 for word in NUMBER.findall(line)]
-        fitting = [number for number in numbers if SHORTEST <= number <= LONGEST]
-        step = fitting[0] if len(fitting) == 1 else None
-    return step if step is not None and step > 0.0 else None
-
-
-def _float(word: str) -> float | None:
-    try:
-        return float(word)
-    except ValueError:
+def _counted(lines: Sequence[str], index: int, values: np.ndarray, pairs: bool) -> tuple[list[float], float, np.ndarray] | None:
+    """Steps, time of the first value, and the values that a line of the heading counts, alone or as pairs; None where it does not."""
+    line, own = lines[index], [*spacings(lines[index])]
+    taken = [stated.place for stated in own]
+    numbers = [float(word[0]) for word in NUMBER.finditer(line) if not any(a < word.end() and word.start() < b for a, b in taken)]
+    pairs = pairs and len(values) % 2 == 0 and len(values) // 2 in numbers and advances(values[::2])
+    if len(values) not in numbers and not pairs:
         return None
+    steps = _steps(lines, index, own, numbers)
+    if not steps or len(values) in numbers:
+        return (steps, 0.0, values) if steps else None
+    times = values[::2]
+    spaced = float(times[-1] - times[0]) / (len(times) - 1)
+    return ([*steps, spaced] if abs(spaced - steps[0]) > 0.5 * steps[0] / len(times) else steps, float(times[0]), values[1::2])
+
+
+def _steps(lines: Sequence[str], index: int, own: Sequence[Spacing], numbers: Sequence[float]) -> list[float]:
+    """The steps that the line of the count gives, and those of the lines around it that can be of nothing else; or all that these give."""
+    fitting = [number for number in numbers if SHORTEST <= number <= LONGEST]
+    others = [stated for k, line in enumerate(lines[:HEADING]) if k != index for stated in spacings(line)]
+    here = [stated.step for stated in own] or (fitting if len(fitting) == 1 else [])
+    return [*here, *(stated.step for stated in others if stated.firm)] or [stated.step for stated in others]
 
 
 def _numbers(lines: list[list[str]]) -> np.ndarray | None:
@@ -106,7 +121,7 @@ FORMATS = {
         recognises,
         read,
         loose=True,
-        about="one series below a line with count and step, any number of values a line",
+        about="one series below a heading with count and step, any number of values a line",
         by="spectrum-matching and other programs",
     )
 }

@@ -23,8 +23,9 @@ from loads.readers.volumes import read_volume
 MARK = re.compile(r"(?<!\d )\b(?:UN)?CORRECTED ACCELEROGRAM", re.IGNORECASE)  # SMC files number theirs
 CORRECTED = re.compile(r"^\s*(\d+)\s+points of acc\w*\s+data\s+equally spaced at\s+(\S+)\s*sec\b(.*)$", re.IGNORECASE)
 RAW = re.compile(r"^\s*(\d+)\s+accelerogram points at\s+(\S+)\s+pts/sec(.*)$", re.IGNORECASE)
-UNIT = re.compile(r"(?:\bunits?\s*(?:of|[:=])|\bin(?!\s+units?\b))\s*([A-Za-z%][A-Za-z0-9/^*]*)", re.IGNORECASE)
+UNIT = re.compile(r"(?:\bunits?\s*(?:of\b|[:=])?|\bin(?!\s+units?\b))\s*([A-Za-z%][A-Za-z0-9/^*]*)", re.IGNORECASE)
 CHANNEL = re.compile(r"\bCHAN(?:NEL)?\s*(\d+)\s*:\s*(.*?)(?:\s+from\b.*|\s{3,}.*)?$", re.IGNORECASE)
+COMPONENT = re.compile(r"COMP\s+(\S+)")  # of volume 2 as USC wrote it: IN UNITS CM/SEC/SEC
 USUAL = {"corrected": Fields(8, 10), "raw": Fields(8, 9)}
 
 
@@ -71,6 +72,8 @@ def _series(source: Source) -> list[_Series]:
     for index, line in enumerate(source.lines):
         if channel := CHANNEL.search(line.rstrip()):
             name = component(channel[2]) if channel[2].strip() else channel[1]
+        elif of_usc := COMPONENT.match(line):
+            name = component(of_usc[1])
         for pattern, raw in ((CORRECTED, False), (RAW, True)):
             if match := pattern.match(line):
                 found.append(_Series(name, index, match[1], match[2], match[3], raw))

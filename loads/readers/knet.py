@@ -14,6 +14,7 @@ from loads.readers.source import RawRecord, Reader, Request, Source, check_count
 
 LAST = "Memo"  # the heading's last line begins so
 HIGHEST = 1e6  # [Hz]: the shortest step that a record may have is its inverse
+KIKNET = {"1": "NS1", "2": "EW1", "3": "UD1", "4": "NS2", "5": "EW2", "6": "UD2"}  # borehole and surface, as its files are called
 HEADING = 40  # lines in which it is looked for
 SCALE = re.compile(r"^\s*([^\s(]+)\s*\(\s*([^)]+?)\s*\)\s*/\s*(\S+)\s*$")
 
@@ -43,7 +44,8 @@ def read(source: Source, request: Request) -> RawRecord:
     values = source.stream(heading[LAST][0] + 1)
     line, text = heading["Duration Time(s)"]
     check_count(source, values, source.number(text, line) * frequency, line)
-    return RawRecord(factor * values, 1.0 / frequency, 0.0, unit, heading.get("Dir.", (0, ""))[1])
+    direction = heading.get("Dir.", heading.get("Dir", (0, "")))[1]
+    return RawRecord(factor * values, 1.0 / frequency, 0.0, unit, KIKNET.get(direction, direction))
 
 
 def _scale(source: Source, line: int, text: str) -> tuple[float, str]:

@@ -13,19 +13,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from loads.readers.fields import DECIMAL_COMMA, decimal, delimiter_of, is_number, split
 from loads.readers.quantity import Stated, named, of_comments, of_spoken_channel
+from loads.readers.rates import agree, firm, unrounded
 from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source, refuse_calibration
-from loads.readers.units import TIME, split_heading
+from loads.readers.units import TIME, declared_unit, measured_by, split_heading
 from loads.readers.wrapped import FEWEST_ROWS, advances, filled, in_reading_order, paired, times_of
 from masonry_cd.foundation.errors import suggest
 from masonry_cd.foundation.fields import finite_number
 
 IRREGULAR = 0.2  # of a step: times written with few digits (1/128 s as 0.008) stay below, a missing line does not
-DELIMITERS = (";", "\t", ",")
 TIME_NAMES = ("t", "time", "tempo", "tempi", "tiempo", "temps", "zeit", "zaman")
 MOST_NAMED = 30  # columns in a message
-PROBE = 20  # lines looked at to recognise a table
-DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
+PREAMBLE = 40  # lines of text above the headings, at most
 PADDED = re.compile(r"[+-]?\d+,0\d+")  # 0,05: no second column is written so
 
 
@@ -37,10 +37,11 @@ class Layout:
     first: int  # index of the first line of numbers
     headings: tuple[str, ...]  # empty when there are none
     width: int  # columns
+    above: tuple[str, ...] = ()  # lines of text above the headings
 
     def split(self, line: str) -> list[str]:
         """The fields of a line."""
-        return _split(line, self.delimiter)
+        return split(line, self.delimiter)
 
     def name(self, column: int) -> str:
         """What to call a column."""
@@ -49,18 +50,18 @@ class Layout:
 
 def recognises_csv(source: Source) -> bool:
     """True when the first lines hold numbers between commas, semicolons or tabs."""
-    return _delimiter(source) is not None
+    return delimiter_of(source) is not None
 
 
 def recognises_columns(source: Source) -> bool:
     """True when one of the first two lines starts with a number, and no delimiter stands beside numbers."""
     first = [line for _, (_, line) in zip(range(2), source.content(), strict=False)]
-    return _delimiter(source) is None and any(_is_number(_decimal(line.split()[0], None)) for line in first)
+    return delimiter_of(source) is None and any(is_number(decimal(line.split()[0], None)) for line in first)
 
 
 def read_csv(source: Source, request: Request) -> RawRecord:
     """Read a CSV table, see :func:`_read`."""
-    delimiter = _delimiter(source)
+    delimiter = delimiter_of(source)
     if delimiter is None:
         raise source.error("no comma, semicolon or tab between numbers, as a CSV file has")
     if delimiter == ",":
@@ -73,7 +74,7 @@ def read_csv(source: Source, request: Request) -> RawRecord:
 
 def read_columns(source: Source, request: Request) -> RawRecord:
     """Read columns separated by blanks, see :func:`_read`."""
-    if _delimiter(source) in (";", ","):
+    if delimiter_of(source) in (";", ","):
         raise source.error("commas or semicolons between the numbers: this is CSV")
     return _read(source, request, None)
 
@@ -97,7 +98,7 @@ def _read(source: Source, request: Request, delimiter: str | None) -> RawRecord:
         if index < layout.first:
             continue
         fields = layout.split(line)
-        rows.append([source.number(_decimal(fields[c], delimiter), index) for c in wanted if c < len(fields)])
+        rows.append([source.number(decimal(fields[c], delimiter), index) for c in wanted if c < len(fields)])
         if len(fields) != layout.width:
             raise source.error(f"{len(fields)} columns, where the table has {layout.width}", index)
         places.append(index)
@@ -106,12 +107,17 @@ def _read(source: Source, request: Request, delimiter: str | None) -> RawRecord:
         raise source.error(f"{len(table)} rows of numbers are no record")
     unit = split_heading(layout.headings[column])[1] if layout.headings else None
     stated = _stated(source, layout, column)
+    unit = unit or _unit_above(layout)
     if time is None:
-        assert request.time_step is not None
-        return RawRecord(table[:, 0], request.time_step, 0.0, unit, layout.name(column), column, stated)
+        step = _step_above(source, layout) if request.time_step is None else request.time_step
+        return RawRecord(table[:, 0], step, 0.0, unit, layout.name(column), column, stated)
     factor = _time_factor(source, layout, time)
-    step = factor * _even_step(source, table[:, 1], places)
-    return RawRecord(table[:, 0], step, factor * float(table[0, 1]), unit, layout.name(column), column, stated)
+    rounded = unrounded(factor * table[:, 1])
+    if request.time_step is not None and (rounded is None or not agree([rounded, request.time_step])):
+        raise source.error(f'the key time_step is given, but the file has a column "{layout.headings[time]}"')
+    step = factor * _even_step(source, table[:, 1], places) if rounded is None else rounded
+    notes = () if rounded is None else (f"times with too few digits for it: taken as {1.0 / rounded:g} samples a second",)
+    return RawRecord(table[:, 0], step, factor * float(table[0, 1]), unit, layout.name(column), column, stated, notes=notes)
 
 
 def _stated(source: Source, layout: Layout, column: int) -> Stated | None:
@@ -164,13 +170,13 @@ def _rows(source: Source, delimiter: str | None) -> tuple[list[list[float]], lis
     places: list[int] = []
     text = [line for line in source.lines if line.lstrip().startswith(COMMENTS)]
     for index, line in source.content():
-        fields = _split(line, delimiter)
+        fields = split(line, delimiter)
         while delimiter is not None and fields and not fields[-1]:
             fields.pop()  # the line ends with a delimiter
-        if not rows and not all(_is_number(_decimal(field, delimiter)) for field in fields):
+        if not rows and not all(is_number(decimal(field, delimiter)) for field in fields):
             text.append(line)
             continue
-        rows.append([source.number(_decimal(field, delimiter), index) for field in fields])
+        rows.append([source.number(decimal(field, delimiter), index) for field in fields])
         places.append(index)
     if sum(map(len, rows)) < 2:
         raise source.error("no lines of numbers")
@@ -187,8 +193,8 @@ def _table(source: Source, layout: Layout) -> np.ndarray:
     rows = []
     for index, line in source.content():
         if index >= layout.first:
-            fields = (_decimal(field, layout.delimiter) for field in layout.split(line))
-            rows.append([finite_number(field) or 0.0 if _is_number(field) else np.nan for field in fields])
+            fields = (decimal(field, layout.delimiter) for field in layout.split(line))
+            rows.append([finite_number(field) or 0.0 if is_number(field) else np.nan for field in fields])
     if not rows or any(len(row) != layout.width for row in rows[:-1]) or len(rows[-1]) > layout.width:
         return np.empty((0, layout.width))
     table = filled(rows)
@@ -223,21 +229,31 @@ def _refuse_two_ways(source: Source, layout: Layout, table: np.ndarray, times: l
 
 def _layout(source: Source, delimiter: str | None) -> Layout:
     """Find the heading, the first line of numbers and the number of columns."""
-    content = [line for _, line in zip(range(2), source.content(), strict=False)]
+    content = [line for _, line in zip(range(PREAMBLE), source.content(), strict=False)]
     if not content:
         raise source.error("no line of numbers")
+    above = _lines_above(content, delimiter)
+    content = content[above:]
+    text = tuple(line for line in source.lines[: content[0][0]] if line.strip())
     index, line = content[0]
-    fields = _split(line, delimiter)
-    numbers = [_is_number(_decimal(field, delimiter)) for field in fields]
-    width = len(_split(content[1][1], delimiter)) if len(content) > 1 else len(fields)
+    fields = split(line, delimiter)
+    numbers = [is_number(decimal(field, delimiter)) for field in fields]
+    width = len(split(content[1][1], delimiter)) if len(content) > 1 else len(fields)
     if not all(numbers) and width != len(fields):
         advice = '; layout = "series" reads one series of several values a line'
         raise source.error(f"{width} columns below a heading of {len(fields)}{advice}", content[1][0])
     if not any(numbers):
         if len(content) < 2:
             raise source.error("no line of numbers below the heading")
-        return Layout(delimiter, content[1][0], tuple(fields), width)
-    return Layout(delimiter, index, _heading_in_comment(source, index, delimiter, len(fields)), len(fields))
+        return Layout(delimiter, content[1][0], tuple(fields), width, text)
+    return Layout(delimiter, index, _heading_in_comment(source, index, delimiter, len(fields)), len(fields), text)
+
+
+def _lines_above(content: list[tuple[int, str]], delimiter: str | None) -> int:
+    """How many lines of text stand above the one above the numbers: those which another line without a number follows."""
+    numbered = (any(is_number(decimal(field, delimiter)) for field in split(line, delimiter)) for _, line in content)
+    first = next((k for k, found in enumerate(numbered) if found), 0)
+    return max(0, first - 1)
 
 
 def _heading_in_comment(source: Source, first: int, delimiter: str | None, width: int) -> tuple[str, ...]:
@@ -246,7 +262,8 @@ def _heading_in_comment(source: Source, first: int, delimiter: str | None, width
         text = line.strip()
         if not text.startswith(COMMENTS):
             continue
-        fields = _split(text.lstrip("#%/ \t"), delimiter)
+        bare = text.lstrip("#%/ \t")
+        fields = next((f for f in (split(bare, delimiter), split(bare, None)) if len(f) == width), [])  # blanks above tabs
         named = width == 1 or any(_names_time(field) for field in fields)
         return tuple(fields) if len(fields) == width and named else ()
     return ()
@@ -258,17 +275,36 @@ def _time_columns(source: Source, layout: Layout, request: Request) -> list[int]
     table = _table(source, layout) if layout.width > 1 and (not headed or len(headed) > 1) else np.empty((0, layout.width))
     even = times_of(table)
     _refuse_two_ways(source, layout, table, even, request)
-    if request.time_step is not None:
-        if headed:
-            raise source.error(f'the key time_step is given, but the file has a column "{layout.headings[headed[0]]}"')
+    if request.time_step is not None and not headed:
         if even and not layout.headings and request.column in (None, *even):
             raise source.error(f"the key time_step is given, but column {even[0]} advances evenly, as times do")
         return []
     if headed:
         return headed
     if layout.headings or layout.width == 1:
-        raise source.error("no time column; give the key time_step, in seconds")
+        _step_above(source, layout)
+        return []
     return [0, *(c for c in even if c > 0)] if len(even) < layout.width else [0]
+
+
+def _step_above(source: Source, layout: Layout) -> float:
+    """The step that the lines above the headings give [s].
+
+    Raises:
+        InputError: there is none, or several.
+    """
+    steps = firm(layout.above)
+    if not steps:
+        raise source.error("no time column; give the key time_step, in seconds")
+    if not agree(steps):
+        raise source.error(f"the lines above the numbers give steps of {min(steps):g} and {max(steps):g} s; the key time_step decides")
+    return steps[0]
+
+
+def _unit_above(layout: Layout) -> str | None:
+    """The one unit that the lines above the headings declare."""
+    units = {unit for line in layout.above if layout.headings and (unit := declared_unit(line))}
+    return units.pop() if len(units) == 1 else None
 
 
 def _value_column(source: Source, layout: Layout, times: list[int], request: Request) -> int:
@@ -279,8 +315,10 @@ def _value_column(source: Source, layout: Layout, times: list[int], request: Req
     listed = f"columns: {some}" if layout.headings else f"columns are counted from 0: {some}"
     asked = request.column
     if asked is None:
-        if len(choices) == 1:
-            return choices[0]
+        moving = {c: _quantity(layout.headings[c]) for c in choices} if layout.headings else {}
+        first = [c for c, quantity in moving.items() if quantity == "acceleration"]
+        if len(choices) == 1 or (len(first) == 1 and all(moving.values())):  # others are its velocity and displacement
+            return first[0] if first else choices[0]
         raise source.error(f"several components; say which by the key column; {listed}")
     if isinstance(asked, int):
         if asked in choices:
@@ -294,6 +332,13 @@ def _value_column(source: Source, layout: Layout, times: list[int], request: Req
     if whole or bare:
         raise source.error(f'several columns are called "{asked}"; give the place of one, counted from 0; {listed}')
     raise source.error(f'no column "{asked}"{suggest(asked, named)}; {listed}')
+
+
+def _quantity(heading: str) -> str:
+    """What a column is of, by its words or its unit; "" where neither says it."""
+    unit = split_heading(heading)[1]
+    by_unit = measured_by(unit) if unit else None
+    return named(heading) or (by_unit[0] if by_unit else "")
 
 
 def _time_factor(source: Source, layout: Layout, time: int) -> float:
@@ -332,44 +377,6 @@ def _even_step(source: Source, times: np.ndarray, places: list[int]) -> float:
         off = f"{times[worst]:g} is {drift[worst]:.2g} off an even grid of step {step:g}"
         raise source.error(f"the time step is not constant: {off}", places[worst])
     return step
-
-
-def _delimiter(source: Source) -> str | None:
-    """The delimiter of a CSV: the one beside which numbers stand in the first lines."""
-    lines = [line for _, (_, line) in zip(range(PROBE), source.content(), strict=False)]
-    for delimiter in DELIMITERS:
-        if delimiter == "," and any(len(line.split()) > 1 and all(map(DECIMAL_COMMA.fullmatch, line.split())) for line in lines):
-            continue  # columns apart by blanks, of numbers with a decimal comma
-        rows = [_split(line, delimiter) for line in lines]
-        if any(len(row) > 1 and any(_is_number(_decimal(field, delimiter)) for field in row) for row in rows):
-            return delimiter
-    return None
-
-
-def _split(line: str, delimiter: str | None) -> list[str]:
-    """The fields of a line; with blanks as delimiter a unit in brackets stays with its name."""
-    if delimiter is not None:
-        return [field.strip().strip('"') for field in line.split(delimiter)]
-    fields: list[str] = []
-    for word in line.split():
-        if fields and word[0] in "[(":
-            fields[-1] += " " + word
-        else:
-            fields.append(word)
-    return fields
-
-
-def _decimal(word: str, delimiter: str | None) -> str:
-    """A decimal comma is read where the comma does not separate values."""
-    return word if delimiter == "," else word.replace(",", ".")
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
 
 
 FORMATS = {

@@ -25,6 +25,8 @@ DISPLACEMENT = {"m": 1.0, "cm": 0.01, "mm": 0.001, "nm": 1e-9}
 UNITS = {"acceleration": ACCELERATION, "velocity": VELOCITY, "displacement": DISPLACEMENT}
 SUFFIX = "m_s2|cm_s2|mm_s2|m/s2|cm/s2|mm/s2|m_s|cm_s|mm_s|m/s|cm/s|mm/s|gal|kine|mg|g|cm|mm|m|s|sec|ms"  # of a heading, after "_"
 TIME = {"s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0, "seg": 1.0, "segundos": 1.0, "secondi": 1.0, "sek": 1.0, "ms": 1e-3}
+LONGEST = 200  # characters of a heading with a unit
+DECLARED = re.compile(r"\bUNITS?\b\s*(?:(?:OF|ARE|IN|IS)\s+|[:=]\s*)?(\S+)", re.IGNORECASE)
 SPELT = {
     "gals": "gal",
     "galileo": "gal",
@@ -76,9 +78,18 @@ def units_in(text: str) -> list[str]:
     return [word for word in words if len(plain(word)) > 2 and measured_by(word)]
 
 
+def declared_unit(text: str) -> str | None:
+    """The unit that a line of text declares, of one letter, too: ``UNITS G``, ``IN UNITS OF CM/S2``, ``UNIT=gal(cm/s/s)``."""
+    found = DECLARED.search(text)
+    word = found[1].partition("(")[0].strip(".,;:()[]#\"'") if found else ""
+    return word if word and measured_by(word) else None
+
+
 def split_heading(heading: str) -> tuple[str, str | None]:
     """Split a column's heading into its name and its unit: ``ns_m_s2``, ``acc [g]``, ``NS (cm/s2)``, ``time_s``."""
     heading = heading.strip().strip("\"'")
+    if len(heading) > LONGEST:
+        return heading, None
     bracket = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\])]+)\s*[\])]", heading)
     if bracket:
         return bracket[1].strip(), bracket[2].strip()

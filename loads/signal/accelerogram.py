@@ -19,6 +19,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJson
 
 from loads.motion import describe, strict
 from loads.readers import FormatName, RawRecord, Request, Source, read
+from loads.readers.units import acceleration_unit, measured_by
 from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.filters import band_pass, resample, taper_factors
 from loads.signal.intensity import arias, in_words, intensity
@@ -131,6 +132,7 @@ class Processed:
     column: str
     quantity: str = "acceleration"  # of the samples of the file
     notes: tuple[str, ...] = ()  # what the reader did to them
+    unit: str | None = None  # of the samples: that of the file, or a key that names another than m/s2
 
     def scaled(self, factor: float) -> Processed:
         """Both motions times a factor."""
@@ -157,6 +159,7 @@ class Processed:
         return {
             **({} if self.quantity == "acceleration" else {"quantity": self.quantity}),
             **({} if offset is None else {"offset": offset}),
+            **({} if self.unit is None else {"unit": self.unit}),
             "format": self.format,
             "column": self.column,
             "window": [self.begin, self.begin + self.after.duration],
@@ -209,7 +212,8 @@ def process(table: Accelerogram, folder: Path, dt: float, where: str) -> Process
     before = integrate(values, raw.step)
     cleaned, step = _clean(values, raw.step, table, dt, where)
     after = correct(integrate(cleaned, step), ORDERS[table.correction])
-    return Processed(before, after, begin, name, raw.name, quantity, raw.notes)
+    by_key = table.units if table.units is not None and acceleration_unit(table.units) != 1.0 else None
+    return Processed(before, after, begin, name, raw.name, quantity, raw.notes, raw.unit if raw.unit and measured_by(raw.unit) else by_key)
 
 
 def _clean(values: np.ndarray, step: float, table: Accelerogram, dt: float, where: str) -> tuple[np.ndarray, float]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Records that are likely not what the user means: cut off while the ground shakes, or made anew by their correction.
+"""Records that are likely not what the user means: cut off while the ground shakes, flawed, or remade by their correction.
 
 Nothing is refused: parts of records are used on purpose. Each doubt names its likely cause. What is too strong or weak is seen where the
 ranges of all keys are, in ``masonry_cd/app/ranges.py``.
@@ -7,20 +7,24 @@ ranges of all keys are, in ``masonry_cd/app/ranges.py``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from loads.signal import flaws
 from loads.signal.accelerogram import OFFSET, Processed
 
 CHANGED = 0.1  # share of PGV or PGD that a correction may change
 SLOW = 0.1  # step [s]; networks sample at 0.02 s and below
 END_SHARE = 0.02  # of the samples, at either end
 REST = 1e-3  # of the PGA: an end value below it is rest, one as close to the PGA is that of a pulse
+SHOWN = 3  # times of flaws in a line
 SHAKING = 0.1  # of the PGA: a root mean square at an end above it is no rest
 
 
 def doubts(processed: Processed, correction: str, where: str) -> list[str]:
     """Lines on a record as it is used, and on what its correction did."""
-    lines = [*_slow(processed, where), *_cut_off(processed, where)]
+    lines = [*_slow(processed, where), *_cut_off(processed, where), *_flawed(processed, where)]
     return [*lines, *_made_anew(processed, correction, where), *_keeps_offset(processed, correction, where)]
 
 
@@ -36,6 +40,43 @@ def _cut_off(processed: Processed, where: str) -> list[str]:
         for word, share in found
         if share > SHAKING
     ]
+
+
+def _flawed(processed: Processed, where: str) -> list[str]:
+    """Spikes, clipped peaks and gaps of the record as it was read, by their times."""
+    values, step = processed.before.acceleration, processed.before.step
+    spikes, peak = flaws.spikes(values)
+    lines = []
+    if len(spikes):
+        lines.append(
+            f"{where} {_many(len(spikes), 'spike')} at {_times(spikes.tolist(), processed)} set{'s' * (len(spikes) == 1)} its PGA of "
+            f"{np.abs(values).max():.4g} m/s2, which is {peak:.4g} without: correct the file, or leave it out by window; scale and "
+            "target_pga go by the PGA"
+        )
+    tops = flaws.flat_tops(values)
+    if tops:
+        lines.append(
+            f"{where} {_many(len(tops), 'peak')} of the record {'are' if len(tops) > 1 else 'is'} cut off flat, at "
+            f"{_times(tops, processed)}: the instrument was at its limit, and the motion was stronger"
+        )
+    gaps = flaws.gaps(values, step, peak)
+    if gaps:
+        longest = step * max(last - first for first, last in gaps)
+        lines.append(
+            f"{where} {_many(len(gaps), 'gap')} in the shaking, of up to {longest:.3g} s of one value, at "
+            f"{_times([first for first, _ in gaps], processed)}: samples are missing"
+        )
+    return lines
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}s" if count > 1 else f"a {what}"
+
+
+def _times(places: Sequence[int], processed: Processed) -> str:
+    """When samples are, in the time of the record; the first of many."""
+    some = ", ".join(f"{processed.begin + processed.before.step * k:.4g}" for k in places[:SHOWN])
+    return f"{some}{' ...' if len(places) > SHOWN else ''} s"
 
 
 def _is_of_pulse(end: float, peak: float) -> bool:

@@ -15,8 +15,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from loads.kinds.forces import one_block
+from loads.signal.plausible import doubts as implausible
 from loads.supports import select
+from masonry_cd.analysis.code_check.ground import record_of
 from masonry_cd.app.ranges import RANGES, G, range_of
+from masonry_cd.app.record_doubts import record_doubts, size_doubts
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.scene_text import is_within, keys_of, parse_toml
 from masonry_cd.app.scene_units import scene_in_si, unit_of_key
@@ -25,6 +28,7 @@ from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Block
 
 if TYPE_CHECKING:
+    from masonry_cd.analysis.code_check.table import CheckRecord
     from masonry_cd.mechanics.model.blocks import Assembly
     from masonry_cd.mechanics.model.joints import Joints
 
@@ -62,6 +66,15 @@ def assess_doubts(scene: Scene) -> list[str]:
     return _spoken(_plain({"assess": tables.get("assess", {})}), tables, scene.quiet_checks)
 
 
+def check_doubts(scene: Scene, record: CheckRecord) -> list[str]:
+    """Lines on the record of a code check: its size, and what :mod:`loads.signal.plausible` finds."""
+    tables, where = scene_in_si(parse_toml(scene.text, scene.origin.path)), "limit.check.record"
+    processed = record_of(record, scene.folder)[0]
+    found = [*size_doubts(tables["limit"]["check"]["record"], where, [processed.numbers()])]
+    found += [(where, line) for line in implausible(processed, record.correction, where)]
+    return _spoken([Doubt(key, None, line) for key, line in found], tables, scene.quiet_checks)
+
+
 def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence[Mapping[str, Any]] = ()) -> list[str]:
     """A line for each doubtful value of a scene.
 
@@ -85,6 +98,7 @@ def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence
             found += _pushed(table, where, assembly)
         elif i < len(summaries):
             found += _shaken(table, where, summaries[i])
+    found += [Doubt(key, None, line) for key, line in record_doubts(tables.get("loads", []), summaries)]
     return _spoken(found, tables, scene.quiet_checks)
 
 
@@ -266,29 +280,12 @@ def _across(polygon: np.ndarray) -> float:
 
 
 def _shaken(table: Mapping[str, Any], where: str, summary: Mapping[str, Any]) -> list[Doubt]:
-    """The peak acceleration of a sine, of a record and of the components of a sequence."""
+    """The peak acceleration of a sine; the scale of a record and of the shocks of a sequence, or else theirs."""
     if table.get("kind") == "sinusoidal":
         pga, value = summary["after"]["pga"], float(table["amplitude"])
         return _doubt(f"{where}.amplitude", value, "sine", f"a PGA of {pga / G:.2g} g", abs(value) / pga) if pga else []
-    shocks = table.get("shocks", [])
-    if shocks:
-        made = zip(shocks, summary["shocks"], strict=True)
-        return [doubt for i, (shock, one) in enumerate(made) for doubt in _recorded(shock, f"{where}.shocks[{i}]", one["components"])]
-    return _recorded(table, where, [summary]) if table.get("kind") == "record" else []
-
-
-def _recorded(table: Mapping[str, Any], where: str, made: Sequence[Mapping[str, Any]]) -> list[Doubt]:
-    """The peak acceleration that a record has come to; one that is asked for is looked at by itself."""
-    if "target_pga" in table:
-        return []
-    pga = max(one["after"]["pga"] for one in made)
-    key = next((name for name in ("scale", "units", "path") if name in table), "components")  # of which a shock has several
-    given = f" = {table[key]:g}" if key == "scale" else ""
-    line = unusual_pga(pga, f"{where}.{key}{given} makes a")
-    return [Doubt(f"{where}.{key}", None, line)] if line else []
-
-
-def unusual_pga(pga: float, what: str) -> str:
-    """A line on the peak acceleration [m/s2] that a record has, which begins with ``what`` has it; empty where it is usual."""
-    usual = RANGES["scaled"]
-    return "" if usual.holds(pga) else f"{what} PGA of {pga:.3g} m/s2 ({pga / G:.3g} g): {usual.reason}"
+    made = zip(table.get("shocks", []), summary.get("shocks", []), strict=False)
+    tables = [(shock, f"{where}.shocks[{i}]", one["components"]) for i, (shock, one) in enumerate(made)]
+    if table.get("kind") == "record":
+        tables = [(table, where, [summary])]
+    return [Doubt(key, None, line) for one, place, components in tables for key, line in size_doubts(one, place, components)]

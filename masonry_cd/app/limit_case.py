@@ -20,7 +20,7 @@ from masonry_cd.analysis.limit.crushed import CrushedJoint, LittleLeft, crushed_
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.outcome import mechanism_facts, on_the_whole
 from masonry_cd.analysis.outputs.folders import files_of
-from masonry_cd.app.doubts import doubts
+from masonry_cd.app.doubts import check_doubts, doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import FollowedCurve, curve_lines, follow
 from masonry_cd.app.limit_finite import unlimited_lines
@@ -148,6 +148,8 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
         notes += analysis.remarks
         spare = little_left(analysis.problem, assembly, joints, how.analysis) if analysis.stands else None
     notes += doubts(scene, *built)
+    if asked.check is not None and asked.check.record is not None:
+        notes += check_doubts(scene, asked.check.record)
     loose = loose_contacts(built[0])
     if loose:
         notes.append(f"{loose} pairs of blocks touch along a line or in a point only: these contacts bear nothing here")

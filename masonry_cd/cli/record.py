@@ -42,7 +42,7 @@ def record(
         from loads.signal.accelerogram import Accelerogram, describe_both
         from loads.signal.measures import in_words, of_one_component
         from loads.signal.plausible import doubts
-        from masonry_cd.app.doubts import unusual_pga
+        from masonry_cd.app.record_doubts import unusual_pga
         from masonry_cd.app.scene_text import parse_change
         from masonry_cd.foundation.errors import InputError
 

@@ -8,6 +8,7 @@ of checks, and what a run was made of lies beside its results as files that the 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard
@@ -22,8 +23,10 @@ if TYPE_CHECKING:
 
 BLOCKS = "blocks"  # key of [structure] that takes arrays
 FIXED = "fixed"  # key beside it: names of the supports
-MOTION = ("time", "acceleration")  # keys of [[loads]] kind = "record" that take arrays
+TIME, CHANNELS = "time", "channels"  # keys of a record in Python: its times, and names of the components that follow
+MOTION = {"acceleration": "m_s2", "velocity": "m_s", "displacement": "m"}  # what it may be of, and the SI unit as a heading has it
 AXES = "xyz"
+NAME = re.compile(r"[\w.-]+")  # of a component: no delimiter of a table
 SHELL, ROUND = ("vertices", "faces"), ("centre", "radius")  # of a polyhedron, and of a sphere
 FIELDS = ("name", *SHELL, *ROUND, "density", "group", "fixed")  # of a block that comes as a dict
 BLOCK_FILE = "blocks.json"
@@ -33,8 +36,25 @@ def hold_arrays(tables: Mapping[str, Any]) -> bool:
     """Whether some of the tables of a scene hold geometry or motion as arrays."""
     structure, loads = tables.get("structure"), tables.get("loads")
     own_blocks = _is_list(structure) or (isinstance(structure, Mapping) and BLOCKS in structure)
-    own_motion = _is_list(loads) and any(isinstance(load, Mapping) and any(key in load for key in MOTION) for load in loads)
+    own_motion = _is_list(loads) and any(_moves_by_arrays(load) for load in loads)
     return own_blocks or own_motion or bool(_among_several(tables))
+
+
+def _moves_by_arrays(load: Any) -> bool:
+    """Whether a table of ``loads``, or a component of its shocks, is a record that comes as arrays; other kinds have keys of their own."""
+    if not isinstance(load, Mapping):
+        return False
+    if load.get("kind") == "sequence":
+        return any(_moves_by_arrays(component) for component in _components(load))
+    keys = (TIME, *MOTION) if "kind" in load else (TIME,)
+    return load.get("kind", "record") == "record" and any(key in load for key in keys)
+
+
+def _components(load: Mapping[str, Any]) -> list[Any]:
+    """The components of the shocks of a sequence."""
+    shocks = load.get("shocks")
+    tables = [shock.get("components") for shock in shocks if isinstance(shock, Mapping)] if _is_list(shocks) else []
+    return [component for each in tables if _is_list(each) for component in each]
 
 
 def into_files(tables: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -175,53 +195,98 @@ def _whole(index: Any) -> int:
 
 def _load(table: Any, where: str, folder: Path) -> list[Any]:
     """A [[loads]] table; one of a motion given by arrays becomes a table for each of its components."""
-    if not isinstance(table, Mapping) or not any(key in table for key in MOTION):
+    if not _moves_by_arrays(table):
         return [table]
-    missing = next((key for key in MOTION if key not in table), None)
-    if missing is not None:
-        raise InputError(f"{where}.{missing}", "missing; a motion by arrays has time and acceleration")
-    rest = {key: value for key, value in table.items() if key not in MOTION}
-    if rest.get("kind", "record") != "record":
-        raise InputError(f"{where}.kind", f'a motion by arrays is a "record", not "{rest["kind"]}"')
+    if table.get("kind") == "sequence":
+        return [_sequence(table, where, folder)]
+    return [{"kind": "record", **component} for component in _record(table, where, folder)]
+
+
+def _sequence(table: Mapping[str, Any], where: str, folder: Path) -> dict[str, Any]:
+    """A sequence some of whose components are arrays."""
+    shocks = []
+    for i, shock in enumerate(table["shocks"]):
+        given = shock.get("components") if isinstance(shock, Mapping) else None
+        if _is_list(given):
+            made = [
+                _record(one, f"{where}.shocks[{i}].components[{j}]", folder) if _moves_by_arrays(one) else [one]
+                for j, one in enumerate(given)
+            ]
+            shock = {**shock, "components": [component for each in made for component in each]}
+        shocks.append(shock)
+    return {**table, "shocks": shocks}
+
+
+def _record(table: Mapping[str, Any], where: str, folder: Path) -> list[dict[str, Any]]:
+    """The keys of a record given by arrays, without its kind, for each of its components."""
+    given = [key for key in MOTION if key in table]
+    missing = TIME if TIME not in table else "acceleration" if not given else ""
+    if missing:
+        raise InputError(f"{where}.{missing}", "missing; a motion by arrays has time, and acceleration, velocity or displacement")
+    if len(given) > 1:
+        raise InputError(f"{where}.{given[1]}", f"a motion by arrays is given once, and here is {given[0]}, too")
+    (quantity,) = given
+    rest = {key: value for key, value in table.items() if key not in ("kind", TIME, CHANNELS, quantity)}
     other = next((key for key in ("path", "column", "units", "time_step", "format") if key in rest), None)
     if other is not None:
-        raise InputError(f"{where}.{other}", "belongs to a record in a file; time is in s, acceleration in m/s2")
-    time, acceleration = _motion(table, where)
-    components = acceleration.shape[1]
+        raise InputError(
+            f"{where}.{other}", f"belongs to a record in a file; time is in s, {quantity} in {MOTION[quantity].replace('_', '/')}"
+        )
+    if rest.get("quantity", quantity) != quantity:
+        raise InputError(f"{where}.quantity", f'"{rest["quantity"]}", but the key of the values is {quantity}')
+    time, values = _motion(table, quantity, where)
+    components = values.shape[1]
     for key in ("direction", "target_pga") if components > 1 else ():
         if key in rest:
             raise InputError(
                 f"{where}.{key}", f"of a motion of one component; this one has {components}, along {', '.join(AXES[:components])}"
             )
-    names = AXES[:components] if components > 1 else ("a",)
-    path = _write_motion(folder, names, time, acceleration)
-    common = {"kind": "record", "path": path, **rest}
+    names = _names(table, components, where)
+    common = {"path": _write_motion(folder, [f"{name}_{MOTION[quantity]}" for name in names], time, values), **rest}
+    if quantity != "acceleration":
+        common["quantity"] = quantity
     if components == 1:
         return [common]
-    moving = [k for k in range(components) if acceleration[:, k].any()] or [0]  # a component that is zero throughout is none
-    return [common | {"column": AXES[k], "direction": AXES[k]} for k in moving]
+    moving = [k for k in range(components) if values[:, k].any()] or [0]  # a component that is zero throughout is none
+    return [common | {"column": names[k], "direction": AXES[k]} for k in moving]
 
 
-def _motion(table: Mapping[str, Any], where: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times (N,) [s] and accelerations (N, 1 to 3) [m/s2]; these may be a function of a time."""
-    if callable(table["acceleration"]):
-        function, times = table["acceleration"], numbers(table["time"], f"{where}.time", (-1,))
-        table = {**table, "acceleration": [function(time) for time in times.tolist()]}
-    given = np.asarray(table["acceleration"], dtype=object)
-    acceleration = numbers(table["acceleration"], f"{where}.acceleration", (-1,) * max(1, min(2, given.ndim))).reshape(len(given), -1)
-    if not 1 <= acceleration.shape[1] <= len(AXES):
-        raise InputError(f"{where}.acceleration", f"one to three components are needed, (N,) or (N, 3), got {acceleration.shape}")
-    time = numbers(table["time"], f"{where}.time", (-1,))
-    if len(time) != len(acceleration):
-        raise InputError(f"{where}.time", f"{len(time)} times for {len(acceleration)} accelerations")
-    return time, acceleration
+def _names(table: Mapping[str, Any], components: int, where: str) -> list[str]:
+    """Names of the components: of their channels where they are given."""
+    given = table.get(CHANNELS)
+    if given is None:
+        return [*AXES[:components]] if components > 1 else ["a"]
+    names = [given] if isinstance(given, str) else [*given] if _is_list(given) else []
+    fitting = len(names) == components == len(set(names)) and all(isinstance(name, str) and NAME.fullmatch(name) for name in names)
+    if not fitting or any(name.lower().startswith(TIME) for name in names):
+        raise InputError(
+            f"{where}.{CHANNELS}", f"{components} different names of letters, digits, dots and hyphens are needed, got {given}"
+        )
+    return names
 
 
-def _write_motion(folder: Path, names: Sequence[str], time: np.ndarray, acceleration: np.ndarray) -> str:
+def _motion(table: Mapping[str, Any], quantity: str, where: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times (N,) [s] and accelerations, velocities or displacements (N, 1 to 3) in SI; these may be a function of a time."""
+    if callable(table[quantity]):
+        function, times = table[quantity], numbers(table[TIME], f"{where}.{TIME}", (-1,))
+        table = {**table, quantity: [function(time) for time in times.tolist()]}
+    given = np.asarray(table[quantity], dtype=object)
+    values = numbers(table[quantity], f"{where}.{quantity}", (-1,) * max(1, min(2, given.ndim))).reshape(len(given), -1)
+    if not 1 <= values.shape[1] <= len(AXES):
+        raise InputError(f"{where}.{quantity}", f"one to three components are needed, (N,) or (N, 3), got {values.shape}")
+    time = numbers(table[TIME], f"{where}.{TIME}", (-1,))
+    if len(time) != len(values):
+        raise InputError(
+            f"{where}.{TIME}", f"{len(time)} times for {len(values)} {'values' if quantity != 'acceleration' else 'accelerations'}"
+        )
+    return time, values
+
+
+def _write_motion(folder: Path, headings: Sequence[str], time: np.ndarray, values: np.ndarray) -> str:
     """Write a motion as CSV under the next free name, which is returned."""
     from masonry_cd.foundation.csv_files import write_csv
 
     number = next(n for n in range(1, 10**6) if not (folder / f"motion{n}.csv").exists())
-    rows = np.column_stack([time, acceleration]).tolist()
-    write_csv(folder / f"motion{number}.csv", ["time_s", *(f"{name}_m_s2" for name in names)], (map(repr, row) for row in rows))
+    rows = np.column_stack([time, values]).tolist()
+    write_csv(folder / f"motion{number}.csv", ["time_s", *headings], (map(repr, row) for row in rows))
     return f"motion{number}.csv"

@@ -183,7 +183,12 @@ class RunExports:
                 values = np.asarray(found.velocity[:whole, index, :3], dtype=float)
             else:
                 values = np.asarray(found.position[:whole, index], dtype=float) - solids_of(found.blocks).centre[index]
-        header = {"delta": float(time[1] - time[0]), "station": block[:5], "starttime": UTCDateTime(float(time[0]))}
+        header = {
+            "delta": float(time[1] - time[0]),
+            "station": block[:5],
+            "starttime": UTCDateTime(float(time[0])),
+            "processing": [f"masonry_cd: to_traces(quantity={quantity})"],  # by which from_traces knows what it is
+        }
         return Stream([Trace(column.copy(), {**header, "channel": axis}) for axis, column in zip("XYZ", values.T, strict=True)])
 
 

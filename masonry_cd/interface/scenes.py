@@ -210,8 +210,9 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
     ``structure`` may be a list of blocks, or a table with one under ``blocks``: each a pair of vertices (V, 3) [m] and faces (loops of
     indices from zero, counter-clockwise seen from outside), a dict with the keys name, vertices, faces, density, group and fixed, a
     :class:`masonry_cd.Block`, or an object that has vertices and faces, of trimesh, pyvista, COMPAS or another program; ``fixed`` beside
-    them names the supports, ``*`` standing for anything. A table of ``loads`` may hold ``time`` (N,) [s] and ``acceleration`` (N,) or (N, 1
-    to 3) [m/s2], or a function of time that gives a row of it, of one component along its ``direction`` or of several along x, y and z; the
+    them names the supports, ``*`` standing for anything. A table of ``loads`` of kind "record", or a component of a shock, may hold
+    ``time`` (N,) [s] and ``acceleration`` (N,) or (N, 1 to 3) [m/s2], or ``velocity`` [m/s] or ``displacement`` [m], or a function of time
+    that gives a row of it, of one component along its ``direction`` or of several along x, y and z; ``channels`` names them ("HNE"). The
     keys of a record (``correction``, ``scale``, ``taper`` ...) stand beside them, and it is treated and judged as a record is.
 
     Raises:

@@ -13,10 +13,11 @@ from models import box
 from places import EXAMPLES
 
 from masonry_cd.app.case import prepare, structure_of
-from masonry_cd.app.doubts import doubts, structure_doubts, unusual_pga
+from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.limit_case import summary as limit_summary
 from masonry_cd.app.ranges import RANGES, WEIGHTS
+from masonry_cd.app.record_doubts import unusual_pga
 from masonry_cd.app.scene import Scene, parse_scene, read_scene
 from masonry_cd.app.starters import starter
 from masonry_cd.foundation.errors import InputError

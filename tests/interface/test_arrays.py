@@ -128,6 +128,48 @@ def test_a_motion_by_arrays_is_corrected_and_judged_as_a_record_is(tables: dict[
     assert abs(loading.summary["tables"][0]["after"]["end_velocity"]) < 1e-9 < abs(loading.summary["tables"][0]["before"]["end_velocity"])
 
 
+OWN_KINDS = [
+    {"kind": "pulse", "direction": "x", "acceleration": 2.0, "duration": 0.05},
+    {"kind": "settlement", "supports": "b0", "displacement": 1e-3, "duration": 1.0},
+    {"kind": "gravity", "ramp": 0.01},
+]
+
+
+@pytest.mark.parametrize("load", OWN_KINDS, ids=[load["kind"] for load in OWN_KINDS])
+def test_other_kinds_have_their_own_keys_of_these_names(tables: dict[str, Any], load: dict[str, Any]) -> None:
+    made = mc.scene(tables, loads=[load])
+    assert made.tables["loads"] == [load]
+    both = made.changed(loads=[load, shaking() | {"direction": "x"}])
+    assert [table.get("kind") for table in loading_of(both).summary["tables"][:2]] == [load["kind"], "record"]
+
+
+def test_arrays_are_those_of_a_record_and_other_kinds_refuse_them(tables: dict[str, Any]) -> None:
+    wave = {"kind": "sinusoidal", "direction": "x", "amplitude": 0.1, "frequency": 2.0, "cycles": 1}
+    with pytest.raises(mc.InputError, match=r"loads\[0\]\.time: unknown key"):
+        loading_of(mc.scene(tables, loads=[wave | {"time": np.arange(5.0)}]))
+
+
+@pytest.mark.parametrize(("quantity", "power"), [("velocity", 1), ("displacement", 2)])
+def test_velocities_and_displacements_are_differentiated(tables: dict[str, Any], quantity: str, power: int) -> None:
+    time, w = np.arange(0.0, 2.0005, 1e-3), 10.0 * np.pi
+    swell = np.sin(np.pi * time / 2.0) ** 2 * np.sin(w * time)
+    made = mc.scene(tables, loads=[{"kind": "record", "direction": "x", "time": time, quantity: 0.01 * swell, "correction": "none"}])
+    summary = loading_of(made).summary["tables"][0]
+    assert (summary["quantity"], made.tables["loads"][0]["quantity"]) == (quantity, quantity)
+    assert summary["before"]["pga"] == pytest.approx(0.01 * w**power, rel=0.01)
+
+
+def test_a_sequence_takes_arrays_as_components(tables: dict[str, Any]) -> None:
+    one = {key: value for key, value in shaking(2).items() if key != "kind"}
+    made = mc.scene(
+        tables,
+        loads=[{"kind": "sequence", "rest": 0.1, "shocks": [{"components": [one]}, {"components": [one | {"correction": "linear"}]}]}],
+    )
+    loading = loading_of(made)
+    assert [len(shock["components"]) for shock in loading.summary["tables"][0]["shocks"]] == [2, 2]
+    assert [[c["direction"] for c in s["components"]] for s in made.tables["loads"][0]["shocks"]] == [["x", "y"]] * 2
+
+
 def test_a_component_of_zeros_is_left_out(tables: dict[str, Any]) -> None:
     motion = shaking(3)
     motion["acceleration"][:, 1] = 0.0
@@ -138,13 +180,20 @@ def test_a_component_of_zeros_is_left_out(tables: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"acceleration": None}, "loads[0].acceleration: missing; a motion by arrays has time and acceleration"),
+        ({"acceleration": None}, "loads[0].acceleration: missing; a motion by arrays has time, and acceleration, velocity or displacement"),
+        ({"time": None}, "loads[0].time: missing; a motion by arrays has time, and acceleration, velocity or displacement"),
+        ({"velocity": np.zeros(401)}, "loads[0].velocity: a motion by arrays is given once, and here is acceleration, too"),
+        ({"quantity": "velocity"}, 'loads[0].quantity: "velocity", but the key of the values is acceleration'),
+        (
+            {"channels": ["HNE", "HNN"]},
+            "loads[0].channels: 1 different names of letters, digits, dots and hyphens are needed, got ['HNE', 'HNN']",
+        ),
+        ({"channels": "a,b"}, "loads[0].channels: 1 different names of letters, digits, dots and hyphens are needed, got a,b"),
         ({"acceleration": np.zeros((401, 4))}, "loads[0].acceleration: one to three components are needed, (N,) or (N, 3), got (401, 4)"),
         ({"acceleration": np.zeros(7)}, "loads[0].time: 401 times for 7 accelerations"),
         ({"acceleration": [np.inf] * 401}, "loads[0].acceleration: not finite at [0]"),
         ({"time": "now"}, "loads[0].time: an array of numbers is needed"),
         ({"time": 0.001}, "loads[0].time: an array of shape (N,) is needed, got ()"),
-        ({"kind": "sinusoidal"}, 'loads[0].kind: a motion by arrays is a "record", not "sinusoidal"'),
         ({"path": "a.csv"}, "loads[0].path: belongs to a record in a file; time is in s, acceleration in m/s2"),
         (
             {"acceleration": np.ones((401, 2)), "direction": "x"},

@@ -79,7 +79,9 @@ def test_a_block_becomes_traces_and_traces_a_motion(run: mc.Run, tables: dict[st
     assert single["direction"] == "y" and single["acceleration"].shape == (80,)
     for bad, words in (
         (lambda: mc.from_traces(both[0]), "direction: missing"),
-        (lambda: mc.from_traces([both[0], both[0]]), "both along x"),
+        (lambda: mc.from_traces([both[0], both[0]]), "an overlap of 0.4 s in ...HNE"),
+        (lambda: mc.from_traces([both[0], obspy.Trace(east, {**header, "channel": "HGE"})]), "both along x"),
+        (lambda: mc.from_traces(stream, scale=2.0), r"quantity: missing, .*X is a record of velocity \(what was done to it, quantity=vel"),
         (lambda: mc.from_traces(obspy.Stream([both[0], both[1].copy().trim(endtime=both[1].stats.endtime - 0.1)])), "lengths"),
         (lambda: mc.from_traces(both, axes={"HNE": "x"}), "channel HNZ is along x, y or z"),
         (lambda: mc.from_traces([1.0]), "a Trace of obspy"),

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from places import SHARED
 
 import loads
+from loads.signal import flaws
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
@@ -86,6 +88,71 @@ def test_times_that_are_likely_milliseconds_are_asked_about(tmp_path: Path) -> N
     (tmp_path / "quake.txt").write_text("".join(f"{2 * k} {a:.12g}\n" for k, a in enumerate(values)))
     found = loads.build([table], 1e-3, 1000, (0.0, 0.0, -9.81), tmp_path).warnings
     assert any("its samples are 2 s apart" in line and "are its times in seconds?" in line for line in found)
+
+
+def spiked(*spikes: tuple[int, float]) -> np.ndarray:
+    values = WAVE.copy()
+    for k, size in spikes:
+        values[k] = size
+    return values
+
+
+FLAWS = [
+    (spiked((300, 5.0)), "a spike at 3 s sets its PGA of 5 m/s2, which is "),
+    (spiked((300, -5.0)), "a spike at 3 s sets its PGA"),
+    (spiked((300, 5.0), (301, 4.0)), "a spike at 3 s sets its PGA"),
+    (spiked((500, -4.0), (300, 5.0)), "2 spikes at 3, 5 s set its PGA"),
+    (np.clip(WAVE, -1.0, 1.0), " peaks of the record are cut off flat, at "),
+    (np.clip(WAVE, -9.0, 1.0), " of the record "),
+    (np.round(np.clip(WAVE, -1.0, 1.0), 2), " peaks of the record are cut off flat, at "),
+    (np.where((TIME >= 4.8) & (TIME < 5.3), 0.0, WAVE), "a gap in the shaking, of up to 0.5 s of one value, at 4.8 s"),
+    (np.where((TIME > 4.8) & (TIME < 5.1), WAVE[475], WAVE), "a gap in the shaking, of up to 0.29 s of one value, at 4.81 s"),
+]
+
+
+@pytest.mark.parametrize("keys", [{}, {"scale": 0.1}, {"target_pga": 3.0}])
+@pytest.mark.parametrize(("values", "said"), FLAWS, ids=range(len(FLAWS)))
+def test_spikes_clipped_peaks_and_gaps_are_named(tmp_path: Path, values: np.ndarray, said: str, keys: dict[str, float]) -> None:
+    lines = [
+        line for line in warnings(tmp_path, values, correction="none", **keys) if "while the ground" not in line and "mean of" not in line
+    ]
+    assert len(lines) == 1
+    assert said.partition(" of 5 m/s2")[0] in lines[0] if keys else said in lines[0]
+
+
+def test_a_flaw_outside_of_the_window_is_none(tmp_path: Path) -> None:
+    assert not any("spike" in line for line in warnings(tmp_path, spiked((300, 5.0)), window=[3.2, 7.0]))
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        np.round(WAVE, 1),  # a coarse digitiser
+        np.round(np.sin(2.0 * np.pi * 0.2 * TIME), 2),  # slow, so that its peaks are flat in two digits
+        np.where((TIME > 4.0) & (TIME < 5.0), 1.0, 0.0),
+        np.where(TIME < 4.0, np.sin(np.pi * TIME / 2.0), 0.0),
+        np.where((TIME > 2.0) & (TIME < 4.0), np.sign(3.0 - TIME), 0.0),
+        np.interp(TIME, [0.0, 1.0, 1.5, 2.0, 10.0], [0.0, 0.0, 1.0, 0.0, 0.0]),
+        np.where(TIME == 3.0, 1.0, 0.0),
+    ],
+)
+def test_pulses_and_coarse_samples_have_no_flaws(tmp_path: Path, values: np.ndarray) -> None:
+    assert [line for line in warnings(tmp_path, values, correction="none") if "spike" in line or "flat" in line or "gap" in line] == []
+
+
+def test_recorded_motions_have_no_flaws_until_they_are_made() -> None:
+    files = sorted((SHARED / "records" / "suite").glob("*.acc"))[::9]
+    if not files:
+        pytest.skip("the shared records are not there")
+    for file in files:
+        values = np.loadtxt(file)
+        peak = float(np.abs(values).max())
+        assert not len(flaws.spikes(values)[0]) and not flaws.flat_tops(values) and not flaws.gaps(values, 0.005, peak), file.name
+        at = int(np.argmax(np.abs(values)))
+        struck, held = values.copy(), values.copy()
+        struck[at + 40], held[at : at + 100] = 1.5 * peak, 0.0
+        assert flaws.spikes(struck)[0].tolist() == [at + 40] and flaws.gaps(held, 0.005, peak), file.name
+        assert flaws.flat_tops(np.clip(values, -0.6 * peak, 0.6 * peak)), file.name
 
 
 SCENE = """

@@ -9,10 +9,10 @@ from typing import Protocol
 
 import numpy as np
 
-from loads.signal.accelerogram import process, size_factor
+from loads.signal.accelerogram import Processed, process, size_factor
 from loads.signal.code_spectrum import CodeSpectrum
 from loads.signal.response import response_spectrum
-from masonry_cd.analysis.code_check.table import CheckTable
+from masonry_cd.analysis.code_check.table import CheckRecord, CheckTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 
@@ -109,10 +109,19 @@ def ground_of(table: CheckTable, folder: Path) -> Ground:
         clause = "EN 1998-1, 3.2.2.2" if table.spectrum == "EC8" else "NTC 2018, 3.2.3.2"
         words = f"{table.spectrum} spectrum, ag {table.ag:g} m/s2, ground {table.ground}"
         return CodeGround(table.spectrum_of_site(), words, clause)
-    record, where = table.record, "limit.check.record"
+    done, factor = record_of(table.record, folder)
+    return RecordGround(done.after.acceleration, done.after.step, f"record {table.record.path}, times {factor:.4g}")
+
+
+def record_of(record: CheckRecord, folder: Path) -> tuple[Processed, float]:
+    """The record of a check at its size, and the factor that gives it this size.
+
+    Raises:
+        InputError: one that cannot be read.
+    """
+    where = "limit.check.record"
     if record.resample == "run":
         raise InputError(f"{where}.resample", '"run" has no time step here; give one in seconds')
     done = process(record, folder, NO_STEP, where)
     factor = size_factor(record.scale, record.target_pga, done.after.numbers()["pga"])
-    after = done.scaled(factor).after
-    return RecordGround(after.acceleration, after.step, f"record {record.path}, times {factor:.4g}")
+    return done.scaled(factor), factor

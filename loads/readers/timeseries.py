@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""SLIST and TSPAIR, the text of the FDSN's web services: channels in pieces, each behind a line that says all about it.
+
+    TIMESERIES XX_SITE__HNE_D, 1600 samples, 200 sps, 2021-03-04T05:06:07.000000, SLIST, FLOAT, M/S**2
+    3.810133e-03  4.231205e-03  ...                      SLIST: the samples, several to a line
+    2021-03-04T05:06:07.000000  3.810133e-03             TSPAIR: a time and a sample to a line
+
+The name is NETWORK_STATION_LOCATION_CHANNEL_QUALITY. Source: EarthScope, timeseries web service, "ASCII formats".
+"""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime
+
+import numpy as np
+
+from loads.readers.pieces import Piece, joined, of_channel_asked
+from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_layout
+from loads.readers.units import measured_by
+
+HEAD, EXAMPLE = "TIMESERIES", "TIMESERIES NET_STA_LOC_CHA_Q, 1600 samples, 200 sps, START, SLIST, FLOAT, M/S**2"
+LINE = re.compile(
+    r"TIMESERIES\s+(?P<name>\S+?)\s*,\s*(?P<count>\S+)\s+samples?\s*,\s*(?P<rate>\S+)\s+sps\s*,\s*(?P<start>[^,]+?)\s*,"
+    r"\s*(?P<layout>SLIST|TSPAIR)\s*,\s*(?P<type>INTEGER|FLOAT|ASCII)\s*(?:,\s*(?P<unit>.*?)\s*)?$",
+    re.IGNORECASE,
+)
+SLACK = 0.5  # of a step: by how much the times of pairs may be off
+LONGEST = 300  # characters of a line that announces a piece
+FASTEST = 1e6  # samples a second
+
+
+def recognises(source: Source) -> bool:
+    """True when the first line announces a series as these services do."""
+    first = next((line for line in source.lines if line.strip()), "")
+    return first.upper().startswith(f"{HEAD} ") and "SPS" in first.upper()
+
+
+def read(source: Source, request: Request) -> RawRecord:
+    """Read one channel.
+
+    Raises:
+        InputError: a line that announces no series, several channels and none named, a wrong count, text among the numbers, a gap.
+    """
+    if request.time_step is not None:
+        raise source.error("the key time_step does not apply to SLIST and TSPAIR files, whose lines give the rate")
+    refuse_layout(source, request, "SLIST and TSPAIR")
+    heads = [index for index, line in enumerate(source.lines) if line.upper().startswith(HEAD)]
+    pieces = [_piece(source, head, after) for head, after in zip(heads, [*heads[1:], len(source.lines)], strict=True)]
+    channel = of_channel_asked(pieces, request.column, "SLIST and TSPAIR files", source.error)
+    if request.calibration is not None and channel[0].unit is not None:
+        raise source.error(f"the key calibration is given, but the samples are in {channel[0].unit}, not in counts")
+    return joined(channel, source.error, request.calibration)
+
+
+def _piece(source: Source, head: int, after: int) -> Piece:
+    """The piece of a channel between two lines."""
+    found = LINE.match(source.lines[head].strip()[:LONGEST])
+    if found is None:
+        raise source.error(
+            "a line such as TIMESERIES NET_STA_LOC_CHA_Q, 1600 samples, 200 sps, START, SLIST, FLOAT, M/S**2 belongs here", head
+        )
+    rate = source.number(found["rate"], head)
+    if not 0.0 < rate <= FASTEST:
+        raise source.error(f"{rate:g} samples a second are not possible", head)
+    begin, pairs = _seconds(source, found["start"], head), found["layout"].upper() == "TSPAIR"
+    rows = [(index, source.lines[index].split()) for index in range(head + 1, after) if source.lines[index].strip()]
+    odd = next((index for index, words in rows if pairs and len(words) != 2), None)
+    if odd is not None:
+        raise source.error("a time and a sample belong on a line of TSPAIR", odd)
+    values = np.array([source.number(word, index) for index, words in rows for word in words[pairs:]], dtype=float)
+    check_count(source, values, source.number(found["count"], head), head)
+    for k, (index, words) in enumerate(rows if pairs else []):
+        if abs(_seconds(source, words[0], index) - begin - k / rate) > SLACK / rate:
+            raise source.error(f"{words[0]} is not the time of sample {k + 1} at {rate:g} samples a second", index)
+    unit = found["unit"] or None
+    physical = unit is not None and measured_by(unit) is not None
+    counts = bool(unit and unit.upper().startswith("COUNT")) or (not physical and found["type"].upper() == "INTEGER")
+    return Piece(_name(found["name"]), begin, 1.0 / rate, values, counts, unit=None if counts else unit)
+
+
+def _name(written: str) -> str:
+    """``XX_SITE__HNE_D`` as ``XX.SITE..HNE``."""
+    words = written.split("_")
+    return ".".join(words[:4]) if len(words) >= 4 else written
+
+
+def _seconds(source: Source, text: str, index: int) -> float:
+    """A time in seconds since 1970."""
+    try:
+        time = datetime.fromisoformat(text.strip().rstrip("Zz"))
+    except ValueError:
+        raise source.error(f'"{text[:40]}" where a time such as 2021-03-04T05:06:07.000000 belongs', index) from None
+    return time.replace(tzinfo=time.tzinfo or UTC).timestamp()
+
+
+FORMATS = {"timeseries": Reader(recognises, read, about="SLIST and TSPAIR, channels as text", by="web services of the FDSN")}
