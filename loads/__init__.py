@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from loads import fill
+from loads.acted import Acted
 from loads.combine import support_motions
 from loads.kinds.driven import check_inertia, check_together
 from loads.kinds.forces import Forces, TieTable, bar, collect
@@ -50,6 +51,7 @@ class Loading:
         shocks: of sequences, in order of time.
         pauses: rests that the run loop may end early, see ``loads.kinds.sequence``.
         warnings: of what is likely a mistake in the tables.
+        acted: how much of each load that says so has acted by a time.
         forces: on single blocks, which depend on where the blocks are, see ``loads.kinds.forces``; None where there are none.
     """
 
@@ -62,6 +64,7 @@ class Loading:
     pauses: tuple[Pause, ...] = ()
     forces: Forces | None = None
     warnings: tuple[str, ...] = ()
+    acted: tuple[Acted, ...] = ()
 
     def load_factor(self, gravity: Sequence[float]) -> np.ndarray:
         """lambda at the times t_k, (N + 1,): body force across gravity over that along it; of a tilt, the tangent of its angle."""
@@ -117,7 +120,8 @@ def build(
     _check_range("supports would move", velocity, FASTEST, "m/s")
     _check_range("blocks would be pulled", acceleration, STRONGEST, "m/s2")
     base = _base(velocity, grid.dt)
-    lines = [line for part in parts for line in part.lines]
+    acted = tuple(part.acted for part in parts if part.acted is not None)
+    lines = [*(line for part in parts for line in part.lines), *(line for one in acted for line in one.lines(grid.end))]
     if base["end_speed"] > 1e-3 * base["peak_speed"]:
         lines.append(f"base: still moving at {base['end_speed']:.3g} m/s when the run ends at {grid.end:g} s")
     if velocity.shape[1] > 1:
@@ -131,7 +135,7 @@ def build(
     pauses = sorted((pause for part in parts for pause in part.pauses), key=lambda pause: pause.first)
     quiet = tuple(pause for pause in pauses if _nothing_changes(pause, velocity, acceleration))
     lines += [f'rest after "{pause.after}": not ended early, since other loads act in it' for pause in pauses if pause not in quiet]
-    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, forces, warnings)
+    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, forces, warnings, acted)
 
 
 def end_of(

@@ -18,6 +18,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
 
+from loads.acted import Acted
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import Fill
@@ -69,6 +70,7 @@ class Part:
     shocks: tuple[Any, ...] = ()  # loads.kinds.sequence.Shock
     pauses: tuple[Any, ...] = ()  # loads.kinds.sequence.Pause
     forces: tuple[Any, ...] = ()  # loads.bars.PointLoad and Tie, and Guide
+    acted: Acted | None = None  # how much of it has acted by a time; None of what acts all along, or does not say
 
 
 strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True)

@@ -27,7 +27,7 @@ from loads.kinds.record import sample
 from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
 from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.code_spectrum import CodeSpectrum
-from loads.signal.intensity import in_words, intensity
+from loads.signal.intensity import in_words, intensity, reached
 from loads.signal.response import Oscillators, response_spectrum
 from loads.signal.site_spectrum import Positive, SiteSpectrum
 from loads.supports import ShakingTable
@@ -157,6 +157,7 @@ def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
         delay=table.delay_of_blocks(grid, where),
         lines=lines,
         summary=summary,
+        acted=reached(where, [(table.start + table.latest(grid, where), motion)]),
     )
 
 

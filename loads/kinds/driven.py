@@ -18,12 +18,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema
 
+from loads.acted import Acted, share_of
 from loads.bars import PointLoad
 from loads.kinds.settlement import NAMES_SCHEMA, names_of_blocks
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, strict
@@ -119,6 +120,11 @@ class Path:
             way += far * x * x * x * (10.0 + x * (6.0 * x - 15.0))
         return way
 
+    def passed(self, time: float) -> float:
+        """The share of the whole way, to and fro, that has been gone at a time [s]."""
+        there = replace(self, ways=tuple(abs(way) for way in self.ways))
+        return share_of(float(there.at(np.array([time]))[0]), sum(there.ways))
+
     def velocity(self, grid: RunGrid) -> np.ndarray:
         """(N + 1,) of the steps, whose positions follow the trapezoidal rule [m/s]."""
         half = 0.5 * grid.dt
@@ -139,10 +145,9 @@ def driven(table: DrivenKeys, direction: Direction, start: float, grid: RunGrid,
     turns = "held from turning" if guide.held else "free to turn"
     how = f"{legs}, {start:g} to {path.end:.4g} s, at most {fastest:.3g} m/s, {turns}"
     line = f"{where} push of {_counted(guide)} along {direction.label}: {how}"
-    short = [f"{where} the run ends at {grid.end:g} s, before the last target is reached"] if path.end > grid.end * (1.0 + 1e-9) else []
     summary = {"kind": "push", "control": "displacement", "direction": list(direction.vector), "start": start, "end": path.end}
     more = {"targets": list(targets), "speed": fastest, "name": guide.name, "rotation": table.rotation, "blocks": _names(guide, grid)}
-    return Part(forces=(guide,), lines=(line, *short), summary=summary | more)
+    return Part(forces=(guide,), lines=(line,), summary=summary | more, acted=Acted(where, "path", path.end, path.passed))
 
 
 def prop(table: PropTable, grid: RunGrid, where: str) -> Part:

@@ -20,6 +20,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
+from loads.acted import Acted, share_of
 from loads.bars import Forces, PointLoad, Tie
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
@@ -110,11 +111,22 @@ class PointTable(LoadTable):
 
     def factor(self, times: np.ndarray) -> np.ndarray:
         """The share of the force at times (n,) [s]."""
-        share, before, since = np.zeros(len(times)), 0.0, times - self.start
-        for stage in self.stages or (1.0,):
-            share += (stage - before) * (np.clip(since / self.ramp, 0.0, 1.0) if self.ramp > 0.0 else (since >= 0.0).astype(float))
-            before, since = stage, since - self.ramp - self.hold
-        return share
+        changes = np.diff([0.0, *(self.stages or (1.0,))])
+        return np.asarray(sum(change * done for change, done in zip(changes, self._stages_at(times), strict=True)))
+
+    def reached(self, time: float) -> float:
+        """The share of all its changes, up and down, that has been made at a time [s]."""
+        changes = np.abs(np.diff([0.0, *(self.stages or (1.0,))]))
+        made = [float(done[0]) for done in self._stages_at(np.array([time]))]
+        return share_of(float(np.sum(changes * made)), float(changes.sum()))
+
+    def _stages_at(self, times: np.ndarray) -> list[np.ndarray]:
+        """How far each stage has been reached at times (n,) [s], 0 to 1."""
+        found, since = list[np.ndarray](), times - self.start
+        for _ in self.stages or (1.0,):
+            found.append(np.clip(since / self.ramp, 0.0, 1.0) if self.ramp > 0.0 else (since >= 0.0).astype(float))
+            since = since - self.ramp - self.hold
+        return found
 
 
 class TieTable(LoadTable):
@@ -173,10 +185,10 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
     weight = assembly.mass[block] * math.hypot(*grid.gravity)
     relation = f", {size / weight:.3g} times its weight" if weight > 0.0 else ""
     stages = f", in {len(table.stages)} stages up to {table.end:.4g} s" if table.stages else ""
-    short = [f"{where} the run ends at {grid.end:g} s, before the last stage is reached"] if table.end > grid.end * (1.0 + 1e-9) else []
     return Part(
         forces=(load,),
-        lines=(f'{where} point load of {size:.4g} N on "{table.block}"{relation}{stages}', *(short if table.stages else ())),
+        lines=(f'{where} point load of {size:.4g} N on "{table.block}"{relation}{stages}',),
+        acted=Acted(where, "force", table.end, table.reached),
         summary={
             "kind": "point",
             "block": table.block,

@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from loads.acted import over_time
 from loads.motion import LoadKind, LoadTable, Part, RunGrid, smooth_step
 from masonry_cd.foundation.fields import Instant
 
@@ -28,7 +29,8 @@ def gravity(table: GravityTable, grid: RunGrid, where: str) -> Part:
     factor = smooth_step(grid.times / table.ramp) if table.ramp > 0.0 else np.ones(grid.steps + 1)
     summary = {"kind": "gravity", "ramp": table.ramp, "gravity": [float(g) for g in grid.gravity]}
     lines = (f"{where} gravity: ramped smoothly from 0 to 1 over {table.ramp:g} s",) if table.ramp > 0.0 else ()
-    return Part(acceleration=np.outer(factor, grid.gravity), lines=lines, summary=summary)
+    acted = over_time(where, "weight", 0.0, table.ramp, lambda x: float(smooth_step(np.array(x))))
+    return Part(acceleration=np.outer(factor, grid.gravity), lines=lines, summary=summary, acted=acted if table.ramp > 0.0 else None)
 
 
 KINDS = {"gravity": LoadKind(GravityTable, gravity, lambda table, grid, where: table.ramp)}

@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
+from loads.acted import over_time
 from loads.motion import STANDARD_GRAVITY, DirectionKey, LoadKind, LoadTable, Part, RunGrid
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
@@ -59,7 +60,16 @@ def pulse(table: PulseTable, grid: RunGrid, where: str) -> Part:
             "start": table.start,
             "duration": table.duration,
         },
+        acted=over_time(where, "impulse", table.start, table.duration, lambda x: _passed(table, x)),
     )
+
+
+def _passed(table: PulseTable, x: float) -> float:
+    """The share of the integral of its size that has passed at x."""
+    half = _integral(table, np.array([table.start + (0.5 if x > 0.5 else x) * table.duration, table.start + x * table.duration]))
+    if table.shape == "sine":  # whose second half takes away what the first gave
+        return float((2.0 * half[0] - half[1]) / table.duration * 0.5 * np.pi)
+    return float(half[1] / _integral(table, np.array([table.start + table.duration]))[0])
 
 
 def _integral(table: PulseTable, times: np.ndarray) -> np.ndarray:

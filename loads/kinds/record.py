@@ -20,6 +20,7 @@ import numpy as np
 from loads.motion import DirectionKey, LoadKind, Part, RunGrid, smooth_step
 from loads.signal.accelerogram import Accelerogram, Scaled, describe_both, process, size_factor
 from loads.signal.baseline import History
+from loads.signal.intensity import reached
 from loads.signal.plausible import doubts
 from loads.supports import ShakingTable
 from masonry_cd.foundation.units import Unit
@@ -67,6 +68,7 @@ def record(table: RecordTable, grid: RunGrid, where: str) -> Part:
         lines=(first, *describe_both(where, processed, table.correction), *_warnings(table, grid, where, after)),
         warnings=tuple(doubts(processed, table.correction, where)),
         summary=summary,
+        acted=reached(where, [(table.start + table.latest(grid, where), after)]),
     )
 
 
@@ -84,9 +86,6 @@ def _warnings(table: RecordTable, grid: RunGrid, where: str, after: History) -> 
     if grid.dt > after.step * (1.0 + 1e-9):
         coarse = f"run.dt {grid.dt:g} s is coarser than the record's {after.step:g} s"
         lines.append(f'{where}   {coarse}: what it holds above {0.5 / grid.dt:g} Hz is lost; resample = "run" filters it out first')
-    if table.start + after.duration > grid.end + after.step:
-        over = table.start + after.duration
-        lines.append(f"{where}   the run ends at {grid.end:g} s, the record at {over:g} s; the key window picks the part to use")
     return lines
 
 

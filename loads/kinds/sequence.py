@@ -28,7 +28,7 @@ from loads.kinds.artificial import SpectrumMatch, drawn
 from loads.kinds.record import FADE, sample
 from loads.motion import Direction, DirectionKey, LoadKind, Part, RunGrid, describe
 from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_both, process, size_factor
-from loads.signal.intensity import in_words
+from loads.signal.intensity import in_words, reached
 from loads.signal.plausible import doubts
 from loads.supports import ShakingTable
 from masonry_cd.foundation.errors import parse_table
@@ -150,6 +150,7 @@ def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
             out += one.velocity(times - start)
         return out
 
+    acting = [(start + latest, processed.after) for start, one in zip(starts, ready, strict=True) for _, processed in one.parts]
     end = pauses[-1].last if pauses else shocks[-1].last
     timed = [line for shock, said in zip(shocks, lines, strict=True) for line in _timed(shock, said, grid)]
     if end > grid.steps:
@@ -162,6 +163,7 @@ def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
         summary={"kind": "sequence", "rest": table.rest, "shocks": [_summary(s, r, grid) for s, r in zip(shocks, ready, strict=True)]},
         shocks=tuple(shock for shock in shocks if shock.first < grid.steps),
         pauses=tuple(replace(p, last=min(p.last, grid.steps)) for p in pauses if p.first < grid.steps and table.rest == "still"),
+        acted=reached(where, acting),
     )
 
 

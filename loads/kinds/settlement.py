@@ -22,6 +22,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
+from loads.acted import Acted, over_time
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid
 from loads.supports import select_supports, structure
 from masonry_cd.foundation.errors import InputError
@@ -90,9 +91,10 @@ def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
     return Part(
         motion=_pulse(table, grid, where),
         share=moving.astype(float),
-        lines=(f"{where} settlement of {_count(moving)} by {along}, {_when(table)}", *_cut_short(table, grid, where)),
+        lines=(f"{where} settlement of {_count(moving)} by {along}, {_when(table)}",),
         warnings=_all_alike(moving, grid, where),
         summary=_summary(table) | {"supports": _named(moving, grid)},
+        acted=_acted(table, where),
     )
 
 
@@ -136,11 +138,9 @@ def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
     return Part(
         motion=_pulse(table, grid, where),
         share=share,
-        lines=(
-            f"{where} spreading of {_count(moving)} by {table.displacement:g} m {over}, {_when(table)}",
-            *_cut_short(table, grid, where),
-        ),
+        lines=(f"{where} spreading of {_count(moving)} by {table.displacement:g} m {over}, {_when(table)}",),
         summary=_summary(table) | {"supports": _named(moving, grid)},
+        acted=_acted(table, where),
     )
 
 
@@ -164,10 +164,9 @@ def _when(table: SettlementTable | SpreadingTable) -> str:
     return f"{table.start:g} to {table.start + table.duration:g} s"
 
 
-def _cut_short(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -> list[str]:
-    """A line where the run ends first."""
-    end = table.start + table.duration
-    return [f"{where} the run ends at {grid.end:g} s, before the displacement is reached"] if end > grid.end * (1.0 + 1e-9) else []
+def _acted(table: SettlementTable | SpreadingTable, where: str) -> Acted:
+    """By the displacement reached, d(t) of the head of this file."""
+    return over_time(where, "displacement", table.start, table.duration, lambda x: x * x * x * (10.0 + x * (6.0 * x - 15.0)))
 
 
 def _count(moving: np.ndarray) -> str:

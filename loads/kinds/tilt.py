@@ -24,6 +24,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from loads.acted import Acted, over_time, without_end
 from loads.kinds.driven import DrivenKeys, driven, path_of
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, parse_direction
 from masonry_cd.foundation import libm
@@ -124,6 +125,7 @@ def tilt(table: TiltTable, grid: RunGrid, where: str) -> Part:
             "rate": table.rate,
             "angle": float(degrees[-1]),
         },
+        acted=_growing(where, "angle", table, table.rate, table.angle),
     )
 
 
@@ -150,7 +152,16 @@ def push(table: PushTable, grid: RunGrid, where: str) -> Part:
             "rate": rate,
             "peak": float(factor[-1]),
         },
+        acted=_growing(where, "peak", table, rate, table.peak),
     )
+
+
+def _growing(where: str, measure: str, table: TiltTable | PushTable, rate: float, most: float | None) -> Acted:
+    """By the angle or factor reached, from ``initial`` on; one without an end has acted once it has begun."""
+    if most is None:
+        return without_end(where, measure, 0.0 if table.initial > 0.0 else table.start)
+    begun = table.initial / most
+    return over_time(where, measure, table.start, (most - table.initial) / rate, lambda x: begun + (1.0 - begun) * x)
 
 
 def tilt_end(table: TiltTable, grid: RunGrid, where: str) -> float:

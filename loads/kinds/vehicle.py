@@ -33,6 +33,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
+from loads.acted import Acted, over_time
 from loads.bars import PointLoad
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from masonry_cd.foundation import libm
@@ -282,10 +283,18 @@ def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> Part:
     faults = [*_beside(table, fill, where), *_never_there(table, fill, grid, where, first)]
     if faults:
         raise InputError.of(faults)
-    loads, lines, end = point_loads(table, fill, grid, first), [_line(table, fill, where)], _end(table, grid, where)
-    if table.speed > 0.0 and grid.end < end * (1.0 - 1e-9):
-        lines.append(f"{where} the run ends at {grid.end:g} s, before the last axle has left the bridge at {end:.4g} s")
-    return Part(forces=tuple(loads), lines=tuple(lines), summary=_summary(table))
+    loads, acted = point_loads(table, fill, grid, first), _acted(table, fill, where)
+    return Part(forces=tuple(loads), lines=(_line(table, fill, where),), summary=_summary(table), acted=acted)
+
+
+def _acted(table: VehicleTable, fill: Fill, where: str) -> Acted:
+    """By the way over the deck, from where the first axle reaches it, or begins on it, to where the last one leaves; one that stands by
+    its load."""
+    if table.speed == 0.0:
+        return over_time(where, "load", table.start, table.ramp)
+    begin, leaves = _begin(table, fill), fill.deck[1] + sum(table.known.spacing)
+    before = max(fill.deck[0] - begin, 0.0) / table.speed
+    return over_time(where, "way over the deck", table.start + before, (leaves - max(begin, fill.deck[0])) / table.speed)
 
 
 def _never_there(table: VehicleTable, fill: Fill, grid: RunGrid, where: str, first: np.ndarray) -> list[Fault]:

@@ -11,8 +11,11 @@ h (|a| + |a'|) / 2 where a keeps its sign; where it passes zero, two triangles a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from loads.acted import Acted, share_of
 from loads.motion import STANDARD_GRAVITY
 from loads.signal.baseline import History
 
@@ -22,6 +25,14 @@ def arias(history: History) -> np.ndarray:
     a, b = history.acceleration[:-1], history.acceleration[1:]
     steps = history.step / 3.0 * (a * a + a * b + b * b)
     return np.pi / (2.0 * STANDARD_GRAVITY) * np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def reached(where: str, histories: Sequence[tuple[float, History]]) -> Acted:
+    """How much of accelerograms, which begin at a time each [s], has acted: by the Arias intensity of all of them together."""
+    built = [(start + one.step * np.arange(len(one.acceleration)), arias(one)) for start, one in histories]
+    total = sum(float(energy[-1]) for _, energy in built)
+    end = max(float(times[-1]) for times, _ in built)
+    return Acted(where, "Arias intensity", end, lambda time: share_of(sum(float(np.interp(time, *one)) for one in built), total))
 
 
 def significant_window(history: History, low: float = 0.05, high: float = 0.95) -> tuple[float, float]:

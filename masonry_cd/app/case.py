@@ -38,6 +38,7 @@ from masonry_cd.mechanics.solvers import cores
 
 if TYPE_CHECKING:
     from loads import Loading
+    from loads.acted import Acted
     from loads.motion import Part
     from masonry_cd.mechanics.model.fill import Fill
     from structures import Made
@@ -60,11 +61,17 @@ class Case:
     steps: int  # of the loads at most: beyond those of the duration where the run waits for its blocks to be still
     still: float  # speed below which a block counts as still at the end [m/s]
     notes: tuple[str, ...]  # what was changed in making the blocks, in words
-    warnings: tuple[str, ...]  # what the time step is too coarse for, and the machine too small
-    coarse: tuple[str, ...]  # those of them on the time step
+    doubts: tuple[str, ...]  # values and blocks that are likely not what is wanted: the verdict on the run has them too
+    coarse: tuple[str, ...]  # what the time step is too coarse for; likewise
+    aside: tuple[str, ...]  # what changes no result: a machine that is too small
     built_gap: float  # largest gap or overlap of the joints as built that counts as none [m]
     seconds: float  # to build it
     gauges: Gauges  # what is kept in every step besides
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """All that is to be said of the case before it is run."""
+        return (*self.doubts, *self.coarse, *self.aside)
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,7 +243,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     falling = [*structure.falling, *structure.leaning] if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
     unusual = doubts(scene, assembly, joints, loading.summary["tables"])
-    warnings = (*structure.odd_size, *unusual, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
+    doubtful, aside = (*structure.odd_size, *unusual, *loading.warnings, *falling), (*stands_in, *_beyond_machine(scene.run.threads))
     masonry = () if scene.material.masonry is None else (in_words(scene.material.masonry),)
     notes = (*structure.notes, *masonry, *damping, *lasting)
     if built > REPORTED * assembly.width:
@@ -247,7 +254,12 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     with scene.locating():
         gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
-    return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, seconds, gauges)
+    return Case(scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges)
+
+
+def acting_too(case: Case, acted: Sequence[Acted]) -> Case:
+    """A case with what code beside the scene adds to its forces: how much of each has acted by a time."""
+    return replace(case, loading=replace(case.loading, acted=(*case.loading.acted, *acted))) if acted else case
 
 
 @contextmanager

@@ -28,7 +28,7 @@ from masonry_cd.app.run_loop import Checkpoints, Plan
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.step_costs import StepCosts, motion_classes
-from masonry_cd.app.summary import as_json, run_summary, run_warnings, write_json
+from masonry_cd.app.summary import as_json, loads_acted, run_summary, run_warnings, tolerances, write_json
 from masonry_cd.foundation.atomic import part_of
 from masonry_cd.io import checkpoint
 from masonry_cd.io.lock import locked
@@ -174,22 +174,20 @@ def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: floa
 
     with Results.open(folder / RESULTS) as results:
         summary |= damage_files.write_joint_damage(results, folder, case.scene.report)
-        summary |= _write_laboratory(results, folder, summary)
+        summary |= _write_laboratory(results, folder)
     summary = {key: summary[key] for key in FIRST} | summary
     summary["wall_seconds"] = since + time.perf_counter()
     write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
     return summary
 
 
-def _write_laboratory(results: Results, folder: Path, summary: dict[str, Any]) -> dict[str, Any]:
+def _write_laboratory(results: Results, folder: Path) -> dict[str, Any]:
     """Write what pushes and gauges have recorded; return the summary's share."""
     if not results.gauges.any:
         return {}
-    from masonry_cd.analysis.pushover import push_warnings
     from reports.laboratory import write_laboratory
 
-    share = write_laboratory(results, folder)
-    return share | {"warnings": [*push_warnings(share.get("pushes", [])), *summary["warnings"]]}
+    return write_laboratory(results, folder)
 
 
 def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
@@ -207,15 +205,20 @@ def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float
 def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: float) -> dict[str, Any]:
     """Complete the summary but for the damage, and write it into the results, from which ``report`` can write it if a kill comes."""
     from masonry_cd.analysis.damage.joint_damage import displacement_max
+    from masonry_cd.analysis.pushover import push_curves, push_warnings
 
     settings = case.scene.run
     with Results.open(writer.path, sums=False) as results:
         summary |= outcome(case, results) | {"displacement_max": displacement_max(results)}
+        summary["solver"] = {**summary["solver"], **tolerances(case, results)}
+        summary["loads"] = {**summary["loads"], "acted": loads_acted(case, results)}
         fast = time_step_checks.after_run(case.assembly, results, settings.dt)
         gravity = math.hypot(*settings.gravity)
         of_beds = beds(case.assembly, results)
         restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.longest_step, settings.tolerance)
-    summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
+        pushed = push_warnings([curve.numbers() for curve in push_curves(results) if curve.kind == "push"])
+    summary["warnings"] = [*pushed, *run_warnings(summary), *summary["warnings"], *fast, *restless]
+    summary["doubts"] = [*pushed, *case.doubts, *restless]
     summary |= of_beds
     summary["time_step_remarks"] = [*case.coarse, *fast]
     summary["wall_seconds"] = since + time.perf_counter()

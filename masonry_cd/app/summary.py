@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd import __version__
+from masonry_cd.analysis.damage.verdict import FEW, SOUND_ELASTIC, SOUND_RIGID, beyond_their_law, not_acted
 from masonry_cd.analysis.modal.left_out import left_out_lines
 from masonry_cd.analysis.pushover import push_lines
 from masonry_cd.analysis.verdict import Verdict
@@ -21,6 +22,7 @@ from masonry_cd.app.modelled import masses
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_summary import steps_in_words, time_step_lines, time_step_summary
 from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.per_cent import per_cent
 from masonry_cd.foundation.quantities import counted, in_words, length
 from masonry_cd.io.summary_file import FORMAT
 from masonry_cd.mechanics.dynamics.adaptive import error_tolerance
@@ -29,6 +31,7 @@ from masonry_cd.mechanics.solvers import threads_that_pay
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
+    from masonry_cd.io.results import Results
 
 REPORTED = 1e-3  # share of the largest work from which on the closing lines report what the correction of overlaps put in
 
@@ -97,6 +100,23 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
     }
 
 
+def loads_acted(case: Case, results: Results) -> list[dict[str, Any]]:
+    """The share of each load that has acted in the steps of a run; a rest at its end adds none, since the loads were cut off before."""
+    reached = results.per_step("load_step")
+    steps = min(int(reached[-1]), case.scene.run.steps) if len(reached) else 0
+    return [one.row(steps * case.scene.run.dt) for one in case.loading.acted]
+
+
+def tolerances(case: Case, results: Results) -> dict[str, Any]:
+    """The error that all but FEW of the steps stay within, and the tolerance up to which no bias was found (docs/accuracy.md)."""
+    error = results.per_step("solver/error")
+    elastic = bool(case.assembly.laws.elastic.any())
+    return {
+        "error_reached": float(np.quantile(error, 1.0 - FEW, method="higher")) if len(error) else 0.0,
+        "tolerance_sound": SOUND_ELASTIC if elastic else SOUND_RIGID,
+    }
+
+
 def as_json(summary: dict[str, Any]) -> str:
     """A summary as JSON; what is not finite becomes null, since JSON knows no NaN."""
 
@@ -119,13 +139,10 @@ def write_json(summary: dict[str, Any], path: Path) -> None:
 
 
 def crushed_lines(s: dict[str, Any]) -> list[str]:
-    """What crushed, and what is no longer known of it; nothing where nothing did."""
+    """How many joints crushed, and by how much at most; nothing where none did."""
     where = f", {s['crushed_where']}" if s.get("crushed_where") else ""
     most = f"by {length(s.get('crushed_max', 0.0))} at the most{where}"
-    out = [f"crushing: {counted(s['joints_crushed'], 'joint')}, {most}"] if s.get("joints_crushed") else []
-    if lost := s.get("crushing_forgotten"):
-        out.append(f"crushing: of {counted(lost, 'joint')} it is forgotten: the blocks came far apart, or met again with other faces")
-    return out
+    return [f"crushing: {counted(s['joints_crushed'], 'joint')}, {most}"] if s.get("joints_crushed") else []
 
 
 def closing_lines(summary: dict[str, Any]) -> list[str]:
@@ -148,14 +165,15 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         *push_lines(s.get("pushes", [])),
         damage_line(s),
         *_end_lines(s),
+        *acted_lines(s),
         *_part_lines(s),
         *bonds,
         *crushed,
         *_stress_lines(s),
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}{deep}",
-        *_shortening_lines(s),
         *_bed_lines(s),
+        *beyond_their_law(s),
         f"solver {solver['name']}{on}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
         *_violation_lines(solver),
@@ -177,14 +195,6 @@ def verdict_lines(s: dict[str, Any]) -> list[str]:
     found = s.get("verdict", {})
     keys = [item.name for item in fields(Verdict)]
     return [Verdict(**{key: found[key] for key in keys}).line] if all(key in found for key in keys) else []
-
-
-def _shortening_lines(s: dict[str, Any]) -> list[str]:
-    """How far elastic joints were shortened, where it is more than stones bear."""
-    if not s.get("shortening_where"):
-        return []
-    shortened = f"joints shortened by up to {length(s['shortening_max'])}, {s['shortening_where']}"
-    return [f"{shortened}; stones would crush, elastic joints do not"]
 
 
 def _bed_lines(s: dict[str, Any]) -> list[str]:
@@ -219,6 +229,12 @@ def _end_lines(s: dict[str, Any]) -> list[str]:
     return [*lines, *([f"what is left at the end is {s['provisional']}"] if s.get("provisional") else [])]
 
 
+def acted_lines(s: dict[str, Any]) -> list[str]:
+    """How much of each load has acted; nothing of a run whose loads all act from the start."""
+    acted = [f"{one['load']} {per_cent(one['share'])} of its {one['measure']}" for one in s.get("loads", {}).get("acted", [])]
+    return [f"loads that acted: {', '.join(acted)}"] if acted else []
+
+
 def _part_lines(s: dict[str, Any]) -> list[str]:
     """The damage part by part, where the scene asks for it."""
     if "parts" not in s:
@@ -247,6 +263,7 @@ def run_warnings(summary: dict[str, Any]) -> list[str]:
             f"{beyond or 'none'} of them by more than is accepted ({solver['accept']:g}); "
             f"the largest error is {solver['error_max']:.1e} (each step's: solver/error in result.h5)"
         )
+    lines += [f"{short} when the run ends: a longer run.duration or an earlier start has it act" for short in not_acted(summary)]
     lines += _false_motion(summary)
     closing = summary["closing"]
     if closing["steps"]:

@@ -20,6 +20,7 @@ from masonry_cd.interface.closing import closing_as_html
 from masonry_cd.interface.plots import Page
 from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.scenes import Scene, scene
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.studies import say, silent, warn, without_main
 from masonry_cd.interface.tables import frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
@@ -32,8 +33,11 @@ COLUMNS = ("status", "reason", *numbers_in(ASSESS), "remark", "seconds")
 UNITS = {**units_in(ASSESS), "seconds": "s"}
 
 
-class Assessment:
+class Assessment(Sealed):
     """What an assessment found. Made by :func:`masonry_cd.assess`; ``print`` shows the closing lines of the command line."""
+
+    folder: Path
+    keeper: TemporaryFolder | None
 
     def __init__(self, folder: Path, keeper: TemporaryFolder | None = None) -> None:
         self.folder = Path(folder)

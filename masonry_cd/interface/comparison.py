@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from masonry_cd.interface.plots import shown
 from masonry_cd.interface.results import Run
 from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.sealed import Sealed
 from reports.compare import comparison, comparison_files
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 Source = Run | str | os.PathLike[str]
 
 
-class Comparison:
+class Comparison(Sealed):
     """What differs in the scenes of some runs, in their damage and in their response; ``print`` shows it as Markdown."""
 
     def __init__(self, found: comparison.Comparison) -> None:

@@ -15,6 +15,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.plots import Page
 from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.scenes import Scene, scene
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
 
@@ -25,12 +26,16 @@ if TYPE_CHECKING:
     from masonry_cd.app.limit_case import LimitCase
 
 
-class LimitAnalysis:
+class LimitAnalysis(Sealed):
     """What a limit analysis found. Made by :func:`masonry_cd.limit_analysis`; ``print`` shows the lines of the command."""
 
     def __init__(self, case: LimitCase, folder: Path | None = None) -> None:
-        self._case, self.folder = case, folder
+        self._case, self._folder = case, folder
+
+    @property
+    def folder(self) -> Path | None:
         """The folder into which it was written, if it was."""
+        return self._folder
 
     @property
     def stands(self) -> bool:
@@ -139,10 +144,10 @@ class LimitAnalysis:
         from masonry_cd.app.limit_case import EVERY
         from masonry_cd.app.limit_files import write
 
-        self.folder = Path(folder)
-        free_folder(self.folder, EVERY, force)
-        write(self._case, self.folder)
-        return Page(self.folder / "limit.html")
+        self._folder = Path(folder)
+        free_folder(self._folder, EVERY, force)
+        write(self._case, self._folder)
+        return Page(self._folder / "limit.html")
 
     def _picture(self, name: str, view: str) -> Image:
         from PIL import Image as images

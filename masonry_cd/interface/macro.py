@@ -14,6 +14,7 @@ from masonry_cd.app.folders import free_folder
 from masonry_cd.interface.plots import Page
 from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.scenes import Scene, scene
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import frame_of_rows
 
 if TYPE_CHECKING:
@@ -23,12 +24,16 @@ if TYPE_CHECKING:
     from masonry_cd.app.macro_verdicts import MacroRow
 
 
-class MacroElements:
+class MacroElements(Sealed):
     """What was found of the parts of a structure. Made by :func:`masonry_cd.macro_elements`; ``print`` shows the lines of the command."""
 
     def __init__(self, case: MacroCase, folder: Path | None = None) -> None:
-        self._case, self.folder = case, folder
+        self._case, self._folder = case, folder
+
+    @property
+    def folder(self) -> Path | None:
         """The folder into which it was written, if it was."""
+        return self._folder
 
     @property
     def parts(self) -> DataFrame:
@@ -74,10 +79,10 @@ class MacroElements:
         """
         from masonry_cd.app.macro_files import MACRO_OUTPUTS, write_macro
 
-        self.folder = Path(folder)
-        free_folder(self.folder, MACRO_OUTPUTS, force)
-        write_macro(self._case, self.folder)
-        return Page(self.folder / "macro_elements.html")
+        self._folder = Path(folder)
+        free_folder(self._folder, MACRO_OUTPUTS, force)
+        write_macro(self._case, self._folder)
+        return Page(self._folder / "macro_elements.html")
 
     def __str__(self) -> str:
         from masonry_cd.app.limit_macro import lines

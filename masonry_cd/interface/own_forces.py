@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from loads.acted import Acted, by_integral
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.number_arrays import numbers
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
@@ -96,6 +97,10 @@ class History:
             raise InputError(self._where, f"at {time:g} s an array of shape {found.shape}, ({self._wanted},) is needed")
         return found
 
+    def acted(self, measure: str) -> Acted | None:
+        """How much of arrays has acted by a time, by the integral of their size up to their last time; None of a function."""
+        return None if self._function is not None else by_integral(self._where, measure, self._time, self._values)
+
 
 class BlockHistories:
     """Forces on single blocks over time, at their centres of mass.
@@ -107,6 +112,7 @@ class BlockHistories:
     def __init__(self, given: Mapping[str, Any], assembly: Assembly) -> None:
         self._block = np.array([free_block(name, assembly, "forces") for name in given], dtype=np.int64)
         self._histories = [History(value, (3,), f'forces["{name}"]') for name, value in given.items()]
+        self.acted = tuple(acted for history in self._histories if (acted := history.acted("impulse")) is not None)
 
     def pushes(self, now: Now) -> Pushes:
         """The forces at a time."""

@@ -43,4 +43,5 @@ def _part(history: History, block: int, blocks: list[Block]) -> Part:
         motion=lambda times: np.array([history.at(float(t)) for t in times]),
         share=share,
         summary={"kind": "python", "block": blocks[block].name},
+        acted=history.acted("path"),
     )

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.foundation.errors import parse_table
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.io.results import Results
 from reports.settings import Report
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 HEIGHT = 900  # of a page in a notebook [pixels]
 
 
-class Plots:
+class Plots(Sealed):
     """What ``run.plot`` offers.
 
     Args:

@@ -12,6 +12,7 @@ from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import columns_of, frame_of
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import rotation_matrices
@@ -21,11 +22,15 @@ from reports.outputs import frame_at
 from reports.settings import report_of
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from obspy import Stream
     from pandas import DataFrame
     from pyvista import PolyData
     from trimesh import Scene as TrimeshScene
     from xarray import Dataset
+
+    from masonry_cd.interface.temporary import TemporaryFolder
 
 OLD = "this run was made before its forces were kept as vectors; run its scene again"
 REACTIONS = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -41,8 +46,13 @@ class Thrust(NamedTuple):
     block: np.ndarray  # (L,) number of the block that the piece is in
 
 
-class RunExports:
+class RunExports(Sealed):
     """Of a run; ``time`` picks the frame next to it [s], the last one where none is given."""
+
+    folder: Path
+    keeper: TemporaryFolder | None
+    title: str
+    time: np.ndarray
 
     def results(self) -> AbstractContextManager[Results]:
         """The result file, open."""

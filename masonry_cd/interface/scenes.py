@@ -26,6 +26,7 @@ from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_text import dump_toml, override, parse_toml, read_text
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.arrays import BLOCK_FILE, hold_arrays, into_files
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.interface.values import changes as changes_of
 from masonry_cd.interface.values import plain, with_absolute_paths
@@ -54,7 +55,7 @@ class _Origin:
         return parse_scene(self.text, self.path, self.changes, self.called)
 
 
-class Scene:
+class Scene(Sealed):
     """A checked scene. It does not change: :meth:`changed` gives another one. Made by :func:`masonry_cd.scene`.
 
     ``print(scene)`` shows its text, TOML as in a scene file.

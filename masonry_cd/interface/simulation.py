@@ -18,7 +18,7 @@ import numpy as np
 
 from masonry_cd.app.advance import Advance, Advanced
 from masonry_cd.app.beginning import begin, pauses_of
-from masonry_cd.app.case import Case, prepare
+from masonry_cd.app.case import Case, acting_too, prepare
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.step_contacts import Contacts, contacts_of, reactions_of
 from masonry_cd.foundation.arrays import Stored
@@ -28,6 +28,7 @@ from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
 from masonry_cd.interface.own_forces import OwnForces, Pushing, own_forces
 from masonry_cd.interface.own_motions import driven
 from masonry_cd.interface.scenes import Scene, scene
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.simulation_state import SimulationState, checked_state, require_apart, with_first_velocities
 from masonry_cd.interface.structure import Structure
 from masonry_cd.io import checkpoint
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
 BY_PYTHON = "forces, motions, velocities or calls of Python take part: the scene alone does not repeat this run, nor resume it"
 
 
-class Simulation:
+class Simulation(Sealed):
     """A scene, step by step.
 
     Args:
@@ -71,6 +72,8 @@ class Simulation:
     (True, True)
     """
 
+    scene: Scene
+
     def __init__(
         self,
         source: Scene | str | os.PathLike[str] | Mapping[str, Any],
@@ -88,6 +91,7 @@ class Simulation:
         given = [] if forces is None else list(forces) if isinstance(forces, list | tuple) else [forces]
         assembly = self._case.assembly
         items: tuple[Pushing, ...] = tuple(own_forces(item, assembly) for item in given)
+        self._case = acting_too(self._case, [one for item in items for one in getattr(item, "acted", ())])
         if law is not None:
             items = (*items, BoundLaw(law_of(law), self._case.joints, assembly, checked.run.longest_step))
         self._own = OwnForces(self._case.loading.forces, items, checked.run.dt, self._case.steps * checked.run.dt)
@@ -101,8 +105,7 @@ class Simulation:
         self._pair_joints = PairJoints(assembly)
         self._events = Events(self._case.joints, self._stepper, checked.report.opened)
         self._busy, self._asked_to_stop = False, ""
-        self.report: StepReport | None = None
-        """What the last step cost and how well it was solved: iterations, error, seconds, contacts, penetration."""
+        self._report: StepReport | None = None
 
     # --- steps ---------------------------------------------------------------------------------------------------------------
 
@@ -118,8 +121,8 @@ class Simulation:
         for _ in range(count):
             self._refuse_at_end("step")
             self._make_step()
-        assert self.report is not None
-        return self.report
+        assert self._report is not None
+        return self._report
 
     def run(self, until: float | None = None) -> None:
         """Make steps to the first that ends at a time or later [s], or to the end of the scene, or until a function asks to :meth:`stop`.
@@ -189,7 +192,7 @@ class Simulation:
 
     def _follow(self, made: Advanced) -> None:
         """Keep what a step came to, and call the functions of what has happened in it."""
-        self.report = made.report
+        self._report = made.report
         self._own.taken()
         self._busy = True
         try:
@@ -213,6 +216,11 @@ class Simulation:
     def done(self) -> bool:
         """Whether the scene has ended."""
         return self._advance.done
+
+    @property
+    def report(self) -> StepReport | None:
+        """What the last step cost and how well it was solved: iterations, error, seconds, contacts, penetration; None before the first."""
+        return self._report
 
     @property
     def structure(self) -> Structure:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.mechanics.model.blocks import Block
 
@@ -19,8 +20,12 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 
-class Structure(Sequence[Block]):
+class Structure(Sealed, Sequence[Block]):
     """Blocks in the order of the results: ``structure["drum1"].vertices``, ``structure[0].faces``, ``len(structure)``."""
+
+    blocks: tuple[Block, ...]
+    notes: tuple[str, ...]
+    ties: tuple[np.ndarray, ...]
 
     def __init__(self, blocks: Sequence[Block], notes: tuple[str, ...] = (), ties: Sequence[np.ndarray] = ()) -> None:
         self.blocks, self.notes, self.ties = tuple(blocks), notes, tuple(ties)

@@ -26,6 +26,7 @@ from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.closing import closing_as_html
 from masonry_cd.interface.results import RESULTS, Run
 from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.study_plots import StudyPlots
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.interface.temporary import TemporaryFolder
@@ -41,12 +42,15 @@ COUNTS = ("seed", *(key for key, number in numbers_in(STUDY).items() if number.w
 UNITS = {"level": "", **units_in(STUDY), "seconds": "s"}
 
 
-class Study:
+class Study(Sealed):
     """The runs of a study and what follows from them. Made by :func:`masonry_cd.study` and :func:`masonry_cd.open_study`.
 
     Tables are DataFrames of pandas with columns as in the CSV files; ``table.attrs["units"]`` says their units. ``print(study)`` shows the
     closing lines of the command line.
     """
+
+    folder: Path
+    keeper: TemporaryFolder | None
 
     def __init__(self, folder: Path, keeper: TemporaryFolder | None = None) -> None:
         self.folder = Path(folder)

@@ -13,6 +13,7 @@ from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.sensitivity import Correlation
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.plots import Page, shown
+from masonry_cd.interface.sealed import Sealed
 from masonry_cd.io.results import Results
 from reports.study.joint_maps import JointStudy
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 SHARES = ("opened", "slid", "lost")
 
 
-class StudyPlots:
+class StudyPlots(Sealed):
     """What ``study.plot`` offers. A picture that the design or the runs do not allow is refused, with the names of those that there are.
 
     Args:

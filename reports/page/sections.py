@@ -15,7 +15,7 @@ import numpy as np
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.damage.verdict import BEDS, END, ENERGY, FALSE_MOTION, FORCES, OVERLAP, TIME_STEP
+from masonry_cd.analysis.damage.verdict import BEDS, END, ENERGY, FALSE_MOTION, FORCES, LAWS, LOADS, MODEL, OVERLAP, TIME_STEP
 from masonry_cd.analysis.limit.outcome import one_factor
 from masonry_cd.analysis.verdict import GOOD, NOT_GRADED
 from masonry_cd.foundation.quantities import force
@@ -57,6 +57,12 @@ SAID = {  # what a check means, and what to do
     OVERLAP: (
         "Blocks should not enter one another. Openings and slidings below this mean nothing.",
         "Halve run.dt, and tighten run.tolerance; a jam between moving supports shows here as well.",
+    ),
+    LOADS: ("What has not acted has done nothing: 95 % of each load are wanted.", "Take a longer run.duration, or an earlier start."),
+    LAWS: ("Beyond it the law of a joint is none of masonry.", "Check its stiffness, its strength and what lies on it."),
+    MODEL: (
+        "Values that are likely in another unit, and blocks that nothing carries, make another structure than the one that is wanted.",
+        "Mend them, or list the keys that are as they should be in quiet_checks.",
     ),
     TIME_STEP: ("It has to resolve the shaking, the rocking of the smallest block, and the fastest motion.", "Take a smaller run.dt."),
     BEDS: (

@@ -94,7 +94,7 @@ def write_study(folder: Path) -> dict[str, Any]:
         out.add(*draw_joint_maps(study))
     except NoContext as failure:
         out.warnings.append(str(failure))
-    found = verdict_of(study, fits.fits)
+    found = verdict_of(study, fits)
     write_page(study, fits.fits, out, found)
     summary = _summary(study, fits.fits, rows, out, found)
     write_json(folder / "summary.json", summary)

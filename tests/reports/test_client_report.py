@@ -182,6 +182,9 @@ def test_a_sound_run_passes_all_checks(tmp_path):
         ("Overlap of blocks", {"penetration_max": 5e-4}, "look"),
         ("Overlap of blocks", {"penetration_max": 5e-3}, "doubtful"),
         ("Time step", {"time_step_remarks": ["run.dt 0.01 s is coarse for the shaking"]}, "look"),
+        ("Loads", {"loads": {"acted": [{"load": "loads[0]", "measure": "cycles", "share": 0.0}]}}, "look"),
+        ("Joint laws", {"shortening_where": "a and b at 1 s", "shortening_max": 1e-3}, "look"),
+        ("Model", {"doubts": ["block a falls"]}, "look"),
     ],
 )
 def test_a_check_that_is_not_met_says_what_to_do(tmp_path, check, changes, expected):

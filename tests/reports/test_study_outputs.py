@@ -15,6 +15,7 @@ import pytest
 from made_study import COLLAPSE, CRACKED, Made, rows_of, write_study_folder
 from pictures import pixels
 
+from masonry_cd.analysis.fragility.fits import Fits
 from masonry_cd.analysis.fragility.folder import read_study
 from masonry_cd.analysis.fragility.verdict import verdict_of
 from masonry_cd.foundation.errors import InputError
@@ -179,7 +180,7 @@ def test_few_records_are_warned_of_and_runs_that_failed_are_no_data(tmp_path: Pa
 def test_the_verdict_says_what_the_runs_bear_out(records: int, failed: int, sure: str, words: str, tmp_path: Path):
     """One run in ten may be lost: fifteen in a hundred leave fits that are biased."""
     rows = [row | ({"status": "failed"} if k < failed else {}) for k, row in enumerate(rows_of(Made(records=records)))]
-    found = verdict_of(read_study(write_study_folder(tmp_path, Made(records=records), rows)), [])
+    found = verdict_of(read_study(write_study_folder(tmp_path, Made(records=records), rows)), Fits())
     assert found.sure == sure and words in f"{found.words}; {found.why}"
 
 

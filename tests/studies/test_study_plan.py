@@ -88,6 +88,7 @@ LEVELS = '[intensity]\nkey = "loads[0].frequency"\nlevels = ["5 m"]\n[limit_stat
     [
         (AMPLITUDES, '"loads[0].amplitude" = ["30 cm"]', 'vary."loads[0].amplitude"[0]: "cm" is no unit of a speed'),
         ("above = 1e-3", 'above = "5 N"', 'limit_states.slid.above: "N" is no unit of a length'),
+        ("above = 1e-3", 'above = 1e-3, least_demand = "5 N"', 'limit_states.slid.least_demand: "N" is no unit of a length'),
         ("[limit_states]", LEVELS, 'intensity.levels[0]: "m" is no unit of a frequency'),
     ],
 )
@@ -350,6 +351,7 @@ OF_GRID = [
     ({MU: '"material.friction" = {from = 1, to = 2}'}, f'{VARY}"material.friction".count: missing'),
     ({MU: '"material.friction" = []'}, f'{VARY}"material.friction": an empty list'),
     ({"slid": 'slid = {quantity = "max_slide", above = 1}'}, 'study.toml:7: limit_states.slid: quantity: unknown "max_slide" (did'),
+    ({"slid": 'slid = {quantity = "max_sliding", above = 1e-3, least_demand = 2e-3}'}, "study.toml:7: limit_states.slid: least_demand"),
     ({"slid": 'slid = {quantity = "grade", above = 1}'}, "study.toml:7: limit_states.slid: at_least: should be a grade, D1, D2"),
 ]  # fmt: skip
 

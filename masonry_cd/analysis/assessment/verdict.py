@@ -9,6 +9,7 @@ import numpy as np
 
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FACTOR, GRADE, LEVEL, UNSETTLED, Answer, Assessment, Known, Member
 from masonry_cd.analysis.damage.grades import NAMES
+from masonry_cd.analysis.damage.verdict import ENOUGH
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, UNKNOWN, Verdict
 from masonry_cd.foundation.quantities import counted
 
@@ -62,6 +63,8 @@ def on_the_whole(found: Assessment) -> Verdict:
         return Verdict(_range(found), "", "", DOUBTFUL, words, "; ".join([*reason, *others]))
     if found.deciding:
         return Verdict(_range(found), "", "", LOOK, "what is assumed decides, no single run is the answer", "; ".join(others))
+    if warned := warnings_of(found):
+        return Verdict(_range(found), "", "", LOOK, "read this before you rely on these runs", "; ".join([*warned, *others]))
     return Verdict(_range(found), "", "", GOOD, "; ".join(others) or "nothing that was varied changes it", "")
 
 
@@ -95,6 +98,9 @@ def warnings_of(found: Assessment) -> list[str]:
     if cut:
         said = "run.until_still = true has them go on" if found.base in cut else _some(cut)
         out.append(f"{counted(len(cut), 'run')} ended while blocks still moved, so that what remains, and grades, are provisional: {said}")
+    short = [one for one in found.members if one.done and one.row.get("loads_acted", 1.0) < ENOUGH]
+    if short:
+        out.append(f"{counted(len(short), 'run')} ended before {100 * ENOUGH:g} % of a load had acted: {_some(short)}")
     at_once = [one for one in found.members if one.done and one.row.get("remark") == UNSETTLED]
     if at_once:
         out.append(

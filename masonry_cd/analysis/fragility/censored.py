@@ -68,6 +68,12 @@ def regression(x: np.ndarray, y: np.ndarray, weights: Weights) -> tuple[np.ndarr
     return c, scatter
 
 
+def log_likelihood(x: np.ndarray, y: np.ndarray, weights: Weights, found: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """(R,) of coefficients and scatter that :func:`regression` found of y (N,) over x (N, p); nan where they are not determined."""
+    c, scatter = found
+    return _likelihood(np.column_stack([c, np.ones(len(c))]) / scatter[:, None], np.column_stack([x, -y]), weights, scaled=True)
+
+
 def _newton(design: np.ndarray, weights: Weights, start: np.ndarray, scaled: bool) -> np.ndarray:
     """Newton's method on some replicates, those that have arrived left alone."""
     g, outer = start.astype(float), np.einsum("np,nq->npq", design, design).reshape(len(design), -1)

@@ -11,7 +11,7 @@ import numpy as np
 from masonry_cd.analysis.fragility import betas, fragility
 from masonry_cd.analysis.fragility.betas import Betas
 from masonry_cd.analysis.fragility.bootstrap import FEW, band, replicates
-from masonry_cd.analysis.fragility.cloud import Cloud, Line, cloud_of, fit_line
+from masonry_cd.analysis.fragility.cloud import Bend, Cloud, Line, bend_of, cloud_of, fit_line, least_demand
 from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.fragility import Lognormal, by_level, fit_counts
 from masonry_cd.analysis.fragility.ida import Capacities, Curve, capacities, capacity_quantiles, curves_of, fit_capacities
@@ -93,6 +93,7 @@ class CloudFit(NamedTuple):
     line: Line
     replicated: Line
     limits: tuple[LimitState, ...]
+    bend: Bend | None  # where one line does not do
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +165,8 @@ def fit_study(study: Study) -> Fits:
         if not near:
             more, clouds = _clouds(sample, measure)
             fits += more
-    return Fits(tuple(fits), clouds, (), tuple(line for fit in fits for line in _warnings(fit)))
+    bent = [_bent(cloud, cloud.bend) for cloud in clouds if cloud.bend is not None]
+    return Fits(tuple(fits), clouds, (), (*(line for fit in fits for line in _warnings(fit)), *bent))
 
 
 def _counted(sample: Sample, limit: LimitState, measure: str, method: str) -> Fit:
@@ -178,15 +180,15 @@ def _counted(sample: Sample, limit: LimitState, measure: str, method: str) -> Fi
 
 
 def _clouds(sample: Sample, measure: str) -> tuple[list[Fit], tuple[CloudFit, ...]]:
-    """By regressions, one per quantity."""
+    """By regressions, one per quantity and least demand."""
     fits, clouds = [], []
     continuous = [limit for limit in sample.study.limit_states if limit.continuous]
-    for column in dict.fromkeys(limit.column for limit in continuous):
-        limits = tuple(limit for limit in continuous if limit.column == column)
+    for column, least in dict.fromkeys((limit.column, limit.least) for limit in continuous):
+        limits = tuple(limit for limit in continuous if (limit.column, limit.least) == (column, least))
         here = sample.known(limits[0])
-        cloud = cloud_of(here.intensity, here.values(limits[0]), here.study.collapsed[here.rows], [limit.bound for limit in limits])
+        cloud = cloud_of(here.intensity, here.values(limits[0]), here.study.collapsed[here.rows], [limit.bound for limit in limits], least)
         line, replicated = fit_line(cloud, np.ones((1, len(here.rows)))), fit_line(cloud, here.weights)
-        clouds.append(CloudFit(column, measure, cloud, line, replicated, limits))
+        clouds.append(CloudFit(column, measure, cloud, line, replicated, limits, bend_of(cloud)))
         for limit in limits:
             curve, over = line.fragility(limit.bound), here.over(limit)
             parts = _betas(here.study, here.z(), curve, lambda z, cloud=cloud: betas.of_cloud(cloud, z))
@@ -274,6 +276,16 @@ def _warnings(fit: Fit) -> list[str]:
     if lost > FEW:
         out.append(f"{who}: {100 * lost:.0f} % of the bootstrap's samples could not be fitted: the bands are rough")
     return out
+
+
+def _bent(fit: CloudFit, bend: Bend) -> str:
+    """That one line is put through a cloud with two slopes."""
+    names, at = ", ".join(limit.name for limit in fit.limits), f"{fit.measure} {with_unit(bend.measure, fit.measure)}"
+    slopes = f"of slope {bend.below:.2g} below {at} and {bend.above:.2g} above"
+    first = min(fit.limits, key=lambda limit: limit.bound)
+    least = least_demand(fit.cloud, first.bound)
+    remedy = f"least_demand = {least:.2g} in limit_states.{first.name} has it hold from there on" if least else "fit them by stripes"
+    return f"{names} (cloud): the runs bend, {slopes}, so that theta and beta of one line are wrong: {remedy}"
 
 
 def _between(fit: Fit) -> str:

@@ -32,6 +32,7 @@ class LimitState:
         bound: with which.
         equal: the bound itself counts, too.
         word: the bound as the study gives it.
+        least: demand from which on a regression of a cloud is to hold; 0 for all.
     """
 
     name: str
@@ -40,6 +41,7 @@ class LimitState:
     bound: float
     equal: bool
     word: str
+    least: float = 0.0
 
     def exceeded(self, values: np.ndarray) -> np.ndarray:
         """(N,) bool of the values (N,) of its column; nan exceeds nothing."""
@@ -79,4 +81,7 @@ def _limit_state(name: str, given: Any, header: Sequence[str], where: str) -> Li
     bound = NAMES.index(value) if value in NAMES else value
     if not is_number(bound) and not isinstance(bound, float):
         raise InputError(f"{where}.{found[0]}", f"must be a number, or a grade {NAMES[0]} to {NAMES[-1]}, got {value!r}")
-    return LimitState(name, quantity, column, float(bound), equal, str(value) if value in NAMES else f"{value:g}")
+    least = given.get("least_demand")
+    if least is not None and not (is_number(least) and 0.0 < least < bound):
+        raise InputError(f"{where}.least_demand", f"must lie between 0 and the bound {bound:g}, got {least!r}")
+    return LimitState(name, quantity, column, float(bound), equal, str(value) if value in NAMES else f"{value:g}", float(least or 0.0))

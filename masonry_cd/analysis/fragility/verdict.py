@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from masonry_cd.analysis.damage.grades import NAMES
-from masonry_cd.analysis.fragility.fits import Fit
+from masonry_cd.analysis.damage.verdict import ENOUGH
+from masonry_cd.analysis.fragility.fits import Fits
 from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, UNKNOWN, Verdict
 from masonry_cd.foundation.quantities import counted
@@ -17,7 +16,7 @@ FEW_RECORDS = 10  # with fewer the bands of fits are too narrow
 MANY = 0.1  # share of runs without data or without a grade from which on fits are biased beyond what their bands say
 
 
-def verdict_of(study: Study, fits: Sequence[Fit]) -> Verdict:
+def verdict_of(study: Study, fits: Fits) -> Verdict:
     """What the runs of a study come to."""
     done, asked = int(study.done.sum()), study.count
     if not done:
@@ -25,14 +24,17 @@ def verdict_of(study: Study, fits: Sequence[Fit]) -> Verdict:
     lost = sum(study.text("status").count(state) for state in ("failed", "timeout"))
     ungraded = study.text("grade").count(NOT_GRADED) if "grade" in study.columns else 0
     missed = int((study.numbers("steps_missed")[study.done] > 0).sum())
-    unfitted = [fit.limit.name for fit in fits if not fit.fitted]
+    short = int((study.numbers("loads_acted")[study.done] < ENOUGH).sum())
+    unfitted = [fit.limit.name for fit in fits.fits if not fit.fitted]
     few = bool(study.asked["measure"]) and 0 < len(study.motions) < FEW_RECORDS
     reasons = [
         f"{lost} of {asked} runs failed or timed out" if lost else "",
         f"{ungraded} of {done} runs cannot be relied on" if ungraded else "",
         f"{missed} of {done} runs missed the tolerance in some steps" if missed else "",
         f"{counted(len(study.motions), 'record')}, and {FEW_RECORDS} are wanted" if few else "",
+        f"{short} of {done} runs ended before their loads had acted" if short else "",
         f"no fit of {', '.join(dict.fromkeys(unfitted))}" if unfitted else "",
+        *fits.warnings,
     ]
     why, grade = "; ".join(filter(None, reasons)), _range(study)
     if (lost + ungraded) > MANY * asked:

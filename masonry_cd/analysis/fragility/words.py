@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.verdict import ENOUGH
 from masonry_cd.analysis.fragility.bootstrap import LEVEL
 from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.folder import Study
@@ -140,6 +141,9 @@ def warnings_of(study: Study) -> list[str]:
     some = int((missed > 0).sum())
     if some:
         out.append(f"{some} of {found['done']} runs missed the solver's tolerance in some steps")
+    short = int((study.numbers("loads_acted")[study.done] < ENOUGH).sum())
+    if short:
+        out.append(f"{short} of {found['done']} runs ended before {100 * ENOUGH:g} % of a load had acted: run.duration is too short")
     ungraded = study.text("grade").count(NOT_GRADED) if "grade" in study.columns else 0
     if ungraded:
         out.append(f"{ungraded} of {found['done']} runs cannot be relied on and are {NOT_GRADED}: fits by grade leave them out")

@@ -27,6 +27,13 @@ NUMBERS = {
         {STUDY: 13, ASSESS: 9},
         judges=False,
     ),
+    "loads_acted": Number(
+        "loads that acted",
+        "least share of a load that has acted by the end of the run; 1 where all act from the start",
+        lambda run: min((one["share"] for one in run.summary.get("loads", {}).get("acted", [])), default=1.0),
+        {STUDY: 14, ASSESS: 10},
+        judges=False,
+    ),
     "end": Number(
         "end of the run", "time of its last frame", lambda run: float(run.results.time[-1]), {COMPARE: 5}, "s", ("s", 1.0), judges=False
     ),

@@ -40,6 +40,7 @@ from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
 FORMAT = 1
 QUANTITIES = tuple(key for key, number in numbers_in(STUDY).items() if number.judges)
 OF_PARTS = (".grade_number", ".drift")
+CLOUDS = ("cloud", "sample", "grid")  # designs whose runs have intensities of their own, so that a line is put through them
 MOST_SECONDS = 1e8  # of a run: three years
 Positive = Annotated[Number, Field(gt=0)]
 
@@ -82,6 +83,8 @@ class LimitState(Table):
     """Exceeded above this."""
     at_least: str | None = None
     """Of the quantity "grade": from this one on, "D3"."""
+    least_demand: Positive | None = None
+    """Smallest value that the regression of a cloud takes in: of runs with less it only knows that they have less."""
 
     @model_validator(mode="after")
     def _one(self) -> LimitState:
@@ -94,6 +97,8 @@ class LimitState(Table):
             raise ValueError("above: missing" if self.above is None else 'at_least: belongs to quantity = "grade"')
         if graded and self.above is not None:
             raise ValueError('above: a grade is compared by at_least = "D3"')
+        if self.least_demand is not None and (self.above is None or self.least_demand >= self.above):
+            raise ValueError("least_demand: should lie below the value of above")
         return self
 
     def exceeded(self, row: Mapping[str, Any]) -> bool | None:
@@ -312,6 +317,10 @@ def _check_design(top: StudyTables) -> None:
             raise InputError(key, f'belongs to the design "{owner}", and this one is "{design}"')
     if levels and design in ("ida", "cloud", "ensemble"):
         raise InputError("intensity.levels", f'the design "{design}" takes none')
+    if design not in CLOUDS:
+        for name, state in top.limit_states.items():
+            if state.least_demand is not None:
+                raise InputError(f"limit_states.{name}.least_demand", f'is of the regression of a cloud, which "{design}" has none of')
     if top.ida is not None and top.ida.limit_state not in top.limit_states:
         raise InputError(
             "ida.limit_state", f'there is no "{top.ida.limit_state}" in [limit_states]{suggest(top.ida.limit_state, top.limit_states)}'

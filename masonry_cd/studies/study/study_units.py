@@ -60,10 +60,14 @@ def varied_in_si(varied: Iterable[tuple[str, Any]], unit_of_key: Callable[[str],
 
 
 def _limit_state(table: Any, where: str) -> Any:
-    """A limit state with its bound as a number."""
-    if not (isinstance(table, Mapping) and "above" in table):
+    """A limit state with its bounds as numbers."""
+    if not isinstance(table, Mapping):
         return table
-    return {**table, "above": values_in_si(table["above"], lambda: UNITS.get(str(table.get("quantity")), ""), f"{where}.above")}
+
+    def unit() -> str:
+        return UNITS.get(str(table.get("quantity")), "")
+
+    return {k: values_in_si(v, unit, f"{where}.{k}") if k in ("above", "least_demand") else v for k, v in table.items()}
 
 
 def _unit_of_levels(tables: Mapping[str, Any], unit_of_key: Callable[[str], str]) -> Callable[[], str]:

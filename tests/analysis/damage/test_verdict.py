@@ -43,6 +43,11 @@ def false(slip: float, moved: float, where: str = "a and b at 1 s") -> dict[str,
     return solver(false_slip_max=slip, false_opening_max=0.0, false_slip_where=where) | {"displacement_max": moved}
 
 
+def tight(slip: float, moved: float, tolerance: float) -> dict[str, Any]:
+    """The same with a tolerance that is known."""
+    return false(slip, moved) | {"solver": false(slip, moved)["solver"] | {"tolerance": tolerance}}
+
+
 def solver(**changes: Any) -> dict[str, Any]:
     return {"solver": SOUND["solver"] | changes}
 
@@ -77,9 +82,20 @@ def solver(**changes: Any) -> dict[str, Any]:
         ({"beds": {"share_least": None, "unresolved": 0}}, "good", ""),  # elastic joints of which none opened
         ({"beds": BEDS | {"unresolved": 2}}, "look", '"a" - "b" on 29 % of it where 3 points resolve 41 %'),
         ({"beds": BEDS | {"unresolved": 0}}, "good", ""),
+        ({"loads": {"acted": [{"load": "loads[0]", "measure": "cycles", "share": 0.5}]}}, "look", "50 % of the cycles of loads[0]"),
+        ({"loads": {"acted": [{"load": "loads[0]", "measure": "cycles", "share": 0.96}]}}, "good", ""),
+        ({"doubts": ["block a falls"]}, "look", "block a falls"),
+        ({"doubts": []}, "good", ""),
+        ({"shortening_where": "a and b at 1 s", "shortening_max": 1e-3}, "look", "joints shortened by up to 1 mm"),
+        ({"crushing_forgotten": 1}, "look", "1 joint"),
+        ({"time_step": {"steps_wanted_shorter": 9, "dt_min": 1e-3}}, "look", "9 of 200 steps should have been shorter"),
+        (solver(steps_missed=90, error_max=3e-3, error_reached=4.2e-4, tolerance_sound=1e-3), "look", "run.tolerance = 0.0005 will do"),
+        (solver(steps_missed=90, error_max=3e-3, error_reached=9.7e-4, tolerance_sound=1e-3), "look", "run.tolerance = 0.001 will do"),
+        (solver(steps_missed=90, error_max=3e-3, error_reached=2e-3, tolerance_sound=1e-3), "doubtful", "90 of 200 steps missed"),
         (false(1e-5, 1e-2), "good", ""),
         (false(5e-4, 1e-2), "look", "500 um of slip"),
         (false(5e-3, 1e-2), "doubtful", "5 mm of slip"),
+        (tight(5e-3, 1e-2, 1e-3), "doubtful", "run.tolerance = 1e-05 will do"),
         (false(1e-5, 1e-5), "look", "10 um of slip"),  # too little to change a grade
         (false(1e-5, 1e-5, where=""), "good", ""),
     ],

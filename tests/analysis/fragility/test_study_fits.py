@@ -11,7 +11,7 @@ from scipy.stats import binom, norm
 from masonry_cd.analysis.fragility import betas
 from masonry_cd.analysis.fragility.bootstrap import band, replicates
 from masonry_cd.analysis.fragility.censored import Weights, regression
-from masonry_cd.analysis.fragility.cloud import cloud_of, fit_line
+from masonry_cd.analysis.fragility.cloud import bend_of, cloud_of, fit_line, least_demand
 from masonry_cd.analysis.fragility.fragility import ALL, FALLING, FITTED, NONE, SEPARATED, by_level, falls, fit_counts
 from masonry_cd.analysis.fragility.ida import Capacities, capacities, capacity_quantiles, curves_of, demand_quantiles, fit_capacities
 from masonry_cd.analysis.fragility.limits import LimitState
@@ -219,3 +219,34 @@ def test_a_curve_is_the_normal_distribution_of_the_logarithm():
     grid = np.array([0.5, float(fit.theta[0]), 2.0])
     assert fit.probability(grid)[0] == pytest.approx(norm.cdf(np.log(grid / fit.theta[0]) / fit.beta[0]))
     assert fit.probability(grid)[0, 1] == pytest.approx(0.5)
+
+
+def bent(runs: int, seed: int, knot: float = 0.5) -> tuple[np.ndarray, np.ndarray]:
+    """Intensities and demands of a cloud that rises with a slope of 1 below a knot and of 3 above, where theta(0.02) is 1.3."""
+    random = np.random.default_rng(seed)
+    x = random.uniform(np.log(0.1), np.log(2.0), runs)
+    y = np.log(0.02) + 3.0 * (np.maximum(x, np.log(knot)) - np.log(1.3)) + np.minimum(x - np.log(knot), 0.0)
+    return np.exp(x), np.exp(y + 0.4 * random.standard_normal(runs))
+
+
+def test_a_cloud_that_bends_is_known_and_a_least_demand_finds_its_line():
+    intensity, demand = bent(400, seed=3)
+    never, one = np.zeros(400, dtype=bool), np.ones((1, 400))
+    bend = bend_of(cloud_of(intensity, demand, never, [0.02]))
+    assert bend is not None and bend.below < 1.5 < 2.5 < bend.above and bend.measure == pytest.approx(0.5, rel=0.25)
+    least = least_demand(cloud_of(intensity, demand, never, [0.02]), 0.02)
+    assert least is not None and bend.demand <= least < 0.02
+    above = cloud_of(intensity, demand, never, [0.02], least)
+    wrong, right = (fit_line(cloud, one).fragility(0.02) for cloud in (cloud_of(intensity, demand, never, [0.02]), above))
+    assert bend_of(above) is None
+    assert abs(right.theta[0] / 1.3 - 1.0) < 0.03 < abs(wrong.theta[0] / 1.3 - 1.0)
+    assert abs(right.beta[0] - 0.4 / 3.0) < 0.02 < 0.1 < wrong.beta[0] - 0.4 / 3.0
+
+
+def test_straight_clouds_seldom_seem_to_bend():
+    random, found = np.random.default_rng(5), 0
+    for _ in range(60):
+        intensity = np.exp(random.normal(-0.3, 0.7, 80))
+        demand = np.exp(-4.0 + 1.5 * np.log(intensity) + 0.4 * random.standard_normal(80))
+        found += bend_of(cloud_of(intensity, demand, demand > 0.05, [0.02])) is not None
+    assert found <= 4  # of 60, at one in a hundred each: more than that by chance once in 3,000
