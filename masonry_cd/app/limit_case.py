@@ -100,13 +100,14 @@ def limit_case(path: Path | str, changes: Sequence[str] = (), curve: bool = Fals
     return case_of(read_scene(path, changes), curve)
 
 
-def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = ()) -> LimitCase:
+def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = (), quiet: bool = True) -> LimitCase:
     """Analyse a scene.
 
     Args:
         scene: what is analysed.
         curve: follow the mechanism, also where the scene has no table ``[limit.curve]``.
         parts: mechanisms of macro-elements, at which a search for the least factor begins as well where they go with the push.
+        quiet: do not say how long the places of a vehicle still take.
 
     Raises:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
@@ -114,7 +115,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
     from masonry_cd.app.static_loads import CurveTable
 
     begin = time.perf_counter()
-    scene, crossing = at_worst(scene)
+    scene, crossing = at_worst(scene, quiet)
     structure = limit_structure(scene)
     asked, assembly, joints, notes = structure.asked, structure.assembly, structure.joints, list(structure.made.notes)
     with scene.locating():

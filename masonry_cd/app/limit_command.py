@@ -31,6 +31,7 @@ class Asked:
     run: Path | None = None
     pictures: bool = True
     view: str = "auto"
+    quiet: bool = False
 
 
 def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callable[[str], object]) -> list[Path]:
@@ -56,7 +57,7 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
         raise InputError("--run", "stands beside macro-elements only; give --macro-elements")
     if asked.run is not None and not (asked.run / "damage.csv").exists():
         raise InputError("--run", f"{asked.run} has no damage.csv; a run writes it where [report] damage = true")
-    whole, found = looked_at(scene, asked.macro_elements, asked.curve)
+    whole, found = looked_at(scene, asked.macro_elements, asked.curve, quiet=asked.quiet)
     written = []
     judged = found.verdict if found is not None else None
     verdict = on_the_whole(summary(whole)) if whole is not None else on_the_check(judged.numbers() if judged is not None else None)
@@ -71,7 +72,9 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
     return written
 
 
-def looked_at(scene: Scene, every: bool = False, curve: bool = False, jobs: int | None = None) -> tuple[LimitCase | None, MacroCase | None]:
+def looked_at(
+    scene: Scene, every: bool = False, curve: bool = False, jobs: int | None = None, quiet: bool = True
+) -> tuple[LimitCase | None, MacroCase | None]:
     """The whole of a scene where it names a push or has no parts to look at, its macro-elements, and the one verdict in both.
 
     Args:
@@ -79,6 +82,7 @@ def looked_at(scene: Scene, every: bool = False, curve: bool = False, jobs: int 
         every: look at the parts of the structure's kind as well as at those of ``[[limit.mechanism]]``.
         curve: follow the mechanism of the whole.
         jobs: processes for the parts; as many as there are cores by default.
+        quiet: do not say how long it still takes.
 
     Raises:
         InputError: anything wrong with the scene.
@@ -86,9 +90,9 @@ def looked_at(scene: Scene, every: bool = False, curve: bool = False, jobs: int 
     from masonry_cd.app.limit_case import case_of
     from masonry_cd.app.limit_macro import macro_case
 
-    found = macro_case(scene, every, jobs) if every or scene.limit.get("mechanism") else None
+    found = macro_case(scene, every, jobs, quiet) if every or scene.limit.get("mechanism") else None
     known = [] if found is None else [one.mechanisms[0] for one in found.parts if one.mechanisms]
-    whole = case_of(scene, curve, known) if found is None or has_pattern(scene) else None
+    whole = case_of(scene, curve, known, quiet) if found is None or has_pattern(scene) else None
     verdicts = [one.verdict for one in (found, whole) if one is not None and one.verdict is not None]
     if whole is not None and found is not None and verdicts:
         whole, found = replace(whole, verdict=worst(verdicts)), replace(found, verdict=worst(verdicts))

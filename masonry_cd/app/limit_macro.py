@@ -3,28 +3,30 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
 from dataclasses import dataclass
-from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.code_check.level import foundation_of
 from masonry_cd.analysis.code_check.verdicts import Judgement
 from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, analyse_element
 from masonry_cd.analysis.limit.part import Whole
+from masonry_cd.app.limit_check import heights_along_z
 from masonry_cd.app.limit_parts import whole_of
 from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.macro_parts import elements_of
 from masonry_cd.app.macro_verdicts import MacroRow, judged, rows_of
 from masonry_cd.app.modelled import masses
+from masonry_cd.app.progress import Progress
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation import system
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted
+from masonry_cd.foundation.workers import workers
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.solvers.options import cores
@@ -53,13 +55,14 @@ class MacroCase:
     modelled: tuple[str, ...] = ()  # masses, ties, floors and fill, in words
 
 
-def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
+def macro_case(scene: Scene, every: bool, jobs: int | None = None, quiet: bool = True) -> MacroCase:
     """Analyse the macro-elements of a scene.
 
     Args:
         scene: what is analysed.
         every: those of its structure's kind, beside the chosen ones of ``[[limit.mechanism]]``.
         jobs: processes; as many as there are cores by default.
+        quiet: do not say how long the parts still take.
 
     Raises:
         InputError: anything wrong with the scene, or a table that names no block.
@@ -82,8 +85,8 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None) -> MacroCase:
             scene.run.seed,
             asked.check is not None and asked.check.by_displacements,
         )
-        parts = _analysed(structure, elements, effort, jobs or cores())
-        rows = rows_of(parts, asked.check, scene.folder, (structure.gravity, _ground(assembly)), effort)
+        parts = _analysed(structure, elements, effort, (jobs or cores(), quiet))
+        rows = rows_of(parts, asked.check, scene.folder, foundation_of(asked.check, assembly), effort)
     notes = [*built.made.notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
     verdict = None if asked.check is None else judged(rows, parts)
     seconds, modelled = time.perf_counter() - begin, (masses(assembly), *built.made.notes)
@@ -96,31 +99,28 @@ def _suits(asked: LimitTable, scene: Scene) -> None:
     Raises:
         InputError: names the key.
     """
-    if not any(scene.run.gravity):
-        raise InputError("limit", "macro-elements need gravity, but run.gravity is zero")
+    heights_along_z("limit: what looks at macro-elements", scene.run.gravity)
     if asked.begin is not None:
         raise InputError("limit.from", "macro-elements are those of the structure as built")
     if asked.check is not None and asked.check.limit_state == "SLC":
         raise InputError(
             "limit.check.limit_state", "SLC is checked by displacements only, and of macro-elements the least mechanism alone is followed"
         )
-    if abs(scene.run.gravity[0]) + abs(scene.run.gravity[1]) > 1e-9 * math.hypot(*scene.run.gravity):
-        raise InputError("limit", "macro-elements need gravity along -z")
 
 
-def _ground(assembly: Assembly) -> float:
-    """Height of the lowest point of what is free: heights of a building count from there [m]."""
-    return min(float(block.vertices[:, 2].min()) for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True) if not fixed)
-
-
-def _analysed(whole: Whole, elements: Sequence[MacroElement], effort: Effort, jobs: int) -> list[ElementAnalysis]:
-    """All parts under all their pushes, in order, on so many processes that share the structure."""
+def _analysed(whole: Whole, elements: Sequence[MacroElement], effort: Effort, how: tuple[int, bool]) -> list[ElementAnalysis]:
+    """All parts under all their pushes, in order, on so many processes that share the structure; quiet or not."""
+    (jobs, quiet), found = how, []
     asked = [(element, way) for element in elements for way in element.directions]
     whole.prepare()
-    if jobs < 2 or len(asked) < 2:
-        return [analyse_element(whole, element, way, effort) for element, way in asked]
-    with ProcessPoolExecutor(jobs, mp_context=get_context(system.INHERITS), initializer=_share, initargs=(whole, effort)) as pool:
-        return list(pool.map(_one, asked))
+    several = jobs > 1 and len(asked) > 1
+    with workers(jobs, system.INHERITS, _share, whole, effort) if several else nullcontext() as pool:
+        made = pool.map(_one, asked) if pool else (analyse_element(whole, element, way, effort) for element, way in asked)
+        with Progress(len(asked), quiet, what="push of a part") as progress:
+            for one in made:
+                found.append(one)
+                progress(len(found))
+    return found
 
 
 _SHARED: list[Any] = []  # structure and effort, in each process of a pool

@@ -69,8 +69,10 @@ class Crossing:
         )
 
 
-def at_worst(scene: Scene) -> tuple[Scene, Crossing | None]:
+def at_worst(scene: Scene, quiet: bool = True) -> tuple[Scene, Crossing | None]:
     """A scene with the vehicle that its limit analysis multiplies at its worst place; the scene itself where no place is to be found.
+
+    It says how long the places still take, unless it is ``quiet``.
 
     Raises:
         InputError: anything wrong with the scene.
@@ -82,7 +84,7 @@ def at_worst(scene: Scene) -> tuple[Scene, Crossing | None]:
 
     structure = limit_structure(middle)
     with scene.locating():
-        found = _crossing(middle, structure, number)
+        found = _crossing(middle, structure, number, quiet)
     if found is None:
         return _placed(middle, number, _range(structure, number)[0]), None
     return _placed(middle, number, float(found.position[found.worst])), found
@@ -136,9 +138,10 @@ def _range(structure: LimitStructure, number: int) -> tuple[float, float]:
     return fill.deck[0], fill.deck[1] + sum(table.known.spacing)
 
 
-def _crossing(scene: Scene, structure: LimitStructure, number: int) -> Crossing | None:
+def _crossing(scene: Scene, structure: LimitStructure, number: int, quiet: bool) -> Crossing | None:
     """The envelope; None of a structure that does not stand, which the analysis then says."""
     from masonry_cd.app.limit_search import ways
+    from masonry_cd.app.progress import Progress
 
     low, high = _range(structure, number)
     first = structure.loads()
@@ -151,10 +154,12 @@ def _crossing(scene: Scene, structure: LimitStructure, number: int) -> Crossing 
     def at(place: float) -> float:
         if place not in known:
             known[place] = _factor(_placed(scene, number, place), structure, options)
+            progress(min(len(known), count))  # those around the least come last, and are few
         return known[place]
 
     count = structure.asked.positions or (IN_PLANE if problem.axis is not None else IN_SPACE)
-    _look(at, np.linspace(low, high, count + 2)[1:-1].tolist(), CLOSE * (high - low))
+    with Progress(count, quiet, what="place of the vehicle") as progress:
+        _look(at, np.linspace(low, high, count + 2)[1:-1].tolist(), CLOSE * (high - low))
     places = np.array(sorted(known))
     table, fill = _asked(structure, number)
     words = f"vehicle {table.name}" if table.name else f"vehicle of {len(table.known.loads)} axles"

@@ -56,7 +56,7 @@ def _left_open(table: Any) -> tuple[str, ...]:
 
     if table is None or table.code != "NTC2018":
         return ()
-    return left_open(table)
+    return left_open(table.at(table.building_height) if table.building else table)
 
 
 def _part(case: MacroCase, k: int) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.code_check.level import level_of
 from masonry_cd.analysis.code_check.verdicts import (
     MARGIN,
     NOT_DECIDED,
@@ -20,6 +21,7 @@ from masonry_cd.analysis.code_check.verdicts import (
     Looked,
     SearchNumbers,
     Verdict,
+    held_words,
     worst,
 )
 from masonry_cd.analysis.limit.candidates import ASSOCIATED
@@ -29,10 +31,8 @@ from masonry_cd.foundation.quantities import length
 
 if TYPE_CHECKING:
     from masonry_cd.analysis.code_check.ground import Ground
-    from masonry_cd.analysis.code_check.steps import CodeCheck
     from masonry_cd.analysis.code_check.table import CheckTable
 
-ON_THE_GROUND = 0.5  # height of the line about which a part turns up to which the motion of the ground is that of the part [m]
 AXES = {"x": (1.0, 0.0), "-x": (-1.0, 0.0), "y": (0.0, 1.0), "-y": (0.0, -1.0)}
 
 
@@ -45,7 +45,7 @@ class MacroRow:
     push: str
     mechanism: str
     found: str  # how
-    height: float  # of the lowest point that moves, over the foundation [m]
+    height: float  # of the line at which it is held, above the foundation [m]
     moving_blocks: int
     alpha0: float
     fraction: float  # e* as taken
@@ -67,7 +67,7 @@ class MacroRow:
     @property
     def words(self) -> str:
         """The row in a line."""
-        a0 = f"alpha0 {self.alpha0:.4g}, e* {self.fraction:.3g}, a0* {self.acceleration:.4g} m/s2"
+        a0 = f"alpha0 {self.alpha0:.4g}, e* {self.fraction:.3g}, a0* {self.acceleration:.4g} m/s2{held_words(self.height)}"
         if self.ratio is None:
             return f"{self.element}, push {self.push}: {a0}: {self.mechanism}"
         asked = f"{self.demand:.4g} asked for"
@@ -78,7 +78,7 @@ class MacroRow:
 
 
 def rows_of(
-    parts: Sequence[ElementAnalysis], table: CheckTable | None, folder: Path, about: tuple[float, float], effort: Effort
+    parts: Sequence[ElementAnalysis], table: CheckTable | None, folder: Path, foundation: float, effort: Effort
 ) -> tuple[MacroRow, ...]:
     """All mechanisms, the least ratio first.
 
@@ -86,7 +86,7 @@ def rows_of(
         parts: what was found.
         table: the check, None without one.
         folder: from which the path of a record is read.
-        about: gravity [m/s2] and the height of the foundation [m].
+        foundation: its z [m].
         effort: of the search.
 
     Raises:
@@ -96,7 +96,7 @@ def rows_of(
 
     ground = None if table is None else ground_of(table, folder)
     rows = [
-        _row(one, (k, number), part, table, ground, about[1], effort)
+        _row(one, (k, number), part, table, ground, foundation, effort)
         for k, part in enumerate(parts)
         for number, one in enumerate(part.mechanisms)
     ]
@@ -108,12 +108,17 @@ def _row(
     effort: Effort,
 ) -> MacroRow:  # fmt: skip
     """A mechanism, and its check where one is asked for."""
-    height, made = max(one.height - foot, 0.0), one.oscillator
-    facts = (one.element.name, one.element.kind, way_words(one.direction), one.name, one.source, height, one.moving)
+    made = one.oscillator
+    names = (one.element.name, one.element.kind, way_words(one.direction), one.name, one.source)
     if table is None or ground is None:
+        facts = (*names, max(one.height - foot, 0.0), one.moving)
         return MacroRow(*facts, made.alpha, made.fraction, made.acceleration(), None, None, "", made.doubt, "", *place)
-    undecided = _undecided(part, table, height, effort)
-    checked = _checked(one, table, ground, height, undecided)
+    from masonry_cd.analysis.code_check.check import check_at
+
+    level = level_of(table, one.height, foot)
+    facts = (*names, level.height, one.moving)
+    undecided = level.doubt or _undecided(part, effort)
+    checked = check_at(table, level, made, ground, Basis(doubt=undecided))
     linear, decides = checked.verdicts[0], min(checked.verdicts, key=_gravity)
     by_displacements: tuple[Any, ...] = (None, None, None, None, _no_displacement(one) if table.by_displacements else "")
     if len(checked.verdicts) > 1:
@@ -136,19 +141,8 @@ def _no_displacement(one: PartMechanism) -> str:
     return one.oscillator.doubt or one.oscillator.end
 
 
-def _checked(one: PartMechanism, table: CheckTable, ground: Ground, height: float, undecided: str) -> CodeCheck:
-    """The checks, at the height at which the mechanism is held where the building is known."""
-    from masonry_cd.analysis.code_check.check import CODES
-
-    there = height if table.height and height > ON_THE_GROUND else 0.0
-    return CODES[table.code](table.model_copy(update={"height": there}), one.oscillator, ground).resting_on(Basis(doubt=undecided))
-
-
-def _undecided(part: ElementAnalysis, table: CheckTable, height: float, effort: Effort) -> str:
+def _undecided(part: ElementAnalysis, effort: Effort) -> str:
     """Why the check of a part cannot say "satisfied", in words."""
-    if not table.height and height > ON_THE_GROUND:
-        there = "limit.check.height and building_period say that of the building"
-        return f"held {height:.3g} m above the ground, whose motion is asked for: {there}"
     if part.remarks:
         return part.remarks[0]
     if part.least is None:
@@ -175,7 +169,7 @@ def _judgement(row: MacroRow, part: ElementAnalysis) -> Judgement:
     capacity, demand, unit = (
         (row.displacement, row.displacement_demand, "m") if by_displacements else (row.acceleration, row.demand, "m/s2")
     )
-    looked = Looked(row.found, row.moving_blocks, row.alpha0, row.fraction, row.acceleration, row.doubt)
+    looked = Looked(row.found, row.moving_blocks, row.alpha0, row.fraction, row.acceleration, row.doubt, row.height)
     least, upper = part.least, [one.oscillator.alpha for one in part.mechanisms if one.source.startswith(ASSOCIATED)]
     numbers = None
     if least is not None:
@@ -183,6 +177,7 @@ def _judgement(row: MacroRow, part: ElementAnalysis) -> Judgement:
         numbers = SearchNumbers(top, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)
     sides = f"{capacity:.4g} {unit} borne, {demand:.4g} {unit} asked for, ratio {row.ratio:.3g}"
     reason = f"{row.element}, push {row.push}, {row.mechanism}: {row.check} check, {sides}, alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}"
+    reason += held_words(row.height)
     if row.state == NOT_DECIDED:
         reason += f"; {row.undecided or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
     return Judgement(row.state, reason, row.check, demand, capacity, unit, row.ratio, MARGIN, looked, numbers)

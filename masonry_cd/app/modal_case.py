@@ -14,7 +14,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -28,6 +28,9 @@ from masonry_cd.foundation.fields import finite_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly, Block, refuse_spheres
 from masonry_cd.mechanics.model.materials import Material
+
+if TYPE_CHECKING:
+    from masonry_cd.app.scene import Scene
 
 JointStiffness = tuple[float, float] | tuple[np.ndarray, np.ndarray]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -115,7 +118,7 @@ class Result:
 
 
 def modal_case(
-    source: Path | str | Sequence[Block],
+    source: Path | str | Scene | Sequence[Block],
     options: Mapping[str, Any],
     folder: Path | None = None,
     changes: Sequence[str] = (),
@@ -124,7 +127,7 @@ def modal_case(
     """The modal check of a scene: what the command ``masonry-cd modal`` does.
 
     Args:
-        source: a scene file, or blocks.
+        source: a scene file, a scene, or blocks.
         options: keys of :class:`ModalOptions`.
         folder: where files are written, made if need be; nothing is written without one.
         changes: ``key=value`` that change the scene.
@@ -137,13 +140,14 @@ def modal_case(
         InputError: a wrong option, scene, or file of measured modes.
     """
     from masonry_cd.app.case import build_blocks
-    from masonry_cd.app.scene import read_scene
+    from masonry_cd.app.scene import Scene, read_scene
 
     asked = parse_table(ModalOptions, options, "modal")
     measured = read_measured(asked.reference) if asked.reference else []
     if isinstance(source, Path | str):
-        scene = read_scene(source, changes)
-        blocks, title, material = build_blocks(scene), scene.title, scene.material
+        source = read_scene(source, changes)
+    if isinstance(source, Scene):
+        blocks, title, material = build_blocks(source), source.title, source.material
     else:
         blocks, material = list(source), None
     refuse_spheres(blocks, "structure", "the modal check")

@@ -36,13 +36,20 @@ class Progress:
         stream: where to; standard error when not given.
         costs: measures what steps cost; by default all steps cost alike.
         tick: of a run whose steps adapt [s]; None for one of fixed steps.
+        what: is counted, where it is no step.
     """
 
     def __init__(
-        self, total: int, quiet: bool = False, stream: TextIO | None = None, costs: StepCosts | None = None, tick: float | None = None
+        self,
+        total: int,
+        quiet: bool = False,
+        stream: TextIO | None = None,
+        costs: StepCosts | None = None,
+        tick: float | None = None,
+        what: str = "step",
     ) -> None:
         self.total, self.done = total, 0
-        self._costs, self._tick = costs, tick
+        self._costs, self._tick, self._what = costs, tick, what
         self._stream = stream or sys.stderr
         self._bar = _bar(self._stream) if is_drawn(self._stream) and not quiet else None
         self._every = float("inf") if quiet else BAR_SECONDS if self._bar else LINE_SECONDS
@@ -51,7 +58,9 @@ class Progress:
         self._begin = self._last = self._before = time.perf_counter()
         if self._bar:
             self._bar.start()
-            self._task = self._bar.add_task("steps" if self._tick is None else "shortest steps", total=self.total, left="")
+            self._task = self._bar.add_task(
+                self._what if self._what != "step" else "steps" if self._tick is None else "shortest steps", total=self.total, left=""
+            )
             self._bar.refresh()
         return self
 
@@ -83,7 +92,7 @@ class Progress:
             self._bar.update(self._task, total=max(self.total, self.done), completed=self.done, left=left, refresh=True)
             return
         share = f" ({100 * self.done / self.total:.0f} %)" if self.done <= self.total else ""
-        steps = f"step {self.done} of {self.total}"
+        steps = f"{self._what} {self.done} of {self.total}"
         if self._tick is not None:
             steps = f"{self.done * self._tick:.4g} of {self.total * self._tick:.4g} s"
         print(f"{steps}{share}, {in_words(elapsed)} so far, {left}", file=self._stream, flush=True)

@@ -59,7 +59,7 @@ def limit(
         free_folder(output, (*EVERY, *MACRO_OUTPUTS), force)
         if picture and view != "auto":
             view_named(view)  # refused before anything is computed
-        asked = Asked(output, curve, macro_elements, run, picture, view)
+        asked = Asked(output, curve, macro_elements, run, picture, view, quiet)
         written = limit_command(scene, set_ or (), asked, silent if quiet else typer.echo)
         if not quiet:
             typer.echo(f"written: {', '.join(map(str, written))}")

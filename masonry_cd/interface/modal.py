@@ -37,8 +37,7 @@ def modal(
     """
     from masonry_cd.app.modal_case import modal_case
 
-    asked = scene(source)
-    found = modal_case(asked.structure.blocks, options, None if folder is None else Path(folder), title=asked.title)
+    found = modal_case(scene(source).checked, options, None if folder is None else Path(folder))
     for line in found["warnings"]:
         warnings.warn(line, RunWarning, stacklevel=2)
     return found

@@ -7,9 +7,8 @@ A file has a line of JSON for each run that has ended, by its name; its first li
 from __future__ import annotations
 
 import json
-import multiprocessing
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,6 +16,7 @@ from typing import Any, TypeVar
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
+from masonry_cd.foundation.workers import workers as pool_of
 
 Asked = TypeVar("Asked")
 Row = dict[str, Any]
@@ -55,7 +55,7 @@ class KeptRuns:
         missing = [name for name in asked if name not in self._rows]
         if missing:
             self._begin()
-        with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool, self._file.open("a") as file:
+        with pool_of(workers, "spawn") as pool, self._file.open("a") as file:
             runs = {pool.submit(function, asked[name]): name for name in missing}
             try:
                 for left, run in enumerate(as_completed(runs), 1 - len(missing)):
@@ -64,8 +64,6 @@ class KeptRuns:
                     ended(runs[run], self._rows[runs[run]], -left)
             except BrokenProcessPool:
                 raise InputError("", f"a process of the runs died, perhaps for want of memory; those in {self._file} are kept") from None
-            finally:
-                pool.shutdown(wait=False, cancel_futures=True)
         return {name: self._rows[name] for name in asked}
 
     def _begin(self) -> None:

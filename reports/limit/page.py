@@ -104,7 +104,8 @@ def _looked(basis: Mapping[str, Any]) -> list[list[str]]:
     return [
         [
             one["found"], f"{one['moving_blocks']:,}", number(one["alpha0"]), number(one["fraction"], digits=3),
-            number(one["acceleration"], "m/s²"), f"e* = 1 is taken: {one['doubt']}" if one["doubt"] else "",
+            number(one["acceleration"], "m/s²"), number(one["height"], "m", digits=3),
+            f"e* = 1 is taken: {one['doubt']}" if one["doubt"] else "",
         ]
         for one in basis["looked"]
     ]  # fmt: skip

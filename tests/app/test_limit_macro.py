@@ -21,6 +21,7 @@ from masonry_cd.cli.app import app
 from masonry_cd.mechanics.model.blocks import Block
 
 SLAB = '[[limit.mechanism]]\nblocks = ["slab"]\ndirection = "-x"\nmechanisms = ["overturning"]\n'
+BUILDING = "building_height = 6.0\nbuilding_period = 0.2\nstoreys = 2\n"
 BORNE = GRAVITY / 6.0 / 1.35  # a0* of the slab of 0.5 by 3 m
 
 
@@ -63,6 +64,46 @@ def test_a_part_above_the_ground_is_asked_for_the_motion_there(tmp_path: Path) -
     assert high.state == "satisfied" and low.demand is not None and high.demand is not None and high.demand > 1.2 * low.demand
 
 
+ASKED = {False: 1.8 * 1.4334 / 2.0, True: 7.531 / 2.0}  # ag S and aZ over q, by hand [m/s2]
+LEVELS = {
+    "on the ground": (0.0, "", 0.0, False),
+    "its own line": (0.0, "foundation = -6.0\n", 6.0, True),
+    "a whole that is held there": (0.0, "height = 6.0\n", 6.0, True),
+    "modelled where it is": (6.0, "foundation = 0.0\n", 6.0, True),
+    "the lowest block counts as the foundation": (6.0, "", 0.0, False),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("bed", "key", "height", "raised"), LEVELS.values(), ids=list(LEVELS))
+def test_the_whole_and_its_parts_on_one_bed_are_asked_for_the_same(
+    bed: float, key: str, height: float, raised: bool, tmp_path: Path
+) -> None:
+    """One meaning of height in all doors: terminal, page and limit.json have it, and NTC's [C7.2.7] the demand."""
+    roof = box("roof", (-1.0, -1.0, bed - 0.2), (2.0, 1.0, bed), fixed=True)
+    site = 'spectrum = "NTC"\nag = 1.8\nf0 = 2.42\ntc_star = 0.33\nground = "C"\ndisplacements = false\n'
+    tables = f'[limit]\npush = "-x"\n[limit.check]\n{site}{BUILDING}{key}{SLAB}'
+    path, folder = scene(tmp_path, [roof, box("slab", (0.0, -1.0, bed), (0.5, 1.0, bed + 3.0))], tables, mu=0.6), tmp_path / "out"
+    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder), "--no-picture"])
+    assert done.exit_code == 0, done.output
+    whole, parts = (json.loads((folder / name).read_text()) for name in ("limit.json", "macro_elements.json"))
+    (row, *_), level = parts["mechanisms"], whole["check"]["level"]
+    asked = whole["check"]["verdicts"][0]["demand"]
+    assert row["demand"] == pytest.approx(asked) and asked == pytest.approx(ASKED[raised], rel=1e-3)
+    assert (level["line"], level["height"], row["height"]) == pytest.approx((bed, height, height))
+    assert any(f"{height:g} m above the foundation" in line for line in done.output.splitlines())
+    assert f"{height:g} m above the foundation" in html.unescape((folder / "limit.html").read_text())
+
+
+def test_a_mechanism_above_the_ground_is_not_satisfied_by_the_motion_of_the_ground_whichever_command_asks(tmp_path: Path) -> None:
+    blocks = [ground(8.0), box("low", (0.0, -1.0, 0.0), (1.5, 1.0, 1.0)), box("high", (0.0, -1.0, 1.0), (0.5, 1.0, 2.0))]
+    for key, state in (("", "not decided"), ("height = 3.0\n", "not decided"), ("foundation = 0.0\n", "satisfied")):
+        building = f"building_height = 6.0\nbuilding_period = 0.3\nstoreys = 1\n{key}" if key else ""
+        check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = 0.2\ndisplacements = false\n{building}'
+        case = limit_case(scene(tmp_path, blocks, check, mu=0.8))
+        assert case.verdict is not None and case.verdict.state == state
+        assert ("limit.check." in case.verdict.reason) == (state == "not decided")
+
+
 def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path: Path) -> None:
     check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 1.5}\ndisplacements = false\n'
     path, folder = scene(tmp_path, slabs(), f"{check}{SLAB}", mu=0.6), tmp_path / "out"
@@ -89,6 +130,8 @@ REFUSED = {
     "none": ('[[limit.mechanism]]\nname = "x"\n', "nothing given; name the blocks by one of part, group, blocks or box"),
     "slope": (SLAB.replace('"-x"', '"z"'), "limit.mechanism[0].direction: must be level"),
     "mechanism": (SLAB.replace("overturning", "falling over"), "limit.mechanism[0].mechanisms"),
+    "foundation": (f'[limit.check]\nspectrum = "EC8"\nag = 1.0\nfoundation = 6.4\n{BUILDING}{SLAB}',
+        "limit.check.foundation: z = 6.4 m is above the lowest block"),
     "SLC": ('[limit.check]\nspectrum = "EC8"\nag = 1.0\nlimit_state = "SLC"\n' + SLAB, "limit.check.limit_state: SLC"),
 }  # fmt: skip
 

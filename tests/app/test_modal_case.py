@@ -5,13 +5,17 @@ from __future__ import annotations
 
 import csv
 import json
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from models import box, wall
+from typer.testing import CliRunner
 
+import masonry_cd as mc
 from masonry_cd.app.modal_case import ModalOptions, by_group, modal_case
+from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 
@@ -30,6 +34,7 @@ friction = 0.6
 dt = 1e-3
 duration = 1.0
 """
+NAMED = ARCH.replace("density = 2200.0", 'masonry = "squared stone"')
 
 
 @pytest.fixture
@@ -136,3 +141,17 @@ def test_values_by_group() -> None:
     assert made.young == {"pier": 4e9, "default": 2e9}
     with pytest.raises(InputError, match=r"modal.young: write one value, or GROUP=VALUE for each group, got '2e9'"):
         by_group(["pier=4e9", "2e9"], "young")
+
+
+def test_a_named_masonry_has_its_modulus_whichever_door_it_comes_through(tmp_path: Path) -> None:
+    """The command, ``mc.modal`` of a file, and of keys."""
+    path = tmp_path / "named.toml"
+    path.write_text(NAMED)
+    options = {"method": "joints", "modes": 2, "pictures": 0}
+    done = CliRunner().invoke(
+        app, ["modal", str(path), "-o", str(tmp_path / "out"), "--method", "joints", "--modes", "2", "--pictures", "0"]
+    )
+    assert done.exit_code == 0, done.output
+    by_command = json.loads((tmp_path / "out" / "modal.json").read_text())["models"]["joints"]["frequency_hz"]
+    for source in (path, tomllib.loads(NAMED)):
+        assert mc.modal(source, **options)["models"]["joints"]["frequency_hz"] == by_command

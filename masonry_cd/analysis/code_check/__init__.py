@@ -4,6 +4,7 @@
 table.py     the keys of [limit.check]
 check.py     a mechanism checked by the code that they name
 ground.py    the motion of the ground: the spectrum of a code, or that of a record
+level.py     how high a mechanism is held, the whole and parts alike
 floors.py    its motion at a height of a building
 steps.py     values with symbol, unit and clause
 verdicts.py  demand against capacity, and the one verdict that follows

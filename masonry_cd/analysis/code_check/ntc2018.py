@@ -41,7 +41,8 @@ def left_open(table: CheckTable) -> tuple[str, ...]:
     asked = "alpha0 does not account for the compressive strength, for which C8.7.1.2.1.3 asks for the 1.35 of LC1"
     out = [f"{factor}: {asked}" if table.confidence_factor == LC1 else f"{factor} as given: where {asked}"]
     if not table.height:
-        out.append("not looked at: the motion at a height of the building (C7.2.3), the mechanism counts as held at the ground")
+        if not table.building:
+            out.append("not looked at: the motion at a height of the building (C7.2.3), the mechanism counts as held at the ground")
         return tuple(out)
     ratio = 1.1 / math.sqrt(table.building_damping)
     out.append(

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
+from masonry_cd.analysis.code_check.level import Level
 from masonry_cd.analysis.code_check.verdicts import Basis, Judgement, Verdict, judgement
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.quantities import counted
@@ -35,6 +36,7 @@ class CodeCheck:
     notes: tuple[str, ...] = ()
     basis: Basis = field(default_factory=Basis)
     left_open: tuple[str, ...] = ()  # by the clauses: which reading is taken, and what was not looked at
+    level: Level | None = None  # at which the mechanism is held, where that is known
 
     def resting_on(self, basis: Basis) -> CodeCheck:
         """The check with verdicts that follow from no more than a basis."""
@@ -61,14 +63,16 @@ class CodeCheck:
         return [head, *self._of(), *said, self.judgement.words]
 
     def _of(self) -> list[str]:
-        """Which mechanism is checked, a line where it is known."""
+        """Which mechanism is checked and where it is held, where that is known."""
         if not self.basis.looked:
             return []
         least = self.basis.looked[0]
         counts = counted(least.moving_blocks, "moving block")
         taken = f"; e* = 1 is taken, the safe side: {least.doubt}" if least.doubt else ""
         many = counted(len(self.basis.looked), "mechanism")
-        return [f"checked: the least a0* of {many} looked at, {least.found}, {counts}, alpha0 {least.alpha0:.4g}{taken}"]
+        by = "ratio by accelerations" if any(one.height != least.height for one in self.basis.looked) else "a0*"
+        held = [self.level.words] if self.level is not None else []
+        return [f"checked: the least {by} of {many} looked at, {least.found}, {counts}, alpha0 {least.alpha0:.4g}{taken}", *held]
 
 
 @dataclass(frozen=True)

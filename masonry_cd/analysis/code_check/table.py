@@ -35,10 +35,13 @@ class CheckTable(SiteSpectrum):
     """Check SLV and SLC by displacements, too: the mechanism is then followed to its end, some forty limit analyses."""
     record: CheckRecord | None = None
     """In place of a spectrum: path, units, scale and so on, as of a load of kind record."""
+    foundation: Annotated[float, Unit("m"), Field(ge=-1e4, le=1e4)] | None = None
+    """Of the building that these blocks are, or are part of: its z, from which the line at which each mechanism is held counts; that of the
+    lowest block when not given. A parapet modelled from z = 0 on a roof 6.4 m up has -6.4."""
     height: Annotated[float, Unit("m"), Field(ge=0.0, le=1000.0)] = 0.0
-    """Of the lines at which the mechanism is held, above the foundation of a building whose part it is; 0 on the ground."""
+    """In place of foundation: all of these blocks are held at least so high above it, whole and parts."""
     building_height: Height | None = None
-    """H of that building, above the foundation."""
+    """H of the building, above the foundation; with it each mechanism is asked for the motion at its own height."""
     building_period: Span | None = None
     """T1 of it, in the direction of the push."""
     building_damping: Damping = 0.05
@@ -63,19 +66,20 @@ class CheckTable(SiteSpectrum):
             raise ValueError("displacements: SLC is checked by displacements only")
         if self.code == "NTC2008" and self.limit_state == "SLC":
             raise ValueError("limit_state: SLC does not apply to NTC2008")
-        if self.element_period is not None and (self.code == "NTC2008" or (self.code == "EC8" and not self.height)):
+        if self.element_period is not None and (self.code == "NTC2008" or (self.code == "EC8" and not (self.height or self.building))):
             raise ValueError(f"element_period: does not apply to {self.code}{' on the ground' if self.code == 'EC8' else ''}")
         return self
 
     @model_validator(mode="after")
     def _a_building_for_a_height(self) -> Self:
         by_storeys = {"storeys", "participation"}
-        of_it = {"building_height", "building_period", "building_damping", *by_storeys}
         given = self.model_fields_set
-        if self.height == 0.0:
-            stray = of_it & given
+        if self.height and self.foundation is not None:
+            raise ValueError("height: does not apply beside foundation, from which each mechanism has a height of its own")
+        if not self.building and not self.height and self.foundation is None:
+            stray = given & {"building_period", "building_damping", *by_storeys}
             if stray:
-                raise ValueError(f"{min(stray)}: applies to a mechanism above the ground only, which has a height")
+                raise ValueError(f"{min(stray)}: needs building_height beside it")
             return self
         missing = next((key for key in ("building_height", "building_period") if getattr(self, key) is None), None)
         if missing:
@@ -89,6 +93,15 @@ class CheckTable(SiteSpectrum):
         if self.building_height is not None and self.height > self.building_height:
             raise ValueError(f"height: {self.height:g} m is above the building of {self.building_height:g} m")
         return self
+
+    @property
+    def building(self) -> bool:
+        """Whether the building is known whose motion above the ground is asked for."""
+        return self.building_height is not None
+
+    def at(self, height: float) -> CheckTable:
+        """The table of a mechanism that is held at a height above the foundation [m]; 0 on the ground."""
+        return self.model_copy(update={"height": height, "foundation": None})
 
     @property
     def by_displacements(self) -> bool:

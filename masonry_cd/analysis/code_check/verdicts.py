@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from masonry_cd.analysis.code_check.level import ON_THE_GROUND
+
 HOLDS = 1e-9  # share by which a demand may exceed a capacity and be met
 MARGIN = 0.05  # share of a capacity that is kept: held pushes have moved structures up to so far below the least factor that a search found
 NO_SEARCH = "the least factor without dilation is not known"
@@ -41,6 +43,7 @@ class Looked:
     fraction: float  # e* as taken
     acceleration: float  # a0*, over the confidence factor [m/s2]
     doubt: str  # why e* = 1 is taken, if it is
+    height: float  # of the line at which it is held, above the foundation [m]
 
 
 @dataclass(frozen=True)
@@ -125,6 +128,11 @@ class Judgement:
         return asdict(self) | {"passed": {SATISFIED: True, NOT_SATISFIED: False}.get(self.state), "words": self.words}
 
 
+def held_words(height: float) -> str:
+    """How high a mechanism is held, as the end of a phrase; nothing of one on the ground."""
+    return f", held {height:.4g} m up" if height > ON_THE_GROUND else ""
+
+
 def refused(reason: str, search: SearchNumbers | None = None) -> Judgement:
     """That of a structure which needs no check to fail."""
     return Judgement(NOT_SATISFIED, reason, search=search)
@@ -137,7 +145,7 @@ def judgement(verdicts: Sequence[Verdict], basis: Basis, notes: Sequence[str] = 
     least = min(verdicts, key=lambda one: (WORST_FIRST.index(one.state), max(one.ratio, one.unmoved)))
     looked = basis.looked[0] if basis.looked else None
     found = basis.numbers
-    of = f", {looked.found}, alpha0 {looked.alpha0:.4g}, e* {looked.fraction:.3g}" if looked else ""
+    of = f", {looked.found}, alpha0 {looked.alpha0:.4g}, e* {looked.fraction:.3g}{held_words(looked.height)}" if looked else ""
     sides = f"{least.capacity:.4g} {least.unit} borne, {least.demand:.4g} {least.unit} asked for, ratio {least.ratio:.3g}"
     reason = f"{least.check} check, {sides}{of}{_searched(found)}"
     if least.state == NOT_DECIDED:

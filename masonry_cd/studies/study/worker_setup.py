@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-import signal
 from typing import Any
+
+from masonry_cd.foundation.workers import leave_interrupts
 
 
 def dask_setup(worker: Any) -> None:
     """Leave Ctrl-C to the process that the user started; it ends its workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_interrupts()

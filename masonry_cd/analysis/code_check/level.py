@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How high a mechanism is held: one meaning for the whole of a structure and for its parts.
+
+A mechanism is held along the line of its lowest point that moves. The height of that line counts from the foundation of the building, at
+``limit.check.foundation`` or at the lowest block, and is never less than ``limit.check.height``. Up to ON_THE_GROUND the motion of the
+ground is that of the mechanism.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from masonry_cd.foundation.errors import InputError
+
+if TYPE_CHECKING:
+    from masonry_cd.analysis.code_check.table import CheckTable
+    from masonry_cd.mechanics.model.blocks import Assembly
+
+ON_THE_GROUND = 0.5  # height up to which the motion of the ground is that of a mechanism [m]
+
+
+@dataclass(frozen=True)
+class Level:
+    """Where a mechanism is held."""
+
+    line: float  # z of its lowest point that moves [m]
+    height: float  # above the foundation [m]
+    by: str  # what says so: where the foundation is, or limit.check.height
+    counted: float  # height of the building whose motion is asked for [m]; 0: the ground
+    doubt: str = ""  # why "satisfied" does not follow there, in words
+
+    @property
+    def words(self) -> str:
+        """The level in a line."""
+        motion = "the motion of the building there" if self.counted else "the motion of the ground"
+        return f"held at z = {self.line:.4g} m, {self.height:.4g} m above the foundation ({self.by}): {motion} is asked for"
+
+
+def foundation_of(table: CheckTable | None, assembly: Assembly) -> float:
+    """The z from which heights count [m].
+
+    Raises:
+        InputError: a foundation above the lowest block.
+    """
+    lowest = lowest_point(assembly, np.flatnonzero(~assembly.fixed))
+    if table is None or table.foundation is None:
+        return lowest
+    if table.foundation > lowest + ON_THE_GROUND:
+        up = f"a structure that begins {table.foundation:g} m above its foundation has {lowest - table.foundation:g}"
+        raise InputError("limit.check.foundation", f"z = {table.foundation:g} m is above the lowest block, at {lowest:g} m; {up}")
+    return table.foundation
+
+
+def lowest_point(assembly: Assembly, blocks: Iterable[int]) -> float:
+    """The z of the lowest corner of some blocks [m]."""
+    return min((float(assembly.blocks[b].vertices[:, 2].min()) for b in blocks), default=0.0)
+
+
+def level_of(table: CheckTable, line: float, foundation: float) -> Level:
+    """The level of a mechanism whose lowest point that moves has a z [m]."""
+    own = max(line - foundation, 0.0)
+    height, doubt = max(own, table.height), ""
+    if own > ON_THE_GROUND and not table.building:
+        keys = "limit.check.building_height and building_period say that of the building"
+        doubt = f"held {own:.3g} m above the ground, whose motion is asked for: {keys}"
+    elif ON_THE_GROUND < own < table.height:
+        keys = f"limit.check.foundation in place of height = {table.height:g} m says from where it counts"
+        doubt = f"held {own:.3g} m above the lowest block: {keys}"
+    raised = table.building and (height > ON_THE_GROUND or table.height)
+    by = "limit.check.height" if height > own else f"z = {foundation:.4g} m{', the lowest block' if table.foundation is None else ''}"
+    return Level(line, height, by, height if raised else 0.0, doubt)
