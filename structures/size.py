@@ -12,6 +12,11 @@ from contextvars import ContextVar
 
 KEY = "most_blocks"
 MOST = 100_000  # a step of 20,000 blocks takes some 0.2 s, and a block some kilobytes
+# What takes time with its square, or worse: at these some ten seconds.
+MOST_TOP = 1000  # points of the top of a wall
+MOST_OPENINGS = 1000  # of a wall
+MOST_CORNERS = 1000  # of a face of a block
+MOST_BENT = 250  # of a face that is not convex, and is cut into triangles
 
 _most: ContextVar[int] = ContextVar(KEY, default=MOST)
 
@@ -37,6 +42,23 @@ def limited(most: object) -> Iterator[None]:
         yield
     finally:
         _most.reset(before)
+
+
+def at_most(count: int, most: int, what: str) -> None:
+    """Refuse more of something than are built in a while.
+
+    Args:
+        count: of it.
+        most: how many are allowed.
+        what: the key, or the block, and what there are too many of.
+
+    Raises:
+        InputError: names it, the number and the limit.
+    """
+    from masonry_cd.foundation.errors import InputError
+
+    if count > most:
+        raise InputError(what, f"{count}, at most {most} are allowed")
 
 
 def within(estimate: float, key: str) -> None:

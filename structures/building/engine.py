@@ -114,6 +114,9 @@ def _legs(walls: Sequence[BuildingWallTable], before: Sequence[BuildingWallTable
     """The legs of walls that come after others, from which their names differ."""
     legs, names = list[Leg](), {keys.name for keys in before}
     for k, keys in enumerate(walls, start=len(before)):
+        with faults.of("", keys.name, keys.group or keys.name, bears=True):
+            size.at_most(len(keys.top or ()), size.MOST_TOP, f"structure.walls[{k}].top: points")
+            size.at_most(len(keys.openings), size.MOST_OPENINGS, f"structure.walls[{k}].openings: openings of one wall")
         if keys.name in faults.left_out:
             continue
         if keys.masonry is not None and keys.masonry not in KINDS:

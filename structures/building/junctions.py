@@ -24,6 +24,7 @@ from structures.faults import Absent, Faults
 
 LEAST_ANGLE = math.radians(25.0)  # of two walls that meet: stones of a sharper one would be slivers
 STUB = 0.1  # by which a wall that crosses another has to stick out beyond it [m]
+MOST_PAIRS = 1000  # of walls that meet, whose junctions are looked for where others cannot be
 NEARBY = 3.0  # of a wall that joins no other, from the nearest: farther off it is another building [m]
 MORE = 0.2  # of a facet of an arc beside a junction [m]
 
@@ -71,6 +72,8 @@ def find(legs: Sequence[Leg], table: BuildingTable, faults: Faults) -> list[Junc
         if min(_highest(legs[a]), _highest(legs[b])) > max(legs[a].base, legs[b].base) + SAME:
             pair = _meet(legs, (a, f), (b, g), (quads[a][f], quads[b][g]), faults)
             pairs += [pair] if pair else []
+    if faults.lines and len(pairs) > MOST_PAIRS:  # as of many walls into one point, which are refused in any case
+        return []
     pairs = _without_doubles(pairs)
     bonds = _bonds(legs, pairs, table, faults)
     pairs = [Pair(p.arms, p.point, p.region, *bond) for p, bond in zip(pairs, bonds, strict=True)]

@@ -23,6 +23,7 @@ from masonry_cd.mechanics.model.blocks import Block, Shapes
 from masonry_cd.mechanics.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
 from masonry_cd.mechanics.model.polygon import next_in_loop
 from structures.geometry.overlap import overlapping_pairs, overlapping_spheres
+from structures.size import MOST_CORNERS
 
 FLATNESS = 1e-5  # of faces and of convexity, relative to the size of the block
 SLIGHT = 1e-3  # overlap that closing gaps takes away, relative to the median size of the blocks
@@ -179,6 +180,7 @@ def _checked(shell: Polyhedron, block: Block) -> Polyhedron:
         raise Unsound(f'block "{block.name}"', f"vertex {row} is more than {LARGEST:g} m away from the origin", [block.name])
     if len(shell.faces) < 4:
         raise Unsound(f'block "{block.name}"', f"open shell, it has only {len(shell.faces)} faces", [block.name])
+    refuse_corners(block)
     last = len(vertices) - 1
     for number, face in enumerate(shell.faces):
         if len(face) < 3 or len(set(face)) < len(face):
@@ -186,6 +188,20 @@ def _checked(shell: Polyhedron, block: Block) -> Polyhedron:
         if min(face) < 0 or max(face) > last:
             raise Unsound(f'block "{block.name}"', f"face {number} names a vertex outside 0 to {last}", [block.name])
     return shell
+
+
+def refuse_corners(block: Block, source: str = "") -> None:
+    """Refuse faces of more corners than are checked in a while.
+
+    Raises:
+        Unsound: names the block and the face.
+    """
+    for number, face in enumerate(block.faces):
+        if len(face) > MOST_CORNERS:
+            where = f'{source}: block "{block.name}"' if source else f'block "{block.name}"'
+            raise Unsound(
+                where, f"face {number} has {len(face)} corners, at most {MOST_CORNERS} are allowed; make it coarser", [block.name]
+            )
 
 
 def _check_closed(blocks: Sequence[Block], shells: Shells) -> None:

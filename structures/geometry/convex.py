@@ -28,6 +28,7 @@ from structures.geometry.checks import FLATNESS, WARPED, Unsound, check, warp
 from structures.geometry.loops import open_edges, single_loop
 from structures.geometry.merge_coplanar import merge_coplanar
 from structures.geometry.prism import box
+from structures.size import MOST_BENT
 
 ON_PLANE = 1e-6  # relative to the size of the block: corners closer to a plane than this lie on it
 MOST_PARTS = 500  # a block that needs more is no stone but a scan
@@ -83,9 +84,9 @@ def split(block: Block) -> Block:
     on = ON_PLANE * size_of(block)
     try:
         with np.errstate(invalid="ignore"):  # faces without area, which the check refuses, have no plane
+            faces = tuple(loop for face in block.faces for loop in _convex_loops(block.vertices, face))
             inside = [part for part in _cells(block, on) if _winding(block, part.vertices.mean(axis=0)) > 0.5]
             parts = tuple(_finished(cell, block, on) for cell in inside)
-            faces = tuple(loop for face in block.faces for loop in _convex_loops(block.vertices, face))
             whole = replace(block, faces=faces, parts=parts)
             if not parts:
                 raise _Unsplit("its shell encloses nothing")
@@ -268,6 +269,8 @@ def _convex_loops(vertices: np.ndarray, face: tuple[int, ...]) -> list[tuple[int
     turns = np.cross(before, after) @ normal
     if (turns >= -1e-9 * np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)).all():
         return [face]
+    if len(face) > MOST_BENT:
+        raise _Unsplit(f"a face that is not convex has {len(face)} corners, at most {MOST_BENT} are cut into triangles")
     left, out = list(face), []
     while len(left) > 3:
         ears = [(left[k - 1], left[k], left[(k + 1) % len(left)]) for k in range(len(left))]

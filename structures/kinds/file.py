@@ -18,7 +18,7 @@ from structures.files import blockfile, fillfile, meshfile
 from structures.files.blockfile import METRES, sound
 from structures.files.formats import CAD, endings, format_of
 from structures.files.supports import Rules, with_supports
-from structures.geometry.checks import Unsound, check, check_shells, deepest_overlap
+from structures.geometry.checks import Unsound, check, check_shells, deepest_overlap, refuse_corners
 from structures.geometry.flatten import flattened
 from structures.geometry.gaps import close_gaps
 from structures.geometry.merge_coplanar import merge_coplanar
@@ -92,6 +92,8 @@ def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], l
         if key in keys.model_fields_set:
             raise InputError(f"structure.{key}", f"belongs to .obj, .stl, .vtu, .vtm files and other meshes; {path.name} states it itself")
     blocks, notes = _from_mesh(keys, path, density, format_) if is_mesh else (blockfile.read_unchecked(path, density), [])
+    for block in blocks:
+        refuse_corners(block, path.name)
     blocks = with_supports(blocks, keys.fixed, "structure.fixed", "base" if is_mesh else None)
     blocks, moved, uneven = flattened(blocks, keys.flatness)
     notes += [f"{path.name}: faces of {uneven} blocks made flat, corners moved by at most {length(moved)}"] if uneven else []

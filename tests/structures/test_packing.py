@@ -17,6 +17,7 @@ CASES: dict[str, dict[str, object]] = {
     "default": {},
     "two sizes": {"diameters": (0.12, 0.05), "shares": (1, 1), "share_of": "volume", "fill": 0.3, "length": 0.8, "width": 0.5},
     "cylinder": {"form": "cylinder", "diameter": 0.6, "count": 150},
+    "three across": {"form": "cylinder", "diameter": 0.6, "diameters": (0.2,), "count": 15},
     "narrow cylinder": {"form": "cylinder", "diameter": 0.2, "diameters": (0.1, 0.03), "count": 40, "sides": 8},
     "heap": {"walls": False, "length": 0.4, "width": 0.4, "count": 100},
 }

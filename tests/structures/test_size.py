@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import structures
@@ -116,3 +118,42 @@ def test_a_ring_too_thin_to_be_built_is_refused_instead_of_left_out(size_of_ring
 def test_a_measure_that_numbers_cannot_divide_by_is_refused(key: str) -> None:
     with pytest.raises(InputError, match=rf"structure\.{key}: should be at least 1e-12, got 5e-324"):
         structures.build({"kind": "church", key: 5e-324}, 2000.0, Path())
+
+
+WALL = {"name": "a", "axis": [[0.0, 0.0], [40.0, 0.0]], "thickness": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("table", "begins"),
+    [
+        ({"walls": [{**WALL, "top": [[0.008 * k, 3.0 + k % 2] for k in range(5001)]}]}, r"structure\.walls\[0\]\.top: .*5001"),
+        (
+            {"walls": [{**WALL, "height": 3.0, "openings": [{"at": 0.01 * k, "width": 0.5} for k in range(3000)]}]},
+            r"structure\.walls\[0\]\.openings: .*3000",
+        ),
+        (
+            {"walls": [{**WALL, "height": 3.0}], "columns": [{"at": [2.0, 3.0], "height": 3.0, "size": 0.4, "drum": 0.005}]},
+            r"structure\.columns\[0\]\.drum",
+        ),
+        (
+            {
+                "walls": [{**WALL, "height": 3.0}],
+                "columns": [{"at": [2.0, 3.0], "height": 3.0, "size": 0.4, "drum": 1e-6, "section": "square"}],
+            },
+            r"structure\.columns\[0\]\.drum",
+        ),
+    ],
+)
+def test_what_would_take_minutes_is_refused_by_its_key(tmp_path: Path, table: dict[str, object], begins: str) -> None:
+    with pytest.raises(InputError, match=begins):
+        structures.build({"kind": "building", **table}, 2000.0, tmp_path)
+
+
+def test_a_face_of_thousands_of_corners_is_refused_by_its_block(tmp_path: Path) -> None:
+    n = 1200
+    turn = 2.0 * np.pi * np.arange(n) / n
+    ring = [[float(np.cos(t)), float(np.sin(t)), z] for z in (0.0, 1.0) for t in turn]
+    faces = [[*range(n)][::-1], [*range(n, 2 * n)], *([i, (i + 1) % n, n + (i + 1) % n, n + i] for i in range(n))]
+    (tmp_path / "a.json").write_text(json.dumps({"units": "m", "blocks": [{"name": "drum", "vertices": ring, "faces": faces}]}))
+    with pytest.raises(InputError, match=r'a\.json: block "drum": face 0 has 1200 corners'):
+        structures.build({"kind": "file", "path": "a.json"}, 2000.0, tmp_path)
