@@ -18,6 +18,7 @@ from loads.signal.intensity import arias, significant_window
 from loads.signal.response import default_periods, response_spectrum
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.figures import blank
 
 BEFORE, AFTER, TARGET = "#9aa3ab", "#0b5fa5", "#c7372f"
 INK, FAINT = "#23272b", "#5f666d"
@@ -46,11 +47,7 @@ def record_picture(
         damping: ratio of the response spectra.
         target: periods [s] and pseudo-accelerations [m/s2] of a spectrum to draw beside them.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(13.0, 8.0), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = blank((13.0, 8.0), layout="constrained")
     grid = figure.add_gridspec(6, 2, width_ratios=(1.75, 1.0))
     rows = [figure.add_subplot(grid[2 * i : 2 * i + 2, 0]) for i in range(3)]
     for axes, name, unit in zip(rows, ("acceleration", "velocity", "displacement"), ("m/s²", "m/s", "m"), strict=True):

@@ -15,6 +15,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.extensions import Entries
 from reports.extra import EXTRA
 from reports.settings import Report
@@ -50,7 +51,11 @@ class Job:
     def write(self) -> list[Path]:
         """Write all that are asked for, in their order; return the files."""
         order = sorted(OUTPUTS, key=lambda name: OUTPUTS[name].place)
-        return [path for name in order if self.wants(name) for path in OUTPUTS[name].write(self)]
+        written = []
+        for path in (path for name in order if self.wants(name) for path in OUTPUTS[name].write(self)):
+            own_files.note(path)  # also what a plug-in has written
+            written.append(path)
+        return written
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,9 @@ from masonry_cd.analysis.pushover import PushCurve, push_curves
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import finite_number
+from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
-from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes, save
+from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
 
 CURVES, CYCLES = "force_displacement.csv", "push_cycles.csv"
 CURVE_PLOT, GAUGE_PLOT = "force_displacement.png", "gauges.png"
@@ -122,7 +123,7 @@ def curves_figure(
     count = len(curves) + len(measured) + len(points)
     if count > 1:
         (figure if count > INSIDE else axes).legend(frameon=False, fontsize=8, loc="outside right upper" if count > INSIDE else "best")
-    axes.set_title(title, color=INK, fontsize=11, loc="left", parse_math=False)
+    axes.set_title(title, color=INK, fontsize=11, loc="left")
     return figure
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from masonry_cd.analysis.modal.modes import Modes
 from masonry_cd.analysis.modal.shapes import RigidShapes, Skin
+from masonry_cd.foundation.extras import require
 from masonry_cd.mechanics.model.blocks import Block
 from reports.drawing.figure import INK, save, triad
 from reports.drawing.palette import DISPLACED, PARTED, REST, SUPPORT
@@ -57,7 +58,7 @@ def modes_picture(
         share = "   ".join(f"{axis} {100 * value:.0f} %" for axis, value in zip("xyz", modes.participation[k], strict=True))
         more = captions[k] if k < len(captions) else ""
         words = f"{k + 1}   {modes.frequencies[k]:.4g} Hz   mass  {share}\n{more}"
-        axes.set_title(words, fontsize=11, color=INK, loc="left", parse_math=False)
+        axes.set_title(words, fontsize=11, color=INK, loc="left")
     triad(panels[0], looking, (60, 60), 40.0)
     bar = figure.colorbar(ScalarMappable(cmap=DISPLACED), ax=panels, location="bottom", fraction=0.02, aspect=40, ticks=(0.0, 0.5, 1.0))
     bar.set_label("displacement over the largest of the mode", color=INK)
@@ -82,6 +83,7 @@ def _still(blocks: Sequence[Block]) -> Skin:
 
 def _layers(skin: Skin, frame: Skin, mode: int, reach: float, blocks: Sequence[Block]) -> list[Layer]:
     """Deformed skin and the edges of its blocks, supports, and the outline at rest behind."""
+    require("a picture", "matplotlib")
     from matplotlib import colormaps
 
     length = np.linalg.norm(skin.shapes[mode], axis=1)

@@ -37,6 +37,7 @@ from masonry_cd.analysis.stress.peaks import principal, strengths
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.io.hdf5_file import created
 from masonry_cd.io.layout import EDGE_STRESS, JOINT_HISTORIES
 from masonry_cd.io.meshes import Meshes
@@ -243,6 +244,7 @@ def _write_pvd(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
 
 def _as_pyvista(mesh: Mesh, frame: int) -> Any:
     """A mesh at a frame with its arrays."""
+    require("this", "pyvista")
     import pyvista
 
     cells = np.insert(mesh.loops, mesh.loop_start[:-1], np.diff(mesh.loop_start))
@@ -261,6 +263,7 @@ def _as_pyvista(mesh: Mesh, frame: int) -> Any:
 
 def _write_xml(data: Any, path: Path) -> None:
     """Write a mesh. VTK makes its text in memory, since it says nothing of a full disc, or crashes."""
+    require("this", "vtkmodules")
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
     writer = vtkXMLPolyDataWriter() if path.suffix == ".vtp" else vtkXMLUnstructuredGridWriter()

@@ -101,12 +101,12 @@ class Report(Table):
     @property
     def asks(self) -> bool:
         """Whether anything is to be written beside joints.csv."""
-        return self.damage or self.html or self.draws
+        return self.damage or self.html or self.draws or bool(self.extra)
 
     @property
     def draws(self) -> bool:
-        """Whether a picture is to be drawn."""
-        return self.crack_map or self.vector or bool(self.times) or self.animation or bool(self.extra)
+        """Whether a picture of the structure is to be drawn; what extra reports need, they say themselves."""
+        return self.crack_map or self.vector or bool(self.times) or self.animation
 
 
 def report_of(text: str, **changes: object) -> Report:

@@ -23,6 +23,7 @@ from masonry_cd.app.record_doubts import record_doubts, size_doubts
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.scene_text import is_within, keys_of, parse_toml
 from masonry_cd.app.scene_units import scene_in_si, unit_of_key
+from masonry_cd.app.senses import astray
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Block
@@ -88,6 +89,7 @@ def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence
     size = math.hypot(*scene.run.gravity)
     found = [*_plain(tables), *_stated(tables, assembly.blocks), *_ties(tables), *_carried(tables, assembly.blocks)]
     found += _doubt("run.gravity", size, "gravity", _in_g(size))
+    found += [Doubt(key, None, words) for key, words in astray(tables, scene.run.gravity, (assembly, joints))]
     for i, table in enumerate(tables.get("loads", [])):
         where, kind = f"loads[{i}]", table.get("kind")
         if kind == "point":

@@ -67,7 +67,8 @@ def limit_command(path: Path, changes: Sequence[str], asked: Asked, say: Callabl
         say("\n".join(lines(whole)))
         written += write(whole, asked.folder, asked.pictures, asked.view)
     if found is not None:
-        say("\n".join(macro_lines(found)))
+        known = () if whole is None else whole.notes
+        say("\n".join(line for line in macro_lines(found) if line not in known))
         written += write_macro(found, asked.folder, asked.pictures, asked.view, asked.run)
     return written
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from masonry_cd.app.limit_case import EVERY, LimitCase, found_lines, summary
 from masonry_cd.app.limit_curve import curve_lines, draw_curve, write_curve
 from masonry_cd.app.limit_vehicle import write_crossing
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.quantities import force
 
 
@@ -21,9 +22,8 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     from reports.limit.page import LimitPage, write_limit_page
     from reports.limit.tables import write_check, write_limit_ties, write_tables
 
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in EVERY:
-        (folder / name).unlink(missing_ok=True)
+    own_files.begin(folder, EVERY)
+    own_files.remove(folder, EVERY)
     facts = summary(case)
     write_json(facts, folder / "limit.json")
     collapse = case.collapse

@@ -15,10 +15,11 @@ from masonry_cd.analysis.code_check.level import foundation_of
 from masonry_cd.analysis.code_check.verdicts import Judgement
 from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, analyse_element
 from masonry_cd.analysis.limit.part import Whole
+from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import heights_along_z
 from masonry_cd.app.limit_parts import whole_of
 from masonry_cd.app.limit_structure import limit_structure
-from masonry_cd.app.macro_parts import elements_of
+from masonry_cd.app.macro_parts import elements_of, in_pieces
 from masonry_cd.app.macro_verdicts import MacroRow, judged, rows_of
 from masonry_cd.app.modelled import masses
 from masonry_cd.app.progress import Progress
@@ -77,6 +78,7 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None, quiet: bool =
         _suits(asked, scene)
         named = macro_elements(str(scene.structure.get("kind", "")), built.made.blocks)
         elements = elements_of(asked.mechanism, named, every, assembly)
+        apart = in_pieces(elements, joints)
         loads = built.loads(asked.model_copy(update={"push": parse_direction("x"), "tilt": None, "live": ()}))  # each part has its own push
         structure = whole_of(built, loads)
         effort = Effort(
@@ -87,7 +89,8 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None, quiet: bool =
         )
         parts = _analysed(structure, elements, effort, (jobs or cores(), quiet))
         rows = rows_of(parts, asked.check, scene.folder, foundation_of(asked.check, assembly), effort)
-    notes = [*built.made.notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
+    notes = [*apart, *doubts(scene, assembly, joints)]
+    notes += [*built.made.notes, *(f"{one.element.name}: {remark}" for one in parts for remark in one.remarks), *loads.notes]
     verdict = None if asked.check is None else judged(rows, parts)
     seconds, modelled = time.perf_counter() - begin, (masses(assembly), *built.made.notes)
     return MacroCase(scene, assembly, joints, loads, tuple(parts), rows, verdict, tuple(notes), seconds, modelled)
@@ -115,7 +118,8 @@ def _analysed(whole: Whole, elements: Sequence[MacroElement], effort: Effort, ho
     whole.prepare()
     several = jobs > 1 and len(asked) > 1
     with workers(jobs, system.INHERITS, _share, whole, effort) if several else nullcontext() as pool:
-        made = pool.map(_one, asked) if pool else (analyse_element(whole, element, way, effort) for element, way in asked)
+        runs = [pool.submit(_one, each) for each in asked] if pool else []
+        made = (run.result() for run in runs) if pool else (analyse_element(whole, element, way, effort) for element, way in asked)
         with Progress(len(asked), quiet, what="push of a part") as progress:
             for one in made:
                 found.append(one)

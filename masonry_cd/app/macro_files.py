@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -19,6 +18,7 @@ from masonry_cd.analysis.limit.part import BED
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.limit_macro import MacroCase, least_rows, lines
 from masonry_cd.app.macro_verdicts import MacroRow, way_words
+from masonry_cd.foundation import own_files
 from masonry_cd.mechanics.model.joints import Joints
 from reports.limit.page import CSV, JSON, PAGE, PICTURES, MacroPage, damage_by_group, write_macro_csv, write_macro_page
 
@@ -88,8 +88,9 @@ def write_macro(case: MacroCase, folder: Path, pictures: bool = True, view: str 
     from masonry_cd.app.summary import write_json
 
     damage = {} if run is None else _damage(case, run)
-    folder.mkdir(parents=True, exist_ok=True)
-    shutil.rmtree(folder / PICTURES, ignore_errors=True)
+    own_files.begin(folder, MACRO_OUTPUTS)
+    own_files.begin(folder / PICTURES, ("*.png",))
+    own_files.remove(folder / PICTURES, ("*.png",))
     facts, least = macro_summary(case), least_rows(case.rows)
     write_json(facts, folder / JSON)
     write_macro_csv(facts["mechanisms"], folder / CSV)
@@ -118,7 +119,6 @@ def _draw(case: MacroCase, least: list[MacroRow], folder: Path, view: str) -> Ma
     from reports.drawing.figure import Sheet
     from reports.limit.picture import mechanism_scene
 
-    folder.mkdir()
     drawn: dict[Path, str] = {}
     seen: set[str] = set()
     for row in least:

@@ -8,10 +8,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.app.macro_table import MechanismTable
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
     from structures.macro_elements import MacroElement
@@ -35,6 +38,20 @@ def elements_of(tables: Sequence[MechanismTable], named: Sequence[MacroElement],
     if not found:
         raise InputError("limit", "the structure has no macro-element; name one in [[limit.mechanism]]")
     return found
+
+
+def in_pieces(elements: Sequence[MacroElement], joints: Joints) -> list[str]:
+    """A line on each part that is in several pieces, which no joint of it joins: as one body they turn about one line."""
+    out = []
+    for one in elements:
+        inside = np.isin(joints.block_a, one.blocks) & np.isin(joints.block_b, one.blocks)
+        row, column = (np.searchsorted(one.blocks, ends[inside]) for ends in (joints.block_a, joints.block_b))
+        pieces, _ = connected_components(coo_matrix((np.ones(len(row)), (row, column)), (len(one.blocks),) * 2), directed=False)
+        if pieces > 1:
+            out.append(
+                f"{one.name}: its {len(one.blocks)} blocks are {pieces} pieces that do not touch: they count as one body; a part for each?"
+            )
+    return out
 
 
 def _chosen(table: MechanismTable, where: str, named: Sequence[MacroElement], assembly: Assembly) -> MacroElement:

@@ -22,6 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from masonry_cd.analysis.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
 from masonry_cd.analysis.modal.modes import METHODS, Modes, modal
 from masonry_cd.analysis.outputs.folders import files_of
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import finite_number
@@ -140,14 +141,16 @@ def modal_case(
         InputError: a wrong option, scene, or file of measured modes.
     """
     from masonry_cd.app.case import build_blocks
+    from masonry_cd.app.doubts import structure_doubts
     from masonry_cd.app.scene import Scene, read_scene
 
-    asked = parse_table(ModalOptions, options, "modal")
+    asked, unusual = parse_table(ModalOptions, options, "modal"), []
     measured = read_measured(asked.reference) if asked.reference else []
     if isinstance(source, Path | str):
         source = read_scene(source, changes)
     if isinstance(source, Scene):
         blocks, title, material = build_blocks(source), source.title, source.material
+        unusual = structure_doubts(source, blocks)
     else:
         blocks, material = list(source), None
     refuse_spheres(blocks, "structure", "the modal check")
@@ -157,6 +160,7 @@ def modal_case(
     young = results[0].modes.young if asked.method != "joints" else asked.young or START
     table = convergence(blocks, young, asked) if asked.convergence else []
     out = _summary(title, results, table)
+    out["warnings"] += unusual
     if folder is not None:
         out["written"] = [str(path) for path in write(results, folder, blocks, title, out, table, asked)]
     return out
@@ -324,9 +328,8 @@ def write(
     from masonry_cd.app.summary import write_json
 
     asked = asked or ModalOptions(young=START)
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in OUTPUTS:
-        (folder / name).unlink(missing_ok=True)
+    own_files.begin(folder, OUTPUTS)
+    own_files.remove(folder, OUTPUTS)
     write_json({key: value for key, value in summary.items() if key != "written"}, folder / "modal.json")
     _write_rows(folder / "modal.csv", [row for result in results for row in _rows(result)])
     for result in results:

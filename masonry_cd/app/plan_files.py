@@ -11,6 +11,7 @@ import numpy as np
 
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.scene import Scene
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
 
 NAMES = tuple(name for name in files_of("build") if name.startswith("plan"))  # plan.json, plan.svg, plan_left.csv
@@ -38,8 +39,7 @@ def write_plan_files(scene: Scene, folder: Path, picture: bool) -> list[Path]:
 
     own = {key: value for key, value in scene.structure.items() if key != "kind" and key not in CommonTable.model_fields}
     tables, left = plan_tables(own, scene.folder)
-    for name in NAMES[1:]:  # of a former build
-        (folder / name).unlink(missing_ok=True)
+    own_files.remove(folder, NAMES[1:])  # of a former build
     written = [folder / NAMES[0]]
     write_json(written[0], tables)
     if picture:

@@ -58,12 +58,16 @@ RANGES = {
     "sine": Range(0.05, 2.0 * G, _SPEED, "2 pi frequency times it, its PGA, is usually 0.005 to 2 g"),
     "scaled": Range(0.05, 2.0 * G, (), "records of interest have 0.005 to 2 g; are units and scale those of the file?"),
     "gravity": Range(9.5, 10.5, _GROUND, "gravity on earth is 9.81 m/s2"),  # its size
+    "behaviour": Range(
+        1.0, 2.0, (), "codes give local mechanisms and parts 2 at the most", ("limit.check.behaviour_factor",),
+    ),
     # supports that give way
     "settlement": Range(0.0, 0.1, _SMALL, "what stands settles by a few hundredths of its height at the most"),  # over the height
     "spreading": Range(0.0, 0.25, _SMALL, "few arches stand a quarter of their span"),  # over the largest extent
     "apart": Range(0.0, 1.0, _SMALL, "supports that part by more than the depth of a joint leave what stood on it without a bearing"),
     "speed": Range(0.0, 0.5, (), "supports that move faster than 0.5 m/s strike what stands on them; a longer duration?"),  # [m/s]
     "pushed": Range(0.0, 0.25, _SMALL, "what is pushed by a quarter of its structure's height has long come down"),  # over that height
+    "bound": Range(0.0, 0.5, _SMALL, "openings, slips and displacements of limit states are below half a metre"),  # of a study
     # what is carried
     "force": Range(0.05, float("inf"), _FORCE, "a force below a twentieth of its block's weight changes little"),  # over that weight
     "pressure": Range(0.0, 3e7, (), "hardly any masonry bears 30 MPa"),  # of a force on the mean section of its block [Pa]

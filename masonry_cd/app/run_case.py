@@ -18,8 +18,9 @@ from masonry_cd.app.beginning import begin as begin_run
 from masonry_cd.app.beginning import pauses_of, stepper_of
 from masonry_cd.app.case import Case
 from masonry_cd.app.disc_space import check_disc_space, result_bytes
-from masonry_cd.app.dump import FILES, Dump
+from masonry_cd.app.dump import Dump
 from masonry_cd.app.explain import left_out
+from masonry_cd.app.folders import is_run, names_of_run
 from masonry_cd.app.inputs import digests
 from masonry_cd.app.load_factor import outcome, tie_bars
 from masonry_cd.app.progress import Interrupt, Progress, TimedOut
@@ -29,6 +30,7 @@ from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.step_costs import StepCosts, motion_classes
 from masonry_cd.app.summary import as_json, loads_acted, run_summary, run_warnings, tolerances, write_json
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import part_of
 from masonry_cd.io import checkpoint
 from masonry_cd.io.lock import locked
@@ -81,6 +83,7 @@ def run_case(
     """
     begin = time.perf_counter()
     scene = case.scene
+    own_files.check(folder, names_of_run(), is_run)
     saved, dumped = folder / checkpoint.NAME, Dump(folder, dump)
     stepper = stepper_of(case) if own is None else own.stepper
     _fits(case, stepper, folder, resume)
@@ -91,6 +94,7 @@ def run_case(
     with locked(folder), Interrupt() as interrupt:
         mended = ""
         if resume:
+            own_files.begin(folder, names_of_run(), is_run)
             mended = choose(case, stepper, folder / RESULTS, saved)
             dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, case.steps)
         else:
@@ -237,11 +241,14 @@ def _fits(case: Case, stepper: Stepper, folder: Path, resume: bool) -> None:
 
 def _clear(folder: Path) -> None:
     """Take away what a former run left in a folder."""
-    former = (name for pattern in ("crack_map_*s.png", FILES) for name in folder.glob(pattern))
-    for old in (*(folder / name for name in file_names()), *former):
-        old.unlink(missing_ok=True)
-        part_of(old).unlink(missing_ok=True)
-    checkpoint.remove(folder / checkpoint.NAME)
+    own_files.begin(folder, names_of_run(), is_run)
+    own_files.remove(folder, names_of_run())
+    for name in file_names():
+        part_of(folder / name).unlink(missing_ok=True)
+    saved = folder / checkpoint.NAME
+    checkpoint.remove(saved)
+    for growing in (folder / RESULTS, saved, checkpoint.before(saved)):
+        own_files.note(growing, growing=True)
 
 
 def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:

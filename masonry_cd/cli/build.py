@@ -11,6 +11,7 @@ import typer
 
 from masonry_cd.app.folders import free_folder
 from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust, errors_reported, warn
+from masonry_cd.foundation import own_files
 
 if TYPE_CHECKING:
     from structures.geometry.checks import Unsound
@@ -89,7 +90,7 @@ def build(
         typer.echo("\n".join([*summary.lines(made), *notes]))
         leaning = replace(assembled(asked, blocks, (), ties), fills=fills).leaning if fills else []
         warn([*summary.warnings(made), *leaning, *structure_doubts(asked, blocks)])
-        output.mkdir(parents=True, exist_ok=True)
+        own_files.begin(output, marks)
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:
             if path.suffix == ".json":
@@ -144,7 +145,7 @@ def _draw_problem(fault: Unsound, folder: Path) -> None:
     try:
         from reports.drawing.refused_blocks import problem_picture
 
-        folder.mkdir(parents=True, exist_ok=True)
+        own_files.begin(folder, ("problem.png",))
         problem_picture(fault.blocks, fault.faulty, str(fault), folder / "problem.png")
     except (ImportError, InputError) as failure:
         typer.echo(f"masonry-cd: warning: problem.png is not drawn: {failure}", err=True)

@@ -54,13 +54,16 @@ def report(
         from reports.settings import report_of
 
         with Results.open(folder / "result.h5") as results:
+            from masonry_cd.app.folders import is_run, names_of_run
             from masonry_cd.app.part_lines import part_lines
             from masonry_cd.app.summary import damage_line, verdict_lines, write_json
+            from masonry_cd.foundation import own_files
             from masonry_cd.io.summary_file import NAME
             from reports import damage as damage_files
             from reports import outputs
             from reports.files import Job
 
+            own_files.begin(folder, names_of_run(), is_run)
             changes = {"view": view, "scale": scale, "cut": cut, "thrust": thrust, "vector": vector or None, "animation": animation}
             settings = report_of(results.scene, **changes, extra=extra or None)
             outputs.check_again(settings, results)

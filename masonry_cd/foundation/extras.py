@@ -39,7 +39,7 @@ def require(what: str, *modules: str, without: str = "") -> None:
 
     Args:
         what: needs them, as the message begins.
-        modules: by the name that is imported, each of ``EXTRA_OF``.
+        modules: by the name that is imported, of ``EXTRA_OF``, or one that a plug-in needs.
         without: how to go without them, at the end of the message.
 
     Raises:
@@ -57,4 +57,5 @@ def missing(failure: ModuleNotFoundError) -> InputError | None:
 
 
 def _line(what: str, module: str) -> str:
-    return f'{what} needs {SOLD_AS.get(module, module)}, which is not installed: pip install "masonry-cd[{EXTRA_OF[module]}]"'
+    package = f"masonry-cd[{EXTRA_OF[module]}]" if module in EXTRA_OF else module  # of a plug-in, a library of its own
+    return f'{what} needs {SOLD_AS.get(module, module)}, which is not installed: pip install "{package}"'

@@ -72,6 +72,29 @@ def one_process_in(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
+def hold(file: Path) -> int | None:
+    """Lock a file until its handle, which is returned, is closed or the process ends, however it ends; None where the system cannot.
+
+    The kernel keeps this lock: it counts in all containers of a machine, whatever their names and processes are called, and on network
+    file systems that know locks also on other machines.
+
+    Raises:
+        BlockingIOError: another process holds it.
+    """
+    if fcntl is None:
+        return None  # type: ignore[unreachable, unused-ignore]
+    handle = os.open(file, os.O_RDWR)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(handle)
+        raise
+    except OSError:
+        os.close(handle)
+        return None
+    return handle
+
+
 def started(pid: int) -> str:
     """When a process was started, as text that no other process of this number shares; empty where there is no such process.
 

@@ -33,7 +33,7 @@ def leave_interrupts() -> None:
 def workers(
     count: int, begins: str = system.INHERITS, prepare: Callable[..., object] | None = None, *given: Any
 ) -> Iterator[ProcessPoolExecutor]:
-    """Give a pool of processes; whatever ends the body early ends them.
+    """Give a pool of processes; whatever ends the body early ends them. Its tasks are submitted: those of ``map`` may be cancelled twice.
 
     Args:
         count: of them.
@@ -52,10 +52,25 @@ def workers(
         except BrokenProcessPool:
             raise InputError("", "a process died that worked for this one, perhaps for want of memory; fewer at a time need less") from None
         except BaseException:
-            for child in set(multiprocessing.active_children()) - before:
-                child.kill()
-            pool.shutdown(wait=False, cancel_futures=True)
+            with _uninterrupted():
+                for child in set(multiprocessing.active_children()) - before:
+                    child.kill()
+                pool.shutdown()
             raise
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Have a second Ctrl-C wait for what takes no time."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    known = signal.getsignal(signal.SIGINT)
+    leave_interrupts()
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, known)
 
 
 def _begin(prepare: Callable[..., object] | None, given: tuple[Any, ...]) -> None:

@@ -16,6 +16,7 @@ from masonry_cd.analysis.assessment.verdict import heading, lines_of, to_pin_dow
 from masonry_cd.analysis.outputs import ASSESS, numbers_in, units_in
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.interface.closing import closing_as_html
 from masonry_cd.interface.plots import Page
 from masonry_cd.interface.running import RunWarning
@@ -99,6 +100,7 @@ class Assessment(Sealed):
         Raises:
             InputError: the base case is no data.
         """
+        require("a picture", "PIL")
         from PIL import Image as images
 
         from reports.assess.picture import PICTURE, tornado

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from masonry_cd.foundation.extras import require
 from masonry_cd.interface.plots import shown
 from masonry_cd.interface.results import Run
 from masonry_cd.interface.running import RunWarning
@@ -31,6 +32,7 @@ class Comparison(Sealed):
     @property
     def table(self) -> DataFrame:
         """A row per quantity, a column per run; the column ``unit`` says the units."""
+        require("a table", "pandas")
         import pandas
 
         rows = [[name, unit, *values] for name, unit, values in self._found.rows]

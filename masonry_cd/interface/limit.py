@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from masonry_cd.app.folders import free_folder
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.interface.plots import Page
 from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.scenes import Scene, scene
@@ -150,6 +151,7 @@ class LimitAnalysis(Sealed):
         return Page(self._folder / "limit.html")
 
     def _picture(self, name: str, view: str) -> Image:
+        require("a picture", "PIL")
         from PIL import Image as images
 
         from masonry_cd.app.limit_files import draw

@@ -10,6 +10,7 @@ import numpy as np
 from masonry_cd.analysis.deformed import Pose, base_shift, moved_nodes, solids_of
 from masonry_cd.analysis.stress.elements import centres, element_columns, element_peaks, require_meshes
 from masonry_cd.analysis.stress.peaks import principal
+from masonry_cd.foundation.extras import require
 from masonry_cd.interface.tables import columns_of, frame_of
 from masonry_cd.io.results import Results
 
@@ -65,6 +66,7 @@ def _numbered(found: Results, blocks: np.ndarray, start: np.ndarray) -> list[tup
 
 def _table(columns: dict[str, Any], names: list[tuple[str, int]], what: str, time: float | None = None) -> DataFrame:
     """A table by the block and the number of an element or node."""
+    require("a table", "pandas")
     import pandas
 
     table = frame_of(columns)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.foundation.errors import parse_table
+from masonry_cd.foundation.extras import require
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.io.results import Results
 from reports.settings import Report
@@ -53,6 +54,7 @@ class Plots(Sealed):
         Raises:
             InputError: an unknown key, a time outside the run, or a cut outside the structure.
         """
+        require("a picture", "PIL")
         from PIL import Image as images
 
         from reports.drawing.figure import Sheet
@@ -72,6 +74,7 @@ class Plots(Sealed):
         Raises:
             InputError: an unknown key, a time outside the run, a cut outside the structure, or a run that kept no stress.
         """
+        require("a picture", "PIL")
         from PIL import Image as images
 
         from reports.drawing.figure import Sheet

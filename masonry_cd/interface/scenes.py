@@ -20,10 +20,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from masonry_cd.app.folders import is_run, names_of_run
 from masonry_cd.app.inputs import paths_of
 from masonry_cd.app.scene import Scene as CheckedScene
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_text import dump_toml, override, parse_toml, read_text
+from masonry_cd.foundation import own_files
+from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.arrays import BLOCK_FILE, hold_arrays, into_files
 from masonry_cd.interface.sealed import Sealed
@@ -162,12 +165,16 @@ class Scene(Sealed):
                 raise InputError(file, "is there already, with another content; choose another folder, or force=True overwrites it")
         path.parent.mkdir(parents=True, exist_ok=True)
         for file, content in contents.items():
-            file.write_bytes(content)
+            with replacing(file) as part:
+                part.write_bytes(content)
         return path
 
     def placed(self, folder: Path, force: bool) -> CheckedScene:
         """The scene as a run in a folder takes it; one made in Python is written there, over what is there where that is asked for."""
-        return self._checked if self._files is None else replace(self._checked, path=self.write(folder / FILE, force=force))
+        if self._files is None:
+            return self._checked
+        own_files.begin(folder, (*names_of_run(), FILE, *self._own()), is_run)
+        return replace(self._checked, path=self.write(folder / FILE, force=force))
 
     def portable(self) -> tuple[dict[str, Any], dict[str, bytes]]:
         """Its tables with full paths, and the files that hold its arrays, by the names that the tables give them."""

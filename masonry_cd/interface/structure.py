@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.extras import require
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.mechanics.model.blocks import Block
@@ -63,6 +64,7 @@ class Structure(Sealed, Sequence[Block]):
 
     def picture(self, title: str = "Structure", view: str = "auto") -> Image:
         """The blocks by group, as an image that a notebook shows; ``view`` as in :meth:`Scene.picture`."""
+        require("a picture", "PIL")
         from PIL import Image as images
 
         from reports.drawing.figure import Sheet

@@ -12,6 +12,7 @@ from masonry_cd.analysis.fragility.fits import Fits
 from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.sensitivity import Correlation
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.extras import require
 from masonry_cd.interface.plots import Page, shown
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.io.results import Results
@@ -144,6 +145,7 @@ def _names(known: object) -> str:
 
 def _image(path: Path) -> Image:
     """A picture whose file may go."""
+    require("a picture", "PIL")
     from PIL import Image as images
 
     with images.open(path) as picture:

@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.scenes import scene
 from masonry_cd.interface.values import plain
+from masonry_cd.studies.study.folder import StudyFolder
 from masonry_cd.studies.study.study_case import Plan, plan_of_study, require_own
 from masonry_cd.studies.study.study_file import parse_study
 
@@ -44,7 +46,8 @@ def plan_of_tables(tables: Mapping[str, Any], folder: Path, force: bool) -> Plan
     plan = plan_of_study(parse_study(text, asked.checked.folder / FILE, CALLED))  # where the arrays lie now
     if not force:
         require_own(plan, folder)
-    folder.mkdir(parents=True, exist_ok=True)
+    StudyFolder(folder).hold(arrays)
     for name, content in arrays.items():
-        (folder / name).write_bytes(content)
+        with replacing(folder / name) as part:
+            part.write_bytes(content)
     return plan_of_study(parse_study(text, folder / FILE, CALLED))

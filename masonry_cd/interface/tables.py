@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.foundation.extras import require
+
 if TYPE_CHECKING:
     from pandas import DataFrame
 
@@ -54,6 +56,7 @@ def frame_of(columns: Mapping[Any, Any], index: Any = None, name: str | None = N
         unit: of all columns, where these are named by what they are of (blocks, joints); else by their names.
         about: further attributes of the frame.
     """
+    require("a table", "pandas")
     import pandas
 
     frame = pandas.DataFrame(dict(columns), index=None if index is None else pandas.Index(index, name=name))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.app.scene import read_scene
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, suggest
@@ -183,7 +184,7 @@ def _write(measured: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Write the outputs."""
     from masonry_cd.studies.accuracy_picture import problem_picture, scene_picture
 
-    folder.mkdir(parents=True, exist_ok=True)
+    own_files.begin(folder, OUTPUTS)
     rows, study = [asdict(row) for row in measured["rows"]], measured["study"]
     written = [folder / name for name in OUTPUTS[: 4 if study else 3]]
     write_rows(rows, written[0])

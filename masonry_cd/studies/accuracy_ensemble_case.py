@@ -13,6 +13,7 @@ from masonry_cd import __version__
 from masonry_cd.app.case import prepare
 from masonry_cd.app.inputs import file_digests
 from masonry_cd.app.scene import Scene, read_scene
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import is_file
@@ -76,6 +77,7 @@ def ensemble_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
         read_scene(source, [*changes, f"run.dt={setting.dt!r}", f"run.tolerance={setting.tolerance!r}"])
     prepare(scene)  # what is wrong with its blocks or loads is reported before anything is written, and kernels are compiled once
     with locked(folder):
+        own_files.begin(folder, (*OUTPUTS, KEPT), is_ensemble)
         kept = KeptRuns(folder / KEPT, _identity(scene, changes), asked["force"])
 
         def ended(name: str, found: Mapping[str, Any], left: int) -> None:
@@ -97,11 +99,15 @@ def _identity(scene: Scene, changes: Sequence[str]) -> str:
     return digest_of([__version__, scene.text, list(changes), files])
 
 
+def is_ensemble(folder: Path) -> bool:
+    """Whether a folder that has no list of its files is that of an ensemble of an earlier version: by the runs that it keeps."""
+    return (folder / KEPT).is_file()
+
+
 def _write(title: str, rows: Sequence[EnsembleRow], folder: Path) -> dict[str, Any]:
     """Write the outputs."""
     from masonry_cd.studies.accuracy_ensemble_picture import ensemble_picture
 
-    folder.mkdir(parents=True, exist_ok=True)
     written = [folder / name for name in OUTPUTS]
     lines, warnings, flat = lines_of(title, rows), _warnings(rows), [_flat(row) for row in rows]
     write_rows(flat, written[0])

@@ -15,6 +15,7 @@ import numpy as np
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.figures import blank
 from masonry_cd.studies.accuracy import RunRow, SolverRow
 from reports.drawing.figure import COLOURS, FAINT, INK
 
@@ -73,14 +74,10 @@ def scene_picture(rows: Sequence[RunRow], title: str, path: Path) -> None:
 
 def _figure(count: int, title: str, facts: str) -> tuple[Any, Sequence[Any]]:
     """An empty sheet of some panels."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure: Any = Figure(figsize=(3.6 + 5.4 * count, 6.0), dpi=110, facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = blank((3.6 + 5.4 * count, 6.0), 110)
     figure.subplots_adjust(left=0.17 - 0.05 * count, right=0.93 - 0.03 * count, bottom=0.13, top=0.81, wspace=0.52)
-    figure.text(0.02, 0.94, title, fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
-    figure.text(0.02, 0.875, f"{facts}; hollow: tolerance missed", fontsize=11, color=FAINT, va="center", parse_math=False)
+    figure.text(0.02, 0.94, title, fontsize=15, fontweight="bold", color=INK, va="center")
+    figure.text(0.02, 0.875, f"{facts}; hollow: tolerance missed", fontsize=11, color=FAINT, va="center")
     panels = figure.subplots(1, count, squeeze=False)[0]
     for axes in panels:
         axes.set_xscale("log")

@@ -26,6 +26,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from masonry_cd.analysis.modal.elastic_joints import joint_modes
 from masonry_cd.analysis.modal.shapes import RigidShapes
 from masonry_cd.app.scene import Scene, read_scene
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
@@ -108,9 +109,8 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
         if asked.sweep:
             swept = _swept(assembly, scene, companion, asked)
             found |= swept | {"lines": [*found["lines"], _sweep_line(swept)]}
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in OUTPUTS:
-        (folder / name).unlink(missing_ok=True)
+    own_files.begin(folder, OUTPUTS)
+    own_files.remove(folder, OUTPUTS)
     write_json(found, folder / "vibration.json")
     _write_rows(folder / "vibration.csv", rows)
     if asked.sweep:

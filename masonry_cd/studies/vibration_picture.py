@@ -11,6 +11,7 @@ import numpy as np
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.figures import blank
 from reports.drawing.figure import COLOURS, FAINT, INK
 
 
@@ -20,13 +21,9 @@ def sweep_picture(found: Mapping[str, Any], path: Path) -> None:
     Raises:
         InputError: a file that cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     rows, axis = found["sweep"], found["direction"]
     f, own, linear = (np.array([row[key] for row in rows]) for key in ("frequency_hz", "nscd_ratio", "linear_ratio"))
-    figure: Any = Figure(figsize=(11.0, 6.2), dpi=110, facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = blank((11.0, 6.2), 110)
     axes = figure.add_axes((0.1, 0.11, 0.86, 0.73))
     axes.plot(f, linear, color=FAINT, linewidth=1.6, label="linear: rigid blocks on the same elastic joints, never open")
     axes.plot(f, own, color=COLOURS[0], linewidth=1.2, marker="o", markersize=5, label="run: joints that open and slide")
@@ -48,9 +45,9 @@ def sweep_picture(found: Mapping[str, Any], path: Path) -> None:
         axes.spines[side].set_visible(False)
     axes.set_ylim(top=4.0 * axes.get_ylim()[1])  # room for the legend above the peak
     axes.legend(frameon=False, fontsize=11, loc="upper left")
-    figure.text(0.02, 0.945, f"Sweep: {found['title']}", fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
+    figure.text(0.02, 0.945, f"Sweep: {found['title']}", fontsize=15, fontweight="bold", color=INK, va="center")
     words = f"block {found['block']} along {axis}; base moved by v(t) = C sin(2 pi f t), C = {found['velocity']:.3g} m/s"
-    figure.text(0.02, 0.895, words, fontsize=11, color=INK, va="center", parse_math=False)
+    figure.text(0.02, 0.895, words, fontsize=11, color=INK, va="center")
     try:
         with replacing(path) as part:
             figure.savefig(part)

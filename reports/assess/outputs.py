@@ -10,6 +10,7 @@ from typing import Any
 from masonry_cd.analysis.assessment.assessment import DISPLACEMENT, FELT, FILE, GRADE, Assessment, Known, as_facts, read_assessment
 from masonry_cd.analysis.assessment.verdict import between, lines_of, on_the_whole, place_of, shown, to_pin_down, verdict, warnings_of
 from masonry_cd.analysis.outputs.folders import files_of
+from masonry_cd.foundation import own_files
 from reports.assess.picture import PICTURE, tornado
 from reports.assess.tables import CSV, heads, rows_of, write_table
 from reports.page.document import Head, pictures, rows_of_many, write_document
@@ -37,7 +38,8 @@ def write_assessment(folder: Path) -> Assessment:
         InputError: the folder holds no assessment, or cannot be written.
     """
     found = read_assessment(folder)
-    (folder / PICTURE).unlink(missing_ok=True)
+    own_files.begin(folder, FILES, lambda _: True)  # which assess.json proves, read above
+    own_files.remove(folder, (PICTURE,))
     drawn = []
     write_table(found, folder / CSV)
     if found.base.done:

@@ -110,5 +110,5 @@ def _names(axes: Any, levels: list[tuple[float, str]], row: int, ends: tuple[flo
         texts[-1][0] = min(max(texts[-1][0], ends[0] + texts[-1][1]), ends[1] - texts[-1][1])
     for middle, _, text, side in texts:
         up, place = (-0.5 * HEIGHT - 0.04, "bottom") if side == 0 else (0.5 * HEIGHT + 0.04, "top")
-        look = {"fontsize": 9, "color": FAINT, "ha": "center", "va": place, "zorder": 6, "path_effects": halo(), "parse_math": False}
+        look = {"fontsize": 9, "color": FAINT, "ha": "center", "va": place, "zorder": 6, "path_effects": halo()}
         axes.text(middle, row + up, text, **look)

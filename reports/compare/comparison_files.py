@@ -11,10 +11,12 @@ import numpy as np
 
 from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.damage.part_damage import Row
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.figures import blank
 from reports.compare.comparison import Comparison, Run
-from reports.drawing.figure import COLOURS, FAINT, INK, blank, plain_axes, save
+from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
 from reports.drawing.palette import DARK, GRADES
 from reports.drawing.plots import STROKES
 
@@ -23,8 +25,8 @@ MISSING = "–"
 
 def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     """Write comparison.csv, comparison.md and comparison.png into a folder, which is made if need be."""
-    folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"comparison.{ending}" for ending in ("csv", "md", "png")]
+    own_files.begin(folder, [path.name for path in paths])
     exact = ([*row[:2], *(v if v is None or isinstance(v, float) else str(v) for v in row[2])] for row in comparison.rows)
     write_csv(paths[0], comparison.header, exact, digits=9)
     with replacing(paths[1]) as part:

@@ -19,6 +19,7 @@ import numpy as np
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.figures import blank
 from masonry_cd.foundation.quantities import nice
 from reports.drawing import palette
 from reports.drawing.parts import ColourClasses, Panel, Sign, View
@@ -97,20 +98,10 @@ def in_metres(value: float) -> str:
     return f"{value * 100:.3g} cm" if value >= 0.1 else f"{value * 1000:.3g} mm"
 
 
-def blank(size: tuple[float, float], dpi: int = 100, **look: Any) -> Any:
-    """An empty figure of matplotlib, white, of a size [inches]."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure: Any = Figure(figsize=size, dpi=dpi, facecolor="white", **look)
-    FigureCanvasAgg(figure)
-    return figure
-
-
 def plain_axes(axes: Any, words: str = "", across: str = "", grid: str = "both") -> None:
     """Titles at the axes, ticks, a faint grid behind, no frame."""
-    axes.set_ylabel(words, fontsize=11, color=INK, parse_math=False)
-    axes.set_xlabel(across, fontsize=11, color=INK, parse_math=False)
+    axes.set_ylabel(words, fontsize=11, color=INK)
+    axes.set_xlabel(across, fontsize=11, color=INK)
     axes.tick_params(labelsize=10, colors=FAINT, which="both")
     axes.grid(axis=grid, color="#e8eaed", linewidth=0.8)
     axes.set_axisbelow(True)
@@ -220,7 +211,7 @@ class Sheet:
             if len(lines) <= most:
                 break
         high, low = (92, 36) if len(lines) > 2 else (72, 30)
-        look = {"va": "center", "parse_math": False}
+        look = {"va": "center"}
         axes.text(0, high, textwrap.shorten(title, 95, placeholder=" …"), fontsize=23, weight="bold", color=INK, **look)
         axes.text(0, low, "\n".join(lines), fontsize=size, color=FAINT, **look)
 
@@ -255,7 +246,7 @@ class Sheet:
             bottom = top - 4 - (k % per_column + 1) * PITCH
             _draw_sign(axes, sign, left, bottom)
         for k, line in enumerate(textwrap.wrap(panel.note, max(20, int(width / LETTER)))):
-            axes.text(0, top - 10 - PITCH * len(rows) - 24 * k, line, fontsize=12, color=INK, va="center", parse_math=False)
+            axes.text(0, top - 10 - PITCH * len(rows) - 24 * k, line, fontsize=12, color=INK, va="center")
 
     def pixels(self, under: np.ndarray | None = None) -> np.ndarray:
         """The sheet as an image (height, width, 3) uint8, over another of its size whose signs lie beside its own."""
@@ -294,7 +285,6 @@ def label_ties(axes: Any, scene: Scene) -> None:
             "ha": "center",
             "va": "center",
             "path_effects": halo(),
-            "parse_math": False,
         }
         axes.annotate(ties.texts[i], flat.mean(axis=0), beside, textcoords="offset points", annotation_clip=True, **look)
 
@@ -321,7 +311,7 @@ def _draw_sign(axes: Any, sign: Sign, left: float, bottom: float) -> None:
         axes.plot([left, left + SIGN], [middle] * 2, color=sign.colours[0], linewidth=3.0)
     elif sign.kind == "dot":
         axes.plot([left + SIGN / 2], [middle], "o", color=sign.colours[0], markersize=7.0)
-    axes.text(left + SIGN + 14, middle, sign.text, fontsize=13, color=INK, va="center", parse_math=False)
+    axes.text(left + SIGN + 14, middle, sign.text, fontsize=13, color=INK, va="center")
 
 
 def _draw_scale(axes: Any, width: float, top: float, name: str, scale: ColourClasses, dashed: bool) -> None:

@@ -10,8 +10,9 @@ import numpy as np
 
 from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
-from reports.drawing.figure import COLOURS, INK, blank, plain_axes, zero_line
+from reports.drawing.figure import COLOURS, INK, plain_axes, zero_line
 from reports.drawing.plots import STROKES, heading
 
 AXES = "xyz"

@@ -10,6 +10,7 @@ from dataclasses import replace as replaced
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.quantities import classes
 
 BEHIND, AMONG, BEFORE = -1, 0, 1  # places of a layer: behind everything, where it is, before everything
@@ -155,6 +156,7 @@ class ColourClasses:
     """Classes of a value, each with a colour and its lower bound; the last is open."""
 
     def __init__(self, bounds: Sequence[float], colours: tuple[str, float, float], factor: float) -> None:
+        require("a picture", "matplotlib")
         from matplotlib import colormaps
 
         name, low, high = colours  # of a colour map, and the part of it in use

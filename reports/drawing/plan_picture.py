@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.foundation.figures import blank
 from masonry_cd.mechanics.model.wall_outline import WallOutline
-from reports.drawing.figure import blank, save
+from reports.drawing.figure import save
 from reports.drawing.palette import EDGE, FAINT, INK, OPENED, STONE
 
 WIDE = 14.0  # of the drawing [inches]
@@ -40,7 +41,7 @@ def plan_picture(walls: Sequence[WallOutline], others: Sequence[tuple[str, np.nd
     top = float(high[1] - low[1]) + 2.0 * GAP
     axes.set_xlim(-2.0 * GAP, width + 2.0 * GAP)
     axes.set_ylim(foot, top)
-    axes.text(-1.5 * GAP, top - 0.2, title, fontsize=15, weight="bold", color=INK, va="top", parse_math=False)
+    axes.text(-1.5 * GAP, top - 0.2, title, fontsize=15, weight="bold", color=INK, va="top")
     figure.set_size_inches(WIDE, WIDE * (top - foot) / (width + 4.0 * GAP))
     save(figure, path, title)
 
@@ -123,4 +124,4 @@ def _elevation(axes: Any, wall: WallOutline, corner: np.ndarray) -> None:
 
 def _words(axes: Any, place: np.ndarray, words: str, size: float, turn: float = 0.0) -> None:
     under = {"facecolor": "white", "alpha": 0.8, "linewidth": 0.0, "pad": 0.8}
-    axes.text(place[0], place[1], words, fontsize=size, color=INK, ha="center", va="center", rotation=turn, parse_math=False, bbox=under)
+    axes.text(place[0], place[1], words, fontsize=size, color=INK, ha="center", va="center", rotation=turn, bbox=under)

@@ -7,7 +7,8 @@ from textwrap import fill, shorten
 from typing import Any
 
 from masonry_cd.analysis.fragility.limits import LimitState
-from reports.drawing.figure import COLOURS, FAINT, INK, blank, halo, plain_axes
+from masonry_cd.foundation.figures import blank
+from reports.drawing.figure import COLOURS, FAINT, INK, halo, plain_axes
 
 DPI = 150
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -29,7 +30,7 @@ def heading(figure: Any, title: str, facts: str = "") -> None:
     facts = "\n".join(fill(line, int(LETTERS * width)) for line in facts.splitlines())
     taken = 0.45 + 0.27 * bool(facts) + 0.18 * facts.count("\n")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.06, rect=(0.0, 0.0, 1.0, 1.0 - taken / height))
-    look = {"x": 0.16 / width, "parse_math": False}
+    look = {"x": 0.16 / width}
     figure.text(y=1.0 - 0.26 / height, s=title, fontsize=14, fontweight="bold", color=INK, va="center", **look)
     figure.text(y=1.0 - 0.46 / height, s=facts, fontsize=10, color=FAINT, va="top", **look)
 
@@ -64,15 +65,13 @@ def legend(axes: Any, columns: int = 1, **more: Any) -> None:
     handles, _ = axes.get_legend_handles_labels()
     if handles:
         options: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (0.0, -0.13), "ncols": columns} | more
-        texts = axes.legend(fontsize=9.5, frameon=False, labelcolor=INK, **options).get_texts()
-        for text in texts:
-            text.set_parse_math(False)
+        axes.legend(fontsize=9.5, frameon=False, labelcolor=INK, **options)
 
 
 def limit_line(axes: Any, limit: LimitState, k: int, factor: float, across: bool) -> None:
     """The bound of a limit state, a dashed line with its name; ``across`` the picture, or upright."""
     look = {"color": colour(k), "linewidth": 1.1, "linestyle": (0, (5, 3)), "zorder": 2.5}
-    words: dict[str, Any] = {"fontsize": 9.5, "color": colour(k), "path_effects": halo(), "zorder": 6, "parse_math": False}
+    words: dict[str, Any] = {"fontsize": 9.5, "color": colour(k), "path_effects": halo(), "zorder": 6}
     if across:
         axes.axhline(factor * limit.bound, **look)
         axes.annotate(

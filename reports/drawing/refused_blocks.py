@@ -99,5 +99,5 @@ def _names(sheet: Sheet, blocks: Sequence[Block], solids: Solids, at_fault: np.n
             axes.annotate(
                 blocks[k].name, places[k], (side, top), fontsize=14, weight="bold", color=INK, ha="right" if side else "left", va="center",
                 bbox={"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": FAULTY},
-                arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.9}, annotation_clip=False, parse_math=False,
+                arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.9}, annotation_clip=False,
             )  # fmt: skip

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.freed_memory import give_back_freed_memory
 from reports.drawing.parts import Layer, Lines, View, Window
 from reports.drawing.scene import Scene, cut_layers, joint_layers, placed, tie_layers, ties_of
@@ -41,6 +42,7 @@ class Canvas:
 
     def __init__(self, view: View, pixels: tuple[int, int], samples: int = SAMPLES) -> None:
         require_context()
+        require("this", "pyvista")
         import pyvista
 
         self._view, self._pixels, self._samples = view, pixels, samples

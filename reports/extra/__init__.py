@@ -24,6 +24,7 @@ class ExtraReport(NamedTuple):
     files: tuple[str, ...]  # what it writes into the folder of a run, by name
     write: Callable[[Results, Path], None]  # from results, into a folder
     meaning: str = ""  # what they hold: their line of the reference
+    needs: tuple[str, ...] = ()  # libraries that it imports and a plain install lacks, by the name that is imported
 
 
 def extra_report(name: str) -> ExtraReport:

@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
-from reports.drawing.figure import COLOURS, INK, blank, plain_axes, save, zero_line
+from reports.drawing.figure import COLOURS, INK, plain_axes, save, zero_line
 from reports.drawing.plots import heading
 from reports.extra import ExtraReport
 
@@ -87,4 +88,6 @@ def _write(results: Results, folder: Path) -> None:
 
 
 FILE = "energy.png"
-REPORTS = {"energy": ExtraReport((FILE,), _write, "what was put in over time, where it went, and how well the account closes")}
+REPORTS = {
+    "energy": ExtraReport((FILE,), _write, "what was put in over time, where it went, and how well the account closes", ("matplotlib",))
+}

@@ -15,7 +15,8 @@ from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.stage import Stage
-from reports.drawing.figure import COLOURS, INK, blank, plain_axes, save, zero_line
+from masonry_cd.foundation.figures import blank
+from reports.drawing.figure import COLOURS, INK, plain_axes, save, zero_line
 from reports.drawing.palette import AT_WORK, PULLING
 from reports.drawing.parts import Ties, View, Window
 from reports.drawing.plots import DPI, heading
@@ -145,5 +146,5 @@ def crossing_picture(position: np.ndarray, factor: np.ndarray, spans: Sequence[t
         axes.annotate(f"{place[1]:.4g} at {place[0]:.4g} m", place, (6, -14), textcoords="offset points", color=WORST)
         axes.set_ylim(0.0, SHOWN * factor[worst])
     plain_axes(axes, "load factor", "first axle along the road [m]", grid="y")
-    axes.set_title(title, color=INK, fontsize=11, loc="left", parse_math=False)
+    axes.set_title(title, color=INK, fontsize=11, loc="left")
     save(figure, path, title)

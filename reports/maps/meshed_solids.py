@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.analysis.deformed import Pose, Solids, moved_nodes
+from masonry_cd.foundation.extras import require
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.geometry import Polyhedron
@@ -65,6 +66,7 @@ def _facets(meshes: Meshes, m: int, vertices: np.ndarray) -> tuple[np.ndarray, l
     Returns:
         vertices (V, 3) and faces, the node of each vertex, and the element behind each face.
     """
+    require("this", "pyvista")
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.io.results import Results
 from reports.drawing.figure import Sheet, layout_of
 from reports.drawing.render import Canvas
@@ -80,6 +81,7 @@ def animation(
     Raises:
         InputError: a run of a single frame, a path that cannot be written, or what :func:`reports.maps.framing.framing` says.
     """
+    require("a picture", "PIL")
     from PIL import Image
 
     if results.frames < 2:

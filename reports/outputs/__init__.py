@@ -16,6 +16,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from reports.damage import thresholds_of
 from reports.drawing.scene import Scene
+from reports.extra import extra_report
 from reports.files import Job
 from reports.maps.crack_map import crack_scene
 from reports.maps.framing import MapStyle, framing, view_and_cut
@@ -41,6 +42,8 @@ def check(settings: Report, blocks: Sequence[Block], end: float, spacing: float)
     """
     if settings.draws:
         require("report: a picture", "pyvista", "matplotlib", "PIL", without=" (or go without: report.crack_map = false)")
+    for name in settings.extra:
+        require(f'report.extra: "{name}"', *extra_report(name).needs)
     if settings.html:
         require("report.html: the page", "matplotlib")
     read_grades(settings.grades)

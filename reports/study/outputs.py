@@ -22,6 +22,7 @@ from masonry_cd.analysis.fragility.words import counts, first_fits, lines_of, qu
 from masonry_cd.analysis.outputs import STUDY_PAGE, numbers_in
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.analysis.verdict import Verdict
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import counted
 from reports.drawing.render import NoContext
@@ -83,8 +84,8 @@ def write_study(folder: Path) -> dict[str, Any]:
     """
     study = read_study(folder)
     fits, rows = fit_study(study), correlations(study)
-    for path in [folder / name for name in FILES] + sorted(folder.glob(MAPS)):
-        path.unlink(missing_ok=True)
+    own_files.begin(folder, (*FILES, MAPS), lambda _: True)  # which study.json proves, read above
+    own_files.remove(folder, (*FILES, MAPS))
     out = Written(lines=lines_of(study, fits.fits, rows), warnings=[*warnings_of(study), *fits.warnings])
     _write_tables(study, fits, rows, out)
     for name, draw in diagrams(study, fits, rows).items():

@@ -297,7 +297,6 @@ def _correlations(axes: Any, group: Sequence[Correlation]) -> None:
     axes.axvline(0.0, color=FAINT, linewidth=1.0, zorder=2.5)
     axes.set_yticks(np.arange(len(group)), [row.variable for row in group])
     for text in axes.get_yticklabels():
-        text.set_parse_math(False)
         text.set_color(INK)
     axes.set_ylim(len(group) - 0.4, -0.6)
     axes.set_xlim(-1.04, 1.04)

@@ -72,7 +72,7 @@ def find(legs: Sequence[Leg], table: BuildingTable, faults: Faults) -> list[Junc
         if min(_highest(legs[a]), _highest(legs[b])) > max(legs[a].base, legs[b].base) + SAME:
             pair = _meet(legs, (a, f), (b, g), (quads[a][f], quads[b][g]), faults)
             pairs += [pair] if pair else []
-    if faults.lines and len(pairs) > MOST_PAIRS:  # as of many walls into one point, which are refused in any case
+    if faults.found and len(pairs) > MOST_PAIRS:  # as of many walls into one point, which are refused in any case
         return []
     pairs = _without_doubles(pairs)
     bonds = _bonds(legs, pairs, table, faults)

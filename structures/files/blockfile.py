@@ -43,7 +43,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 Vertices = Annotated[list[Annotated[list[Finite], Field(min_length=3, max_length=3)]], Field(min_length=4)]
-Loops = Annotated[list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=3)]], Field(min_length=4)]
+Loops = Annotated[list[Annotated[list[Annotated[int, Field(ge=0, lt=2**31)]], Field(min_length=3)]], Field(min_length=4)]
 
 
 class Part(BaseModel):

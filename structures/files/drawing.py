@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from masonry_cd.foundation.extras import require
 from structures.files.foreign import Refused
 
 DEEPEST = 8  # inserts within inserts: what goes deeper inserts itself
@@ -44,6 +45,7 @@ def opened(path: Path, mend: bool) -> tuple[Any, bool]:
     Raises:
         Refused: no DXF, or a damaged one that is not to be mended.
     """
+    require("a drawing (DXF)", "ezdxf")
     from ezdxf import DXFError, filemanagement, recover
 
     try:

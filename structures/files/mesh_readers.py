@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.foundation.extras import require
 from structures.files.foreign import Answer, Faces, Piece, Refused
 from structures.files.shells import shells
 
@@ -36,6 +37,7 @@ def read_stl(path: Path) -> Answer:
     Raises:
         Refused: no triangles.
     """
+    require("this format", "trimesh")
     import trimesh
 
     announced = _triangles_of(path)
@@ -80,6 +82,7 @@ def read_vtu(path: Path) -> Answer:
     Raises:
         Refused: cells that are no volumes, or that name points that there are not.
     """
+    require("this format", "meshio")
     import meshio
 
     mesh = meshio.read(path)
@@ -120,6 +123,7 @@ def read_vtp(path: Path) -> Answer:
     Raises:
         Refused: no polygons.
     """
+    require("this", "pyvista")
     import pyvista
 
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of readers; what is wrong is found below
@@ -143,6 +147,7 @@ def read_vtkhdf(path: Path) -> Answer:
     Raises:
         Refused: another kind of data, or no volumes.
     """
+    require("this", "pyvista")
     import pyvista
 
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of readers; what is wrong is found below
@@ -165,6 +170,7 @@ def read_vtm(path: Path) -> Answer:
     Raises:
         Refused: no multi-block data, a file that it refers to is missing, or a data set without a surface or a volume.
     """
+    require("this", "pyvista")
     import pyvista
 
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of files that it refers to, each of which is looked for below

@@ -26,6 +26,7 @@ import numpy as np
 from masonry_cd.foundation.arrays import LARGEST
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, triangles
 from structures.files import foreign, objfile, solidfile, vtkfile
@@ -256,6 +257,7 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
         with replacing(path) as part:
             part.write_text(_obj(blocks), encoding="utf-8")
     elif suffix == ".stl":
+        require("this format", "trimesh")
         import trimesh
 
         meshes = [trimesh.Trimesh(b.vertices, triangles(b.faces), process=False) for b in blocks]
@@ -292,6 +294,7 @@ def _obj(blocks: Sequence[Block]) -> str:
 
 
 def _write_vtu(path: Path, blocks: Sequence[Block]) -> None:
+    require("this format", "meshio")
     import meshio
 
     points: list[np.ndarray] = []

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.extras import require
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 
@@ -21,6 +22,7 @@ POLYHEDRON = 42  # VTK's number of this type of cell
 
 def write_vtm(path: Path, blocks: Sequence[Block]) -> None:
     """Write a multi-block file, with a folder of its data sets beside it: a surface for a convex block, a grid for one with parts."""
+    require("this", "pyvista")
     import pyvista
 
     whole = pyvista.MultiBlock()
@@ -47,6 +49,7 @@ def write_vtkhdf(path: Path, blocks: Sequence[Block]) -> None:
 
 def _grid(parts: Sequence[Polyhedron]) -> Any:
     """Polyhedra as an unstructured grid."""
+    require("this", "pyvista")
     import pyvista
 
     cells, count = [], 0

@@ -93,6 +93,7 @@ CASES = [
     ("structure.floors=[{height=3.0, mass=300, anchors={spacing=1800}}]", "structure.floors[0].anchors.spacing = 1800 m: ", '"1800 mm"'),
     ('limit.check={spectrum="NTC", tc_star=300}', "limit.check.tc_star = 300 s: ", 'if ms is meant: "300 ms"'),
     ("structure.ties=[{along='x', height=1.0, area=314}]", "structure.ties[0].area = 314 m2: ", '"314 cm2"; if mm2 is meant: "314 mm2"'),
+    ('limit.check={spectrum="EC8", behaviour_factor=4.0}', "limit.check.behaviour_factor = 4: ", "2 at the most"),
     ("material.density=1.9 kg/m3", "material.density = 1.9 kg/m3: ", 'if t/m3 is meant: "1.9 t/m3"'),  # a text with a unit is judged alike
 ]  # fmt: skip
 
@@ -106,6 +107,39 @@ def test_a_value_in_another_unit_draws_one_line_and_none_where_it_is_meant_so(ch
     assert line.endswith(f'if it is meant so, quiet_checks = ["{key}"] says so')
     assert lines(change, f'quiet_checks=["{key}"]') == []
     assert lines(change, 'quiet_checks=["run.dt"]') == [line]
+
+
+SENSES = [
+    ('limit.check={code="EC8", spectrum="NTC", behaviour_factor=2.0}', "limit.check.spectrum"),
+    ('loads=[{kind="settlement", supports="base", displacement=0.01, duration=10, direction="z"}]', "loads[0].displacement"),
+    ('loads=[{kind="settlement", supports="base", displacement=-0.01, duration=10}]', "loads[0].displacement"),
+    ('loads=[{kind="settlement", supports="base", displacement=-0.01, duration=10, direction="z"}]', ""),
+    ("run.gravity=[0, -9.81, 0]", "run.gravity"),
+    ("run.gravity=[0, 0, 9.81]", "run.gravity"),
+    ("run.gravity=[3.0, 0, -9.34]", ""),  # a table that is tilted by 18 degrees
+    ('loads=[{kind="point", block="stone", force=[0, 0, 4e3]}]', "loads[0].force"),
+    ('loads=[{kind="point", block="stone", force=[4e3, 0, 1e3]}]', ""),
+    ('limit.push="z"', "limit.push"),
+    ("limit.push=[1, 0, 0.5]", ""),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "key"), SENSES, ids=[change[:60] for change, _ in SENSES])
+def test_what_points_the_wrong_way_or_is_of_another_code_draws_one_line(change: str, key: str) -> None:
+    found = lines(change)
+    assert [line.startswith(key) for line in found] == [True] * bool(key)
+    if key:
+        assert lines(change, f'quiet_checks=["{key}"]') == []
+
+
+@pytest.mark.parametrize(("gap", "said"), [(0.0, False), (1e-5, False), (2e-3, True), (4e-3, True), (0.01, False), (0.05, False)])
+def test_a_head_joint_that_gapes_is_named_with_its_blocks(gap: float, said: bool) -> None:
+    """Two stones side by side on one bed; a joint of mortar that was left out, or a gap that is meant."""
+    stones = [box("left", (0, 0, 0), (1, 1, 1)), box("right", (1 + gap, 0, 0), (2, 1, 1))]
+    apart = Assembly.from_blocks([box("base", (0, 0, -1), (2, 1, 0), fixed=True), *stones], 0.6)
+    found = doubts(parse_scene(TEXT, Path("scene.toml")), apart, find_joints(apart))
+    assert ['"left"' in line and '"right"' in line and line.startswith("structure: ") for line in found] == [True] * said
+    assert doubts(parse_scene(TEXT, Path("scene.toml"), ['quiet_checks=["structure"]']), apart, find_joints(apart)) == []
 
 
 @pytest.mark.parametrize(("name", "near"), [("material.densty", ' (did you mean "material.density"?)'), ("loads[0].force", ""), ("", "")])

@@ -65,6 +65,17 @@ def test_a_part_above_the_ground_is_asked_for_the_motion_there(tmp_path: Path) -
 
 
 ASKED = {False: 1.8 * 1.4334 / 2.0, True: 7.531 / 2.0}  # ag S and aZ over q, by hand [m/s2]
+
+
+def test_a_part_of_pieces_that_do_not_touch_and_values_that_are_doubted_draw_lines(tmp_path: Path) -> None:
+    """As of the whole: the doubts of the scene; and which part is none."""
+    both = SLAB.replace('["slab"]', '["slab", "low"]')
+    notes = found(tmp_path, 1.0, both, "behaviour_factor = 4.0\n").notes
+    assert any("slab and others" in line and "2 pieces" in line for line in notes)
+    assert any(line.startswith("limit.check.behaviour_factor") for line in notes)
+    assert not any("pieces" in line for line in found(tmp_path, 1.0).notes)
+
+
 LEVELS = {
     "on the ground": (0.0, "", 0.0, False),
     "its own line": (0.0, "foundation = -6.0\n", 6.0, True),
@@ -114,7 +125,7 @@ def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path
     with (folder / "macro_elements.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert rows[0]["element"] == "slab" and float(rows[0]["ratio"]) == pytest.approx(1.5, rel=1e-3)
-    assert [path.name for path in (folder / "macro_elements").iterdir()] == ["01_slab.png"]
+    assert [path.name for path in (folder / "macro_elements").glob("[!.]*")] == ["01_slab.png"]
     page = (folder / "macro_elements.html").read_text()
     assert page.count("data:image/png") == 1 and "[C8.7.1.2]" in page and f">{parts['verdict']['state']}</span>" in page
     assert html.unescape(page).count(parts["verdict"]["reason"]) == 1 and ">1.50<" in page

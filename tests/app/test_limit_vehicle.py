@@ -13,6 +13,7 @@ from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.limit_command import looked_at
 from masonry_cd.app.limit_files import write
 from masonry_cd.app.limit_structure import limit_structure
+from masonry_cd.app.limit_vehicle import at_worst
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.foundation.errors import InputError
 
@@ -148,3 +149,15 @@ def test_two_vehicles_have_no_one_worst_place() -> None:
     text = TEXT.replace("position = 1.6\n", "") + '[[loads]]\nkind = "vehicle"\nname = "single"\n'
     with pytest.raises(InputError, match="worst place of one vehicle"):
         case_of(scene("limit.live=[0,1]", text=text))
+
+
+def test_the_places_of_a_vehicle_say_how_long_they_still_take(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On standard error, now and then; nothing where it is quiet, as in studies."""
+    from masonry_cd.app import progress
+
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
+    asked = scene("limit.positions=3", text=TEXT.replace("position = 1.6\n", ""))
+    at_worst(asked, quiet=False)
+    assert "place of the vehicle 2 of 3 (67 %)" in capsys.readouterr().err
+    at_worst(asked)
+    assert not capsys.readouterr().err

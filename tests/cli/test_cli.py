@@ -29,8 +29,10 @@ from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.summary import closing_lines
 from masonry_cd.cli import main
 from masonry_cd.cli.app import app
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.system import STOPPING
+from masonry_cd.io.lock import locked
 from masonry_cd.io.problem_files import write_problem
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
@@ -210,14 +212,61 @@ def test_a_folder_with_a_run_is_kept_unless_forced(block_on_plate, tmp_path):
     scene, out = block_on_plate(duration="duration = 0.01"), tmp_path / "out"
     assert masonry_cd("run", scene, "-o", out).exit_code == 0
     before = (out / "result.h5").read_bytes()
-    (out / "crack_map.png").write_bytes(b"of the former run")
+    (out / "drift.csv").write_bytes(b"of the former run")
+    own_files.note(out / "drift.csv")
     refused = masonry_cd("run", scene, "-o", out, "--set", "run.duration=0.02")
     assert refused.exit_code == 2
     assert "--force" in refused.stderr
     assert (out / "result.h5").read_bytes() == before
     assert masonry_cd("run", scene, "-o", out, "--force", "--set", "run.duration=0.02").exit_code == 0
     assert json.loads((out / "summary.json").read_text())["steps"] == 20
-    assert not (out / "crack_map.png").exists()
+    assert not (out / "drift.csv").exists()
+
+
+def test_a_run_keeps_files_of_others_and_names_them(block_on_plate, tmp_path):
+    """Neither overwritten nor removed, --force or not, by a run, a resumed one or a report; they are all named."""
+    scene, out = block_on_plate(duration="duration = 0.01"), tmp_path / "out"
+    out.mkdir()
+    theirs = {out / name: b"theirs" for name in ("joints.csv", "report.html", "crack_map_1s.png", "problem_3.npz")}
+    for path, content in theirs.items():
+        path.write_bytes(content)
+    for force in ((), ("--force",)):
+        refused = masonry_cd("run", scene, "-o", out, *force)
+        assert refused.exit_code == 2 and len(refused.stderr.splitlines()) == 1
+        assert all(path.name in refused.stderr for path in theirs)
+        assert {path: path.read_bytes() for path in out.iterdir()} == theirs
+
+
+def test_a_run_of_an_earlier_version_is_reported_and_forced(block_on_plate, tmp_path):
+    """Its folder has no list of its files: its result.h5 proves that files of a run's names are those of a run."""
+    scene, out = block_on_plate(duration="duration = 0.01"), tmp_path / "out"
+    assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 0
+    for command in (("report", out, "--no-crack-map"), ("run", scene, "-o", out, "-q", "--force")):
+        (out / own_files.LIST).unlink()
+        assert masonry_cd(*command).exit_code == 0
+    (out / own_files.LIST).unlink()
+    (out / "blocks.json").write_text("theirs")  # no file of a run, so that a run proves nothing
+    assert masonry_cd("build", scene, "-o", out, "--no-picture", "--force").exit_code == 2
+    assert (out / "blocks.json").read_text() == "theirs"
+
+
+@pytest.mark.parametrize(
+    ("file", "command"),
+    [
+        ("limit.html", ["limit"]),
+        ("macro_elements.csv", ["limit", "--macro-elements"]),
+        ("modal.csv", ["modal", "--young", "1e9"]),
+        ("plan.svg", ["build", "--no-picture"]),
+        ("accuracy.csv", ["accuracy"]),
+    ],
+)
+def test_no_command_takes_a_file_of_others(block_on_plate, tmp_path, file, command):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / file).write_text("theirs")
+    refused = masonry_cd(*command, block_on_plate(), "-o", out, "--force")
+    assert (refused.exit_code, len(refused.stderr.splitlines())) == (2, 1)
+    assert file in refused.stderr and [path.name for path in out.iterdir()] == [file]
 
 
 def test_the_output_must_be_a_folder(block_on_plate, tmp_path):
@@ -366,9 +415,26 @@ def test_the_lock_of_a_dead_run_is_taken_over(block_on_plate, tmp_path):
     assert subprocess.run([sys.executable, "-c", code]).returncode == 9
     holder = json.loads((out / "run.lock").read_text())
     assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 0
-    for change in ({"pid": os.getpid()}, {"host": "elsewhere"}):  # the number is in use again, by another process; not to be known
+    for change, code in (
+        ({"pid": os.getpid()}, 0),  # the number is in use again, by another process
+        ({"host": "elsewhere"}, 0),  # a container of this machine that had another name
+        ({"host": "elsewhere", "started": "1 of-another-boot"}, 2),  # another machine, which cannot be asked
+        ({"host": "elsewhere", "held": False}, 2),  # one whose system holds no files
+    ):
         (out / "run.lock").write_text(json.dumps(holder | change))
-        assert masonry_cd("run", scene, "-o", out, "-q", "--force").exit_code == (2 if "host" in change else 0)
+        ended = masonry_cd("run", scene, "-o", out, "-q", "--force")
+        assert ended.exit_code == code
+        assert (f"remove {out / 'run.lock'}" in ended.stderr) == (code == 2)
+
+
+def test_a_live_run_in_another_container_is_refused(tmp_path):
+    """It has another name and a number that is nobody's here; the kernel, which both share, says that it holds the file."""
+    with locked(tmp_path):
+        holder = json.loads((tmp_path / "run.lock").read_text())
+        for change in ({"host": "elsewhere", "pid": 1}, {"pid": 2**30}, {"host": "elsewhere", "started": "1 of-another-boot"}):
+            (tmp_path / "run.lock").write_text(json.dumps(holder | change))
+            with pytest.raises(InputError, match="another run writes there"), locked(tmp_path):
+                pass
 
 
 def test_what_follows_the_steps_can_be_finished(block_on_plate, tmp_path, monkeypatch):
@@ -462,7 +528,7 @@ def test_build_writes_the_formats_asked_for(tmp_path):
     arch = EXAMPLES / "arch.toml"
     result = masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--format", "obj", "--format", "vtkhdf", "--format", "obj")
     assert result.exit_code == 0, result.output
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["blocks.obj", "blocks.vtkhdf"]
+    assert sorted(path.name for path in tmp_path.glob("[!.]*")) == ["blocks.obj", "blocks.vtkhdf"]
     assert masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--format", "obj").exit_code == 2  # there is one already
     refused = masonry_cd("build", arch, "-o", tmp_path / "other", "--format", "dxf")
     assert refused.exit_code == 2
@@ -492,7 +558,7 @@ def test_build_draws_what_is_wrong(block_on_plate, tmp_path):
     result = masonry_cd("build", scene, "-o", tmp_path / "out")
     assert result.exit_code == 2
     assert 'block "block": open shell' in result.stderr
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["problem.png"]
+    assert [path.name for path in (tmp_path / "out").glob("[!.]*")] == ["problem.png"]
     assert masonry_cd("build", scene, "-o", tmp_path / "bare", "--no-picture").exit_code == 2
     assert not (tmp_path / "bare").exists()
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import ast
 import sys
 import tomllib
 from pathlib import Path
@@ -11,10 +12,12 @@ import pytest
 from places import EXAMPLES, ROOT
 from typer.testing import CliRunner
 
+import masonry_cd as mc
 from masonry_cd.cli.app import app
 from masonry_cd.foundation import extras
 from masonry_cd.foundation.errors import InputError
 
+ENERGY = ["--set", 'report.extra=["energy"]']
 PACKAGES = {"vtkmodules": "vtk", "PIL": "pillow", "skfem": "scikit-fem", "dask_jobqueue": "dask-jobqueue"}
 
 
@@ -39,11 +42,11 @@ def test_the_table_is_that_of_the_package() -> None:
     ("module", "arguments", "said"),
     [
         ("pyvista", ["run", "trilithon.toml", "--set", "report.crack_map=true"], "report: a picture needs pyvista"),
-        ("matplotlib", ["run", "trilithon.toml", "--set", 'report.extra=["energy"]'], "report: a picture needs matplotlib"),
+        ("matplotlib", ["run", "trilithon.toml", "--set", "report.crack_map=false", *ENERGY], 'report.extra: "energy" needs matplotlib'),
         ("matplotlib", ["run", "trilithon.toml", "--set", "report.html=true"], "report.html: the page needs matplotlib"),
         ("pyvista", ["build", "trilithon.toml"], "structure.png needs pyvista"),
         ("pyarrow", ["study", "study_arch.toml"], "a study needs pyarrow"),
-        ("skfem", ["modal", "trilithon.toml", "--young", "1e9"], "this needs scikit-fem"),
+        ("skfem", ["modal", "trilithon.toml", "--young", "1e9"], "the bonded continuum needs scikit-fem"),
     ],
 )
 def test_a_command_names_the_extra_that_it_lacks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module, arguments, said) -> None:
@@ -74,3 +77,62 @@ def test_a_library_that_is_there_passes(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(InputError, match=r'a plot needs matplotlib, which is not installed: pip install "masonry-cd\[pictures\]", or not'):
         extras.require("a plot", "matplotlib", without=", or not")
+
+
+def test_every_import_of_an_optional_package_is_preceded_by_a_check() -> None:
+    """Whoever imports one names it to ``require`` in the same function, or stands behind a door that has: those are listed."""
+    behind = {  # what an import there stands behind
+        "masonry_cd/studies/study": "a study requires its libraries before it begins",
+        "masonry_cd/studies/accuracy_picture.py": "blank, of foundation/figures.py, which makes every figure",
+        "structures/plans/dxf_file.py": "its read",
+        "structures/files/mesh_readers.py": "its read_vtm",
+        "reports": "blank, and Canvas of drawing/render.py",
+    }
+    bare = []
+    for file in (file for package in ("masonry_cd", "reports", "loads", "structures") for file in sorted((ROOT / package).rglob("*.py"))):
+        place = file.relative_to(ROOT).as_posix()
+        for function in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if not isinstance(function, ast.FunctionDef):
+                continue
+            required = {
+                word.value
+                for call in ast.walk(function)
+                if isinstance(call, ast.Call) and ast.unparse(call.func) == "require"
+                for word in call.args
+                if isinstance(word, ast.Constant)
+            }
+            for node in ast.walk(function):
+                if not isinstance(node, ast.Import | ast.ImportFrom):
+                    continue
+                names = [node.module] if isinstance(node, ast.ImportFrom) else [one.name for one in node.names]
+                modules = {str(name).partition(".")[0] for name in names}
+                if modules & set(extras.EXTRA_OF) - required and not any(place.startswith(door) for door in behind):
+                    bare.append((place, function.name, modules))
+    assert [one for one in bare if one[0] != "masonry_cd/foundation/figures.py"] == []
+
+
+@pytest.mark.parametrize(
+    ("module", "call"),
+    [
+        ("pandas", lambda run: run.joints),
+        ("pandas", lambda run: run.parts),
+        ("PIL", lambda run: run.plot.crack_map()),
+        ("pyvista", lambda run: run.plot.crack_map()),
+        ("matplotlib", lambda run: run.plot.crack_map()),
+        ("matplotlib", lambda run: run.plot.history("left")),
+        ("xarray", lambda run: run.to_xarray()),
+        ("trimesh", lambda run: run.to_trimesh()),
+        ("PIL", lambda run: mc.scene(EXAMPLES / "trilithon.toml").structure.picture()),
+        ("pandas", lambda run: mc.scene(EXAMPLES / "trilithon.toml").structure.table),
+    ],
+)
+def test_python_names_the_extra_that_it_lacks(short_run, monkeypatch: pytest.MonkeyPatch, module, call) -> None:
+    absent(monkeypatch, module)
+    with pytest.raises(InputError, match=rf"which is not installed: pip install \"masonry-cd\[{extras.EXTRA_OF[module]}\]"):
+        call(short_run)
+
+
+@pytest.fixture(scope="module")
+def short_run(tmp_path_factory: pytest.TempPathFactory):
+    folder = tmp_path_factory.mktemp("run")
+    return mc.run(mc.scene(EXAMPLES / "trilithon.toml", "run.duration=0.01", "report.crack_map=false"), folder / "out", progress=False)

@@ -87,11 +87,13 @@ def test_a_folder_that_holds_results_is_refused(tables: dict[str, Any], tmp_path
 
 def test_files_of_ones_own_in_the_folder_are_not_overwritten(tables: dict[str, Any], tmp_path: Path) -> None:
     (tmp_path / "blocks.json").write_text("mine")
-    with pytest.raises(mc.InputError, match=r"blocks.json: is there already, with another content; choose another folder, or force=True"):
-        mc.run(tables, tmp_path, progress=False)
-    assert [path.name for path in tmp_path.iterdir()] == ["blocks.json"]
-    assert (tmp_path / "blocks.json").read_text() == "mine"
-    assert mc.run(tables, tmp_path, force=True, progress=False).scene.structure.names == ["b0", "b1", "b2"]
+    for force in (False, True):
+        with pytest.raises(mc.InputError, match=r"did not write.*blocks\.json"):
+            mc.run(tables, tmp_path, force=force, progress=False)
+        assert [path.name for path in tmp_path.iterdir()] == ["blocks.json"]
+        assert (tmp_path / "blocks.json").read_text() == "mine"
+    mc.run(tables, tmp_path / "out", progress=False)
+    assert mc.run(tables, tmp_path / "out", force=True, progress=False).scene.structure.names == ["b0", "b1", "b2"]
 
 
 def test_nothing_is_written_before_all_is_checked(tables: dict[str, Any], tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ FAILED = {"status": "failed", "reason": "blocks <overlap>", "run": "x", "seconds
 def test_all_files_are_written_and_say_the_same(tmp_path: Path) -> None:
     found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row_of(120.0, steps_missed=3)})
     write_assessment(written(tmp_path, found))
-    assert {file.name for file in tmp_path.iterdir()} == set(FILES)
+    assert {file.name for file in tmp_path.glob("[!.]*")} == set(FILES)
     facts = json.loads((tmp_path / "assess.json").read_text(encoding="utf-8"))
     assert facts["found"]["verdict"].startswith("between D2 and D4; joint stiffness decides; ")
     assert facts["found"]["bars"]["joint stiffness"]["displacement_max"]["shows"] is True

@@ -202,11 +202,11 @@ def test_blocks_that_all_bring_their_density_need_none_of_the_material(tmp_path)
         structures.build({"kind": "file", "path": "blocks.json"}, None, tmp_path)
 
 
-def test_an_overlap_of_micrometres_names_what_mends_it_and_that_does(tmp_path):
+def test_a_slight_overlap_names_what_mends_it_and_that_does(tmp_path):
     low, high = cube(name="low", density=2000.0), cube(name="high", density=2000.0)
-    high["vertices"] = [[x, y, z + 1.0 - 6e-6] for x, y, z in high["vertices"]]
+    high["vertices"] = [[x, y, z + 1.0 - 6e-5] for x, y, z in high["vertices"]]
     (tmp_path / "blocks.json").write_text(json.dumps({"blocks": [low, high]}))
     table = {"kind": "file", "path": "blocks.json"}
-    with pytest.raises(InputError, match=r"overlap by 0\.006 mm; of a file, structure\.gaps = 2e-05 \[m\] brings their faces together"):
+    with pytest.raises(InputError, match=r"overlap by 0\.06 mm; of a file, structure\.gaps = 0\.0002 \[m\] brings their faces together"):
         structures.build(table, None, tmp_path)
-    assert len(structures.build(table | {"gaps": 2e-5}, None, tmp_path)) == 2
+    assert len(structures.build(table | {"gaps": 2e-4}, None, tmp_path)) == 2

@@ -99,7 +99,7 @@ def test_the_command_writes_a_row_per_setting_and_one_per_run(tmp_path: Path):
     words = ("--ensemble", 4, "--workers", 2, "--duration", 0.05, "--tolerances", "1e-8,1e-4")
     done = masonry_cd("accuracy", EXAMPLES / "arch.toml", "-o", tmp_path, *words)
     assert done.exit_code == 0, done.output
-    assert {path.name for path in tmp_path.iterdir()} == {*OUTPUTS, KEPT}
+    assert {path.name for path in tmp_path.glob("[!.]*")} == {*OUTPUTS, KEPT}
     with (tmp_path / "accuracy.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [(float(row["tolerance"]), row["finest"]) for row in rows] == [(1e-4, "False"), (1e-8, "True")]

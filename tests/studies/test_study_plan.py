@@ -12,11 +12,11 @@ from studied import GRID, RECORDS, SCENE, STEP, changed, wave, write_records, wr
 
 from loads.signal.baseline import correct, integrate
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.studies.study.checks import scene_of_run
+from masonry_cd.studies.study.checks import bound_doubts, scene_of_run
 from masonry_cd.studies.study.designs.ida import next_level
 from masonry_cd.studies.study.plan import Plan
 from masonry_cd.studies.study.study_case import plan_of
-from masonry_cd.studies.study.study_file import IdaTable
+from masonry_cd.studies.study.study_file import IdaTable, LimitState
 from masonry_cd.studies.study.varied import Correlation, Distribution, Varied
 
 FRICTION = '[vary]\n"material.friction" = {distribution = "lognormal", median = 0.4, beta = 0.15}\n'
@@ -403,3 +403,11 @@ def test_a_component_that_is_missing(tmp_path: Path) -> None:
     write_records(tmp_path, {"quake_a": ("NS", "EW", "UD"), "quake_b": ("NS", "UD")})
     with pytest.raises(InputError, match=r'study.toml:7: records.y: the motion "quake_b" has components NS, UD, none of EW, H2'):
         plan_of(write_study(tmp_path, changed(RECORDS, {})))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "above", "said"), [("max_opening", 5.0, "5 mm"), ("max_opening", 0.005, ""), ("collapsed_blocks", 5, "")]
+)
+def test_a_bound_of_a_limit_state_in_mm_draws_a_line(quantity: str, above: float, said: str) -> None:
+    found = bound_doubts({"cracked": LimitState(quantity=quantity, above=above)})
+    assert [line.startswith("limit_states.cracked.above") and said in line for line in found] == [True] * bool(said)

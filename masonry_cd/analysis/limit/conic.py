@@ -30,6 +30,7 @@ from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, hstack, identity, v
 
 from masonry_cd.analysis.limit.problem import LimitProblem, regular
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
+from masonry_cd.foundation.extras import require
 
 TOLERANCE = 1e-8  # of residuals and gap over their scale
 MOST = 75  # iterations: churches of 5,000 blocks end there with a factor that holds to four digits; the certificate has what is reached
@@ -185,6 +186,7 @@ def solve_quickly(problem: LimitProblem, programme: ConeProgramme) -> Optimum:
 
 def _solved(programme: ConeProgramme, refined: bool) -> Any:
     """The answer of Clarabel."""
+    require("a limit analysis in space", "clarabel")
     import clarabel
 
     settings = clarabel.DefaultSettings()

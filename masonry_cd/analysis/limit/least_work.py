@@ -27,6 +27,8 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, diags, hstack, identity, vstack
 
+from masonry_cd.foundation.extras import require
+
 FAR = 4.0  # largest correction, over the step
 MOST = 20_000  # iterations of the simplex method
 TOLERANCE = 1e-9  # in space
@@ -138,6 +140,7 @@ def _by_cones(programme: _Programme) -> np.ndarray | None:
 
     The unknowns are d, the sizes e of slips of points that stick, and slips back of those that slide.
     """
+    require("a limit analysis in space", "clarabel")
     import clarabel
 
     made, matrix, residual = programme.resistance, programme.matrix, programme.residual

@@ -23,6 +23,7 @@ from masonry_cd.analysis.modal.eigen import ByCholmod, lowest_modes, participati
 from masonry_cd.analysis.modal.shapes import QuadraticShapes
 from masonry_cd.analysis.modal.solid_mesh import SolidMesh, solid_mesh
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.mechanics.model.blocks import Block
 
 CHUNK = 4000  # elements whose matrices are held at a time
@@ -89,6 +90,7 @@ def continuum_modes(
 
 def _elements(mesh: SolidMesh, order: int) -> tuple[np.ndarray, ...]:
     """Nodes (N, 3), cells (T, k), gradients (T, Q, k, 3) and weights (T, Q) for K, and int N_i N_j dV (T, k, k)."""
+    require("the bonded continuum", "skfem")
     from skfem import Basis, ElementTetP1, ElementTetP2, MeshTet
 
     element = ElementTetP2() if order == 2 else ElementTetP1()

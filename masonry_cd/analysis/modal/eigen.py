@@ -20,6 +20,7 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 
 DENSE = 600  # unknowns up to which a dense solver is used
 SHIFT = 1e-6  # of the scale that the caller gives
@@ -63,6 +64,7 @@ class ByCholmod:
     """Solutions with a sparse symmetric positive definite matrix, by the factor of CHOLMOD; ArithmeticError of one that is not."""
 
     def __init__(self, matrix: sparse.spmatrix) -> None:
+        require("a factor of the modal analysis", "cvxopt")
         import cvxopt
         import cvxopt.cholmod
 

@@ -20,6 +20,8 @@ from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 INEXACT = 1e-4  # gaps and overlaps of joints as built, up to this share of the smallest width, are inexact coordinates
 MOST_INEXACT = 2e-5  # and no more than this [m]: a fifth of a hairline crack
+GAPES = 5e-3  # between faces that look as if they had a joint [m]; floors have 10 mm of play beside walls
+SPANS = 1e-2  # of the mean area of joints: what faces another over less looks like no joint
 
 
 def find_joints(assembly: Assembly) -> Joints:
@@ -67,11 +69,28 @@ def built_gap(assembly: Assembly) -> float:
     return float(gaps[gaps <= inexactness(assembly.width)].max(initial=0.0))
 
 
-def _touching(assembly: Assembly) -> tuple[ContactSet, list[np.ndarray], np.ndarray]:
-    """The contacts at rest, the contacts of each pair of parts that spans an area, and the pairs of parts (P, 2)."""
+def gaping(assembly: Assembly, joined: Joints) -> tuple[np.ndarray, np.ndarray]:
+    """Blocks (G, 2) that face one another over an area, at most GAPES apart, and share none of its joints; their distances (G,) [m]."""
+    near, pieces, _ = _touching(assembly, GAPES)
+    width = int(assembly.count)
+    known = np.union1d(joined.block_a * width + joined.block_b, joined.block_b * width + joined.block_a)
+    least = SPANS * float(joined.area.mean()) if joined.count else 0.0
+    found: dict[tuple[int, int], float] = {}
+    for piece in pieces:
+        a, b = (int(body) for body in near.bodies[piece[0]])
+        if a * width + b not in known and loop_area(near.point[piece]) > least:
+            found[a, b] = max(found.get((a, b), 0.0), float(near.gap[piece].max()))
+    return np.array([*found], dtype=np.int64).reshape(-1, 2), np.array([*found.values()])
+
+
+def _touching(assembly: Assembly, apart: float = 0.0) -> tuple[ContactSet, list[np.ndarray], np.ndarray]:
+    """The contacts at rest, the contacts of each pair of parts that spans an area, and the pairs of parts (P, 2).
+
+    Parts that are ``apart`` by so much [m] count as well.
+    """
     state, detector = State.at_rest(assembly), Detector(assembly, corners_only=True)
     still = np.zeros((assembly.count, 6))
-    contacts = detector.detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
+    contacts = detector.detect(state.position, rotation_matrices(state.orientation), still, 0.0, apart, np.zeros(3))
     starts = np.flatnonzero(np.diff(contacts.pair, prepend=-1))
     pieces = np.split(np.arange(len(contacts.gap)), starts[1:]) if len(contacts.gap) else []
     return contacts, [piece for piece in pieces if len(piece) >= 3], detector.pairs

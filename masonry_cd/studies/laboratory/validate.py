@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from masonry_cd.foundation import own_files
+from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.studies.laboratory.case import Case, Found, Row
 from masonry_cd.studies.laboratory.cases import CASES
@@ -46,10 +48,11 @@ def validate(name: str, folder: Path, say: Callable[[str], object]) -> Outcome:
         InputError: no such case.
     """
     case = case_named(name)
-    folder.mkdir(parents=True, exist_ok=True)
+    own_files.begin(folder, (TABLE, FIGURE))
     found = case.compute(folder, say)
     table, figure = folder / TABLE, folder / FIGURE
-    table.write_text(json.dumps([row._asdict() for row in found.rows], indent=1) + "\n", encoding="utf-8")
+    with replacing(table) as part:
+        part.write_text(json.dumps([row._asdict() for row in found.rows], indent=1) + "\n", encoding="utf-8")
     across, up = found.axes
     drawn = curves_figure(_thinned(found.computed), found.measured, case.title, ((across, 1.0), (up, 1.0)), found.points)
     save(drawn, figure)

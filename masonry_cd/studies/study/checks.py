@@ -3,18 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from masonry_cd.app.case import prepare, structure_of
+from masonry_cd.app.ranges import RANGES
 from masonry_cd.app.scene import Origin, Scene, scene_of
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.studies.study.plan import Maker, Plan
 from masonry_cd.studies.study.space import Asked, Space
-from masonry_cd.studies.study.study_file import Study
-from masonry_cd.studies.study.study_units import ROTATE
+from masonry_cd.studies.study.study_file import LimitState, Study
+from masonry_cd.studies.study.study_units import ROTATE, UNITS
 
 MOST_TRIED = 20  # values of a list for which structures are built
 BUILT = ("structure.", "structures[")  # beginnings of keys for which blocks are built
@@ -67,9 +68,20 @@ def check_first(plan: Plan) -> tuple[str, ...]:
     """
     study = plan.maker.study
     try:
-        return prepare(scene_of_run(plan.maker.tables(plan.runs[0].asked), study.path)).warnings
+        made = prepare(scene_of_run(plan.maker.tables(plan.runs[0].asked), study.path)).warnings
     except InputError as error:
         raise InputError(study.path, f"the first run: {error.unsourced()}") from None
+    return (*bound_doubts(study.tables.limit_states), *made)
+
+
+def bound_doubts(states: Mapping[str, LimitState]) -> list[str]:
+    """A line on each bound of a limit state that is likely in another unit."""
+    usual, out = RANGES["bound"], []
+    for name, state in states.items():
+        if state.above is not None and UNITS.get(state.quantity) == "m" and not usual.holds(state.above):
+            meant = usual.meant(state.above, 1.0)
+            out.append("; ".join(filter(None, [f"limit_states.{name}.above = {state.above:g} m: {usual.reason}", meant])))
+    return out
 
 
 def _tried(space: Space) -> Iterator[tuple[str, Any, str]]:

@@ -15,23 +15,28 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from masonry_cd import __version__
+from masonry_cd.analysis.outputs.folders import files_of
+from masonry_cd.app.folders import names_of_run
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.study_file import Study
-from masonry_cd.studies.study.task import ROWS, Outcome
+from masonry_cd.studies.study.task import ROWS, SCENE, Outcome
 from masonry_cd.studies.study.watchdog import SUFFIX as HANG
 
 NAME, TEXT = "study.json", "study.toml"
 JOINTS, REFERENCE, RUNS = "joints", "reference", "runs"
+KEPT = (ROWS, JOINTS, REFERENCE, RUNS)  # its folders
 FORMAT = 1
 
 
@@ -64,16 +69,42 @@ class StudyFolder:
             if then.get(name) != digest:
                 raise InputError(self.path, f"holds another study, of another {name}; choose another folder, or --force to begin anew")
 
+    def require_own(self) -> None:
+        """Refuse to clear a folder where somebody else has put something.
+
+        Raises:
+            InputError: names all of these files.
+        """
+        own_files.check(self.path, self._names(), is_study)
+        old = not (self.path / own_files.LIST).exists() and is_study(self.path)
+        places = [self.path / name for name in KEPT]
+        others = [path for place in places for path in own_files.others_below(place, OF_OLD[place.name] if old else _in_progress)]
+        own_files.refuse(self.path, [str(path.relative_to(self.path)) for path in others])
+
+    def hold(self, more: Iterable[str] = ()) -> None:
+        """Make the folder if need be, with its list of own files; ``more`` names files that the study brings along.
+
+        Raises:
+            InputError: a file of somebody else lies where one of a study goes.
+        """
+        own_files.begin(self.path, (*self._names(), *more), is_study)
+
+    def _names(self) -> tuple[str, ...]:
+        """All files beside the folders that a study or an assessment may write."""
+        return (*files_of("study"), *files_of("assess"), NAME, TEXT, "probability_*.png")
+
     def clear(self) -> None:
-        """Take away what a former study left."""
-        for name in (ROWS, JOINTS, REFERENCE, RUNS):
+        """Take away what a former study left; :meth:`require_own` has looked before."""
+        for name in KEPT:
             shutil.rmtree(self.path / name, ignore_errors=True)
         (self.path / NAME).unlink(missing_ok=True)
 
     def begin(self, study: Study, plan: Mapping[str, Any]) -> None:
         """Write what the study is."""
-        for name in (ROWS, JOINTS):
-            (self.path / name).mkdir(parents=True, exist_ok=True)
+        old = is_study(self.path)
+        self.hold()
+        for name in (ROWS, JOINTS, REFERENCE):
+            own_files.begin(self.path / name, ("*",), lambda _: old)
         for part in [*(self.path / ROWS).glob("*.part.*"), *(self.path / JOINTS).glob("*.part.*")]:
             part.unlink()
         for part in (self.path / RUNS).glob("*.part"):
@@ -123,12 +154,38 @@ class StudyFolder:
 
     def write_reference(self, name: str, results: bytes) -> None:
         """Write the result file of a run as the reference."""
-        (self.path / REFERENCE).mkdir(exist_ok=True)
         (self.path / REFERENCE / "run.txt").unlink(missing_ok=True)
         with replacing(self.path / REFERENCE / "result.h5") as part:
             part.write_bytes(results)
         with replacing(self.path / REFERENCE / "run.txt") as part:
             part.write_text(name + "\n", encoding="utf-8")
+
+
+def is_study(folder: Path) -> bool:
+    """Whether a folder that has no list of its files is that of a study of an earlier version: by its study.json."""
+    try:
+        return {"format", "program", "identity"} <= set(json.loads(read_text(folder / NAME)))
+    except (OSError, ValueError, TypeError):
+        return False
+
+
+def _in_progress(path: Path) -> bool:
+    """Whether a kill may have left it, by its path below a folder of the study: a file half written, a run half copied, a hang's trace."""
+    return ".part." in path.name or path.parts[0].endswith(".part") or path.suffix == HANG
+
+
+def _of_old_run(path: Path) -> bool:
+    """Whether a run of an earlier version has left it in ``runs/NAME``."""
+    return len(path.parts) == 2 and any(fnmatchcase(path.name, name) for name in (*names_of_run(), SCENE))
+
+
+# How files of earlier versions, which wrote no lists, are known: by folder, from the path below it
+OF_OLD: dict[str, Callable[[Path], bool]] = {
+    ROWS: lambda path: path.suffix == ".json" or _in_progress(path),
+    JOINTS: lambda path: path.suffix == ".npz" or _in_progress(path),
+    REFERENCE: lambda path: path.name in ("result.h5", "run.txt") or _in_progress(path),
+    RUNS: lambda path: _of_old_run(path) or _in_progress(path),
+}
 
 
 def digest_of(value: object) -> str:

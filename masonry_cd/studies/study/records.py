@@ -7,8 +7,10 @@ What a run gets are [[loads]] tables of kind "record", one for each component th
 
 from __future__ import annotations
 
+import json
 import math
-import re
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
@@ -28,6 +30,11 @@ from masonry_cd.studies.study.study_file import Study
 
 COMMON = ("PGA", "PGV", "PGD", "Arias", "CAV", "D5-95")  # measures that cost next to nothing
 MOST_NAMED = 4  # files or motions in a message
+LONGEST = 10.0  # for the matching of all names, which takes milliseconds [s]
+MATCH = (
+    "import json, re, sys; pattern, names = json.load(sys.stdin); found = [(n, re.fullmatch(pattern, n)) for n in names]; "
+    "print(json.dumps([(n, m['motion'], m['component']) for n, m in found if m]))"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +139,27 @@ def find_records(study: Study) -> Records | None:
         return Records(table, [_read(motion, table, dt) for motion in _pair(table, study.folder)], measures, named)
 
 
+def matched(pattern: str, names: Sequence[str], longest: float = LONGEST) -> list[tuple[str, str, str]]:
+    """Names that a regular expression matches as a whole, each with its motion and component.
+
+    Some expressions try a number of ways that doubles with every letter. Nothing in this process could end that, so that another one
+    matches, for a ``longest`` time [s].
+
+    Raises:
+        InputError: it takes longer.
+    """
+    command = [sys.executable, "-I", "-S", "-c", MATCH]
+    try:
+        ended = subprocess.run(command, input=json.dumps([pattern, names]), capture_output=True, text=True, timeout=longest, check=True)
+    except subprocess.TimeoutExpired:
+        raise InputError(
+            "records.pattern",
+            f'"{pattern}" is not done with {len(names)} file names in {longest:g} s: a repeat within a repeat, such as '
+            "(a+)+, tries more ways than can be counted; write one repeat, or [^_]+ for what lies between underscores",
+        ) from None
+    return [(name, motion, component) for name, motion, component in json.loads(ended.stdout)]
+
+
 def _pair(table: RecordsTable, base: Path) -> list[Motion]:
     """The motions of the folder with a file for each axis."""
     assert table.folder is not None
@@ -139,13 +167,8 @@ def _pair(table: RecordsTable, base: Path) -> list[Motion]:
     if not folder.is_dir():
         raise InputError("records.folder", f"{folder}: no such folder")
     found: dict[str, dict[str, Path]] = {}
-    pattern = re.compile(table.pattern)
     names = sorted(path.name for path in folder.iterdir() if path.is_file())
-    for name in names:
-        match = pattern.fullmatch(name)
-        if match is None:
-            continue
-        motion, component = match["motion"], match["component"]
+    for name, motion, component in matched(table.pattern, names):
         if component in found.setdefault(motion, {}):
             raise InputError(
                 "records.pattern", f'{found[motion][component].name} and {name} are both component "{component}" of "{motion}"'

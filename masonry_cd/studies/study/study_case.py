@@ -98,7 +98,9 @@ def study_case(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways 
     study, here = plan.maker.study, StudyFolder(folder)
     if options.resume and not (folder / NAME).exists():
         raise InputError("--resume", f"{folder} holds no study")
-    if not options.force:
+    if options.force:
+        here.require_own()
+    else:
         require_own(plan, folder)
     with locked(folder):
         if options.force:

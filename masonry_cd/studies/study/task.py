@@ -21,6 +21,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from masonry_cd.analysis.verdict import DOUBTFUL
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.errors import InputError, one_line
 
 ROWS = "rows"  # folder of a study with what each run came to
@@ -142,6 +143,7 @@ def _keep(task: Task, folder: Path) -> None:
             if file.name not in SUMMARIES:
                 file.unlink()
     (folder / SCENE).write_text(dump_toml(task.tables), encoding="utf-8")
+    own_files.adopt(folder)
     place = Path(task.folder) / "runs" / task.name
     part = place.with_name(f"{task.name}.{os.getpid()}.part")
     part.parent.mkdir(parents=True, exist_ok=True)
