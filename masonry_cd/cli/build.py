@@ -73,11 +73,15 @@ def build(
         from masonry_cd.app.scene import read_scene
 
         asked = read_scene(scene, [*(set_ or ()), *_repairs(repair)])
+        from structures.files import blockfile, fillfile, meshfile
+
+        for name in formats:
+            if name != "json":
+                meshfile.require_writer(output / f"blocks.{name}")
         import structures
         from masonry_cd.app.case import assembled, make_structures
         from masonry_cd.app.doubts import structure_doubts
         from structures import summary
-        from structures.files import blockfile, fillfile, meshfile
         from structures.geometry.checks import Unsound
 
         try:

@@ -50,6 +50,12 @@ def report(
         for name, given in (("--view", view), ("--scale", scale), ("--cut", cut), ("--thrust", thrust)):
             exclude((name, given is not None and not (name == "--scale" and (html or pdf))), ("--no-crack-map", not drawn))
         exclude(("--time", time is not None), ("--no-crack-map", not (crack_map or stress_map)))
+        from masonry_cd.foundation.extras import require
+
+        if drawn:
+            require("a picture", "pyvista", "matplotlib", "PIL", without=" (or go without: --no-crack-map)")
+        if html or pdf:
+            require("the page", "matplotlib")
         from masonry_cd.io.results import Results
         from reports.settings import report_of
 

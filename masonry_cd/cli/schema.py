@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from masonry_cd.cli.shared import errors_reported
+from masonry_cd.foundation.atomic import replacing
 
 
 def schema(
@@ -31,5 +32,6 @@ def schema(
         if output is None:
             typer.echo(text, nl=False)
             return
-        output.write_text(text, encoding="utf-8")
+        with replacing(output) as part:
+            part.write_text(text, encoding="utf-8")
         typer.echo(f"written: {output}")

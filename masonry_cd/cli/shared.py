@@ -31,7 +31,10 @@ Changes = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Change the scene: run.dt=1e-3, loads[0].amplitude=0.3. As often as needed."),
 ]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)]
-Force = Annotated[bool, typer.Option("--force", help="Overwrite what DIR already holds.")]
+Force = Annotated[
+    bool,
+    typer.Option("--force", help="Overwrite results that DIR already holds; files that masonry-cd did not write stay, and are refused."),
+]
 Trust = Annotated[
     bool,
     typer.Option(

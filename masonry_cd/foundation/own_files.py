@@ -24,6 +24,7 @@ LIST = ".masonry-cd"
 PIECE = 1 << 20  # [B]
 GROWING = "- -"
 MOST_NAMED = 40
+HALF = ".part."  # in the name of a file that is not yet whole, see masonry_cd/foundation/atomic.py
 
 Proof = Callable[[Path], bool]
 
@@ -89,7 +90,7 @@ def others_below(folder: Path, ours: Callable[[Path], bool]) -> list[Path]:
 
 def note(path: Path, source: Path | None = None, growing: bool = False) -> None:
     """List a file, where its folder has a list; ``source`` is where it lies until it gets its name."""
-    if not (path.parent / LIST).exists():
+    if HALF in path.name or not (path.parent / LIST).exists():
         return
     said, known = GROWING if growing else _print(source or path), _read(path.parent).get(path.name, set())
     if not known & {GROWING, said}:
@@ -99,7 +100,7 @@ def note(path: Path, source: Path | None = None, growing: bool = False) -> None:
 
 def adopt(folder: Path) -> None:
     """Begin the list of a folder that the program has just filled: all that is there is its own."""
-    (folder / LIST).write_text("".join(_line(path) for path in _there(folder, ("*",)) if path.name != LIST), encoding="utf-8")
+    (folder / LIST).write_text("".join(_line(path) for path in _there(folder, ("*",))), encoding="utf-8")
 
 
 def guard(path: Path) -> None:
@@ -108,7 +109,7 @@ def guard(path: Path) -> None:
     Raises:
         InputError: names it.
     """
-    if path.exists() and (path.parent / LIST).exists():
+    if HALF not in path.name and path.exists() and (path.parent / LIST).exists():
         check(path.parent, (path.name,))
 
 
@@ -121,13 +122,16 @@ def remove(folder: Path, names: Iterable[str]) -> None:
 
 
 def _there(folder: Path, names: Iterable[str]) -> list[Path]:
-    """The files of a folder that have one of these names."""
+    """The files of a folder that have one of these names; patterns take neither the list nor what a kill has left half written."""
     names = tuple(names)
     if not folder.is_dir():
         return []
     exact, patterns = {name for name in names if "*" not in name}, [name for name in names if "*" in name]
-    found = (path for path in folder.iterdir() if path.name in exact or any(fnmatchcase(path.name, one) for one in patterns))
-    return sorted(path for path in found if path.is_file() or path.is_symlink())
+
+    def named(name: str) -> bool:
+        return name in exact or (name != LIST and HALF not in name and any(fnmatchcase(name, one) for one in patterns))
+
+    return sorted(path for path in folder.iterdir() if named(path.name) and not path.is_dir())
 
 
 def _read(folder: Path) -> dict[str, set[str]]:

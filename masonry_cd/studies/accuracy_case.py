@@ -15,6 +15,7 @@ from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.files import is_file
 from masonry_cd.foundation.quantities import in_words
 
@@ -41,6 +42,7 @@ def accuracy_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
     Raises:
         InputError: a bad file, scene or option; nothing is written then.
     """
+    require("the picture of accuracy", "matplotlib")  # before the runs
     if not is_file(source):
         raise InputError(source, "no such file")
     measured = _scene(source, asked, overrides, say) if source.suffix == ".toml" else _problem(source, asked, overrides, say)

@@ -16,6 +16,7 @@ from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.files import is_file
 from masonry_cd.foundation.quantities import in_words, length
 from masonry_cd.io.lock import locked
@@ -60,6 +61,7 @@ def ensemble_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
     Raises:
         InputError: a bad scene or option; nothing is written then.
     """
+    require("the picture of accuracy", "matplotlib")  # before the runs
     if not is_file(source):
         raise InputError(source, "no such file")
     if source.suffix != ".toml":

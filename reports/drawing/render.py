@@ -85,6 +85,7 @@ def require_context() -> None:
     Raises:
         InputError: it cannot; names the packages that bring it.
     """
+    require("a picture", "pyvista", "vtkmodules")
     if not sys.platform.startswith("linux"):
         return
     try:

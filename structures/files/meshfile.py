@@ -244,43 +244,67 @@ def _volume(vertices: np.ndarray, faces: Faces) -> float:
     return float(np.linalg.det((vertices - vertices.mean(axis=0))[triangles(faces)]).sum() / 6.0)
 
 
+WRITERS = {".stl": "trimesh", ".vtu": "meshio", ".vtm": "pyvista", ".vtkhdf": "pyvista"}  # what each ending is written by
+
+
 def write(path: Path, blocks: Sequence[Block]) -> None:
     """Write blocks, z up, in metres: OBJ (an object each), STL, VTM (a data set each), or VTU and VTKHDF (a polyhedron per convex part).
 
     STL has single precision and no names; VTU and VTKHDF have the arrays block, fixed and group.
 
     Raises:
-        InputError: another format.
+        InputError: another format; a library that is not installed.
     """
     suffix = path.suffix.lower()
-    if suffix == ".obj":
+    require_writer(path)
+    if suffix == ".vtm":  # its folder of data sets bears its name
+        vtkfile.write_vtm(path, blocks)
         with replacing(path) as part:
-            part.write_text(_obj(blocks), encoding="utf-8")
+            part.write_text(_marked(path, blocks), encoding="utf-8")
+        return
+    with replacing(path) as part:
+        _write(part, suffix, blocks)
+
+
+def require_writer(path: Path) -> None:
+    """Check that blocks can be written into a file of this ending, before anything is made.
+
+    Raises:
+        InputError: another format; a library that is not installed.
+    """
+    suffix = path.suffix.lower()
+    written = [ending for format_ in FORMATS.values() if format_.written for ending in format_.endings]
+    if suffix not in (*written, *solidfile.ENDINGS):
+        raise InputError(path.name, f"blocks are written as {', '.join(written)}")
+    if suffix in WRITERS:
+        require(f"blocks as {suffix}", WRITERS[suffix])
+
+
+def _write(path: Path, suffix: str, blocks: Sequence[Block]) -> None:
+    """Write blocks into one file."""
+    if suffix == ".obj":
+        path.write_text(_obj(blocks), encoding="utf-8")
     elif suffix == ".stl":
-        require("this format", "trimesh")
         import trimesh
 
         meshes = [trimesh.Trimesh(b.vertices, triangles(b.faces), process=False) for b in blocks]
         trimesh.util.concatenate(meshes).export(path)
     elif suffix == ".vtu":
-        _write_vtu(path, blocks)
-    elif suffix == ".vtm":
-        vtkfile.write_vtm(path, blocks)
-    elif suffix == ".vtkhdf":
-        vtkfile.write_vtkhdf(path, blocks)
-    elif suffix in solidfile.ENDINGS:
-        solidfile.write(path, blocks)
-    else:
-        written = [ending for format_ in FORMATS.values() if format_.written for ending in format_.endings]
-        raise InputError(path.name, f"blocks are written as {', '.join(written)}")
-    if suffix in (".vtu", ".vtm"):
-        with replacing(path) as part:
-            part.write_text(path.read_text(encoding="utf-8").rstrip() + f"\n<!-- {marks_of(blocks)} -->\n", encoding="utf-8")
+        vtkfile.write_vtu(path, blocks)
+        path.write_text(_marked(path, blocks), encoding="utf-8")
     elif suffix == ".vtkhdf":
         import h5py
 
+        vtkfile.write_vtkhdf(path, blocks)
         with h5py.File(path, "r+") as file:
             file["VTKHDF"].attrs[MARK.strip(" :")] = marks_of(blocks).removeprefix(MARK)
+    else:
+        solidfile.write(path, blocks)
+
+
+def _marked(path: Path, blocks: Sequence[Block]) -> str:
+    """The text of a file of VTK with the marks of the blocks at its end."""
+    return path.read_text(encoding="utf-8").rstrip() + f"\n<!-- {marks_of(blocks)} -->\n"
 
 
 def _obj(blocks: Sequence[Block]) -> str:
@@ -291,28 +315,3 @@ def _obj(blocks: Sequence[Block]) -> str:
         lines += ["f " + " ".join(str(count + i) for i in face) for face in block.faces]
         count += len(block.vertices)
     return "\n".join(lines) + "\n"
-
-
-def _write_vtu(path: Path, blocks: Sequence[Block]) -> None:
-    require("this format", "meshio")
-    import meshio
-
-    points: list[np.ndarray] = []
-    cells: dict[str, list[Any]] = {}
-    owner: dict[str, list[int]] = {}
-    count = 0
-    parted = [(number, part) for number, block in enumerate(blocks) for part in block.convex_parts]
-    for number, part in sorted(parted, key=lambda pair: len(pair[1].vertices)):  # meshio reads cells of fewer corners first
-        kind = f"polyhedron{len(part.vertices)}"
-        cells.setdefault(kind, []).append([np.array(face) + count for face in part.faces])
-        owner.setdefault(kind, []).append(number)
-        points.append(part.vertices)
-        count += len(part.vertices)
-    groups = list(dict.fromkeys(block.group for block in blocks))
-    fixed, group = np.array([b.fixed for b in blocks], dtype=int), np.array([groups.index(b.group) for b in blocks])
-    data = {
-        "block": [np.array(numbers) for numbers in owner.values()],
-        "fixed": [fixed[numbers] for numbers in owner.values()],
-        "group": [group[numbers] for numbers in owner.values()],
-    }
-    meshio.Mesh(np.concatenate(points), list(cells.items()), cell_data=data).write(path)

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.extras import require
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 
@@ -22,7 +21,6 @@ POLYHEDRON = 42  # VTK's number of this type of cell
 
 def write_vtm(path: Path, blocks: Sequence[Block]) -> None:
     """Write a multi-block file, with a folder of its data sets beside it: a surface for a convex block, a grid for one with parts."""
-    require("this", "pyvista")
     import pyvista
 
     whole = pyvista.MultiBlock()
@@ -33,6 +31,31 @@ def write_vtm(path: Path, blocks: Sequence[Block]) -> None:
             whole[block.name] = pyvista.PolyData(block.vertices, faces=_stream(block.faces))
     with replacing(path) as part:
         whole.save(part)
+
+
+def write_vtu(path: Path, blocks: Sequence[Block]) -> None:
+    """Write polyhedra, one for each convex part, with the arrays block, fixed and group."""
+    import meshio
+
+    points: list[np.ndarray] = []
+    cells: dict[str, list[Any]] = {}
+    owner: dict[str, list[int]] = {}
+    count = 0
+    parted = [(number, part) for number, block in enumerate(blocks) for part in block.convex_parts]
+    for number, part in sorted(parted, key=lambda pair: len(pair[1].vertices)):  # meshio reads cells of fewer corners first
+        kind = f"polyhedron{len(part.vertices)}"
+        cells.setdefault(kind, []).append([np.array(face) + count for face in part.faces])
+        owner.setdefault(kind, []).append(number)
+        points.append(part.vertices)
+        count += len(part.vertices)
+    groups = list(dict.fromkeys(block.group for block in blocks))
+    fixed, group = np.array([b.fixed for b in blocks], dtype=int), np.array([groups.index(b.group) for b in blocks])
+    data = {
+        "block": [np.array(numbers) for numbers in owner.values()],
+        "fixed": [fixed[numbers] for numbers in owner.values()],
+        "group": [group[numbers] for numbers in owner.values()],
+    }
+    meshio.Mesh(np.concatenate(points), list(cells.items()), cell_data=data).write(path)
 
 
 def write_vtkhdf(path: Path, blocks: Sequence[Block]) -> None:
@@ -49,7 +72,6 @@ def write_vtkhdf(path: Path, blocks: Sequence[Block]) -> None:
 
 def _grid(parts: Sequence[Polyhedron]) -> Any:
     """Polyhedra as an unstructured grid."""
-    require("this", "pyvista")
     import pyvista
 
     cells, count = [], 0

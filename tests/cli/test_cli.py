@@ -250,6 +250,13 @@ def test_a_run_of_an_earlier_version_is_reported_and_forced(block_on_plate, tmp_
     assert (out / "blocks.json").read_text() == "theirs"
 
 
+def test_every_format_of_blocks_is_written_twice(block_on_plate, tmp_path):
+    """Each is listed as it is in the end: its marks are put in before, so that --force finds it its own."""
+    asked = [word for name in ("json", "obj", "stl", "vtu", "vtm", "vtkhdf", "step", "msh") for word in ("--format", name)]
+    for force in ((), ("--force",)):
+        assert masonry_cd("build", block_on_plate(), "-o", tmp_path / "out", "--no-picture", *asked, *force).exit_code == 0
+
+
 @pytest.mark.parametrize(
     ("file", "command"),
     [

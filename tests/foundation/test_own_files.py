@@ -58,6 +58,12 @@ def test_a_kill_before_the_list_or_before_the_file_leaves_it_ours(tmp_path: Path
     own_files.check(tmp_path, NAMES)
 
 
+def test_what_a_kill_leaves_half_written_is_nobodys(tmp_path: Path) -> None:
+    own_files.begin(tmp_path, ("*",))
+    (tmp_path / "map_1.part.png").write_text("half", encoding="utf-8")
+    own_files.begin(tmp_path, ("*",))
+
+
 def test_a_folder_without_a_list_is_adopted_where_something_proves_it(tmp_path: Path) -> None:
     (tmp_path / "joints.csv").write_text("of an earlier version", encoding="utf-8")
     own_files.begin(tmp_path, NAMES, lambda folder: folder == tmp_path)

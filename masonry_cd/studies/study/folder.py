@@ -103,8 +103,8 @@ class StudyFolder:
         """Write what the study is."""
         old = is_study(self.path)
         self.hold()
-        for name in (ROWS, JOINTS, REFERENCE):
-            own_files.begin(self.path / name, ("*",), lambda _: old)
+        for name, files in ((ROWS, ("*.json",)), (JOINTS, ("*.npz",)), (REFERENCE, ("result.h5", "run.txt"))):
+            own_files.begin(self.path / name, files, lambda _: old)
         for part in [*(self.path / ROWS).glob("*.part.*"), *(self.path / JOINTS).glob("*.part.*")]:
             part.unlink()
         for part in (self.path / RUNS).glob("*.part"):
@@ -171,7 +171,7 @@ def is_study(folder: Path) -> bool:
 
 def _in_progress(path: Path) -> bool:
     """Whether a kill may have left it, by its path below a folder of the study: a file half written, a run half copied, a hang's trace."""
-    return ".part." in path.name or path.parts[0].endswith(".part") or path.suffix == HANG
+    return own_files.HALF in path.name or path.parts[0].endswith(".part") or path.suffix == HANG
 
 
 def _of_old_run(path: Path) -> bool:
