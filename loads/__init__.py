@@ -23,7 +23,7 @@ from loads.kinds.gravity import GravityTable
 from loads.kinds.sequence import Pause, Shock
 from loads.kinds.tilt import TiltTable, load_factors
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
-from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.errors import InputError, of_each, parse_table, suggest
 from masonry_cd.foundation.extensions import Entries
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import Fill
@@ -98,12 +98,12 @@ def build(
         fills: of the bridges of the structure.
 
     Raises:
-        InputError: an unknown kind, a bad key, or a bad record file.
+        InputError: an unknown kind, a bad key, or a bad record file; the faults of all loads together.
     """
     grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly, longest, fills)
-    asked = [parse_load(table, f"loads[{i}]", grid.folder) for i, table in enumerate(tables)]
+    asked = of_each(lambda at: parse_load(at[1], f"loads[{at[0]}]", grid.folder), enumerate(tables))
     falls = _gravity_tables(asked)
-    parts = [load_kind(table.kind, f"loads[{i}]", grid.folder).part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
+    parts = of_each(lambda at: _part(at[1], f"loads[{at[0]}]", grid), enumerate(asked))
     filled = [fill.part(each, grid, fill.shakes(asked)) for each in fills]
     _check_ramp(asked, falls, filled)
     parts += [*own, *filled]
@@ -169,6 +169,11 @@ def parse_load(table: Mapping[str, Any], where: str, folder: Path | None = None)
     if kind is None:
         raise InputError(f"{where}.kind", f"missing; kinds: {', '.join(KINDS)}")
     return parse_table(load_kind(str(kind), where, folder).table, table, where)
+
+
+def _part(table: LoadTable, where: str, grid: RunGrid) -> Part:
+    """The contribution of a load to a run."""
+    return load_kind(table.kind, where, grid.folder).part(table, grid, where)
 
 
 def load_kind(kind: str, where: str, folder: Path | None = None) -> LoadKind:

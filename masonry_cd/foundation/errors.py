@@ -16,6 +16,8 @@ from pydantic import BaseModel, ValidationError
 from masonry_cd.foundation.units import UnitError, in_si, models_in, read_values, unit_at
 
 Model = TypeVar("Model", bound=BaseModel)
+Given = TypeVar("Given")
+Made = TypeVar("Made")
 Path = tuple[str | int, ...]  # keys and places that lead to a key of a table
 
 QUOTED = 300  # most characters of a value that a message quotes
@@ -120,6 +122,20 @@ class Faults:
         """
         if self.found:
             raise InputError.of(self.found)
+
+
+def of_each(make: Callable[[Given], Made], items: Iterable[Given]) -> list[Made]:
+    """The values that ``make`` returns for some items.
+
+    Raises:
+        InputError: the faults of all items together.
+    """
+    faults, made = Faults(), list[Made]()
+    for item in items:
+        with faults.of():
+            made.append(make(item))
+    faults.refuse()
+    return made
 
 
 def one_line(message: str) -> str:
