@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs that are refused: by one readable line, and a small scene of a block file to try them on."""
+"""Inputs that are refused: by a readable line for each fault, and a small scene of a block file to try them on."""
 
 from __future__ import annotations
 
@@ -30,14 +30,15 @@ TETRA: dict[str, list[list[int]]] = {
 
 
 def refusal(folder: Path, action: Callable[[], Any], longest: int = LONGEST) -> str | None:
-    """The message, without the folder, of the InputError that an action raises, which is one printable line; None where it raises none."""
+    """The message, without the folder, of the InputError that an action raises, of printable lines; None where it raises none."""
     try:
         with np.errstate(all="ignore"):
             action()
     except InputError as error:
-        message = str(error).replace(f"{folder}/", "")
-        assert message
-        assert message.isprintable()
-        assert len(message) < longest, message
-        return message
+        lines = [line.replace(f"{folder}/", "") for line in error.lines]
+        assert lines and all(lines)
+        for line in lines:
+            assert line.isprintable()
+            assert len(line) < longest, line
+        return "\n".join(lines)
     return None

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime
+from itertools import pairwise
 
 import numpy as np
 
@@ -46,7 +47,9 @@ def read(source: Source, request: Request) -> RawRecord:
         raise source.error("the key time_step does not apply to SLIST and TSPAIR files, whose lines give the rate")
     refuse_layout(source, request, "SLIST and TSPAIR")
     heads = [index for index, line in enumerate(source.lines) if line.upper().startswith(HEAD)]
-    pieces = [_piece(source, head, after) for head, after in zip(heads, [*heads[1:], len(source.lines)], strict=True)]
+    if not heads:
+        raise source.error(f"no line begins with {HEAD}, as that of a series in SLIST or TSPAIR does")
+    pieces = [_piece(source, head, after) for head, after in pairwise([*heads, len(source.lines)])]
     channel = of_channel_asked(pieces, request.column, "SLIST and TSPAIR files", source.error)
     if request.calibration is not None and channel[0].unit is not None:
         raise source.error(f"the key calibration is given, but the samples are in {channel[0].unit}, not in counts")

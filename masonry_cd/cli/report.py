@@ -69,7 +69,7 @@ def report(
             from reports import outputs
             from reports.files import Job
 
-            own_files.begin(folder, names_of_run(), is_run)
+            own_files.begin(folder, set(names_of_run()) - {NAME}, is_run)  # a damaged summary.json is replaced
             changes = {"view": view, "scale": scale, "cut": cut, "thrust": thrust, "vector": vector or None, "animation": animation}
             settings = report_of(results.scene, **changes, extra=extra or None)
             outputs.check_again(settings, results)

@@ -23,6 +23,7 @@ Path = tuple[str | int, ...]  # keys and places that lead to a key of a table
 QUOTED = 300  # most characters of a value that a message quotes
 WORD = 400  # most characters of any other word
 MOST_LINES = 30  # of what is wrong with one thing
+UNKNOWN = "unknown key"
 LINE = 900  # most characters of a message; its beginning says where, its end what would do
 
 
@@ -223,7 +224,10 @@ def _faults(failure: ValidationError, model: type[BaseModel], table: Mapping[str
         place, own = _in_table(table, error["loc"], error["type"] == "missing")
         if all(forms.setdefault(at, form) == form for at, form in own.items()):
             shown = [part for part in error["loc"] if part not in own.values() or "[" not in str(part)]
-            found.setdefault(place, Fault(_path(where, shown), _text(error, model)))
+            text = _text(error, model)
+            if any(text == fault.text for fault in found.values()) and text.startswith(f"{UNKNOWN}; "):
+                text = UNKNOWN  # the keys that are known are listed once
+            found.setdefault(place, Fault(_path(where, shown), text))
     innermost = [place for place in found if not any(place == other[: len(place)] for other in found if other != place)]
     first = {_of_array(place): place for place in reversed(innermost)}  # one fault for an array of numbers
     return {place: found[place] for place in innermost if first[_of_array(place)] == place}
@@ -256,7 +260,7 @@ def _text(error: Mapping[str, Any], model: type[BaseModel]) -> str:
     if error["type"] == "extra_forbidden":
         known = _keys(model, error["loc"][:-1])
         hint = suggest(str(error["loc"][-1]), known)
-        return f"unknown key{hint or '; known keys: ' + ', '.join(known)}"
+        return f"{UNKNOWN}{hint or '; known keys: ' + ', '.join(known)}"
     if error["type"] == "missing":
         return "missing"
     message = error["msg"].removeprefix("Value error, ")

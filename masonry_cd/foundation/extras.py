@@ -4,8 +4,11 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
-from masonry_cd.foundation.errors import InputError
+if TYPE_CHECKING:
+    from masonry_cd.foundation.errors import InputError
+
 
 EXTRA_OF = {
     "pyvista": "pictures",
@@ -47,11 +50,15 @@ def require(what: str, *modules: str, without: str = "") -> None:
     """
     for module in modules:
         if find_spec(module) is None:
+            from masonry_cd.foundation.errors import InputError  # readers in a child process do without
+
             raise InputError("", _line(what, module) + without)
 
 
 def missing(failure: ModuleNotFoundError) -> InputError | None:
     """What to tell the user of a module that is not there; None of one that no extra brings: that is a fault."""
+    from masonry_cd.foundation.errors import InputError
+
     module = (failure.name or "").partition(".")[0]
     return InputError("", _line("this", module)) if module in EXTRA_OF else None
 

@@ -37,7 +37,8 @@ def modal(
     """
     from masonry_cd.app.modal_case import modal_case
 
-    found = modal_case(scene(source).checked, options, None if folder is None else Path(folder))
+    asked = scene(source)  # which holds the files of its arrays
+    found = modal_case(asked.checked, options, None if folder is None else Path(folder))
     for line in found["warnings"]:
         warnings.warn(line, RunWarning, stacklevel=2)
     return found

@@ -159,7 +159,8 @@ def test_the_same_scene_gives_the_same_bits(block_on_plate, tmp_path):
 
 
 def test_quiet_says_nothing(block_on_plate, tmp_path):
-    result = masonry_cd("run", block_on_plate(duration="duration = 0.01"), "-o", tmp_path / "out", "--quiet")
+    scene = block_on_plate(duration="duration = 0.01")
+    result = masonry_cd("run", scene, "-o", tmp_path / "out", "--quiet", "--set", "loads=[]")
     assert (result.exit_code, result.output) == (0, "")
 
 
@@ -367,7 +368,7 @@ def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path,
     assert advice == f"masonry-cd: go on with: masonry-cd run {scene} -o {out} --resume --set run.duration=0.01"
     assert json.loads((out / "summary.json").read_text())["steps"] == 5
     result = masonry_cd(*advice.split()[5:], "-q")
-    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.exit_code == 0 and "of the cycles" in result.stderr  # 0.01 s are 2 % of its load
     assert json.loads((out / "summary.json").read_text())["steps"] == 10
     assert not list(out.glob("checkpoint*"))
 

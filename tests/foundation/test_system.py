@@ -98,7 +98,20 @@ def test_every_module_can_be_imported_elsewhere(tmp_path: Path) -> None:
 def test_a_run_elsewhere_holds_its_folder(tmp_path: Path) -> None:
     """A second run in the same folder is refused for as long as the first one lives, and no longer."""
     scene = EXAMPLES / "trilithon.toml"
-    command = ("-m", "masonry_cd", "run", scene, "-q", "--set", "run.duration=0.02", "--set", "report.crack_map=false", "-o")
+    command = (
+        "-m",
+        "masonry_cd",
+        "run",
+        scene,
+        "-q",
+        "--set",
+        "run.duration=0.02",
+        "--set",
+        "loads=[]",
+        "--set",
+        "report.crack_map=false",
+        "-o",
+    )
     ended = elsewhere(*command, tmp_path / "out", folder=tmp_path)
     assert (ended.returncode, ended.stderr) == (0, "")
     held = (

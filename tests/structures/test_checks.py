@@ -124,7 +124,7 @@ def test_overlaps_of_inexact_coordinates_pass_as_their_gaps_do(width: float, dep
     if sound:
         check([base, stone])
     else:
-        assert '"base" and "a" overlap' in refused(base, stone)
+        assert '"base" and "a": they overlap' in refused(base, stone)
 
 
 def test_boxes_whose_bounding_boxes_meet_but_which_are_apart() -> None:
