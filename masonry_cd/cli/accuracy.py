@@ -25,7 +25,6 @@ def accuracy(
     dts: Annotated[str | None, typer.Option(metavar="DT1,DT2,...", help="Time steps [s].", show_default="x 2, 1, 1/2")] = None,
     repeats: Annotated[int | None, typer.Option(metavar="N", min=1, help="For median times.", show_default="5; of a scene 1")] = None,
     duration: Annotated[float | None, typer.Option(metavar="SECONDS", help="Of a scene, to shorten it.", show_default="its own")] = None,
-    seeds: Annotated[int | None, typer.Option(metavar="N", min=2, help="Run a scene with N sweep orders too.")] = None,
     ensemble: Annotated[int | None, typer.Option(metavar="N", min=1, help="Judge a scene by N runs of each setting.")] = None,
     workers: Annotated[int, typer.Option(metavar="N", min=1, help="Runs of an ensemble at a time.")] = 1,
     force: Force = False,
@@ -34,7 +33,7 @@ def accuracy(
 ) -> None:
     """Measure error against run time: of the solvers on a friction problem, or of a whole scene over time step and tolerance.
 
-    DIR gets accuracy.csv, accuracy.md and accuracy.png, a work-precision diagram; with --seeds also seeds.csv. Errors of a problem are
+    DIR gets accuracy.csv, accuracy.md and accuracy.png, a work-precision diagram. Errors of a problem are
     natural map errors, measured outside the solvers. Runs of a scene are compared with a run at half the smallest time step and the
     tightest tolerance: displacements and joint openings, in the root mean square over blocks or joints, the largest over time, relative to
     that of this finest run. What missed its tolerance is marked.
@@ -48,13 +47,11 @@ def accuracy(
     Examples:
       masonry-cd accuracy problem.npz -o out/solvers --solvers nlgs,admm,auto --tolerances 1e-4,1e-8,1e-12
       masonry-cd accuracy arch.toml -o out/accuracy --dts 4e-3,2e-3,1e-3 --tolerances 1e-3,1e-6
-      masonry-cd accuracy arch.toml -o out/accuracy --duration 1.5 --seeds 8
       masonry-cd accuracy demo.toml -o out/accuracy --ensemble 8 --workers 2 --tolerances 1e-3,1e-5
     """
     with errors_reported():
-        exclude(("--ensemble", ensemble), ("--seeds", seeds))
         exclude(("--ensemble", ensemble), ("--repeats", repeats))
-        asked = {"solvers": solvers, "tolerances": tolerances, "dts": dts, "repeats": repeats, "duration": duration, "seeds": seeds}
+        asked = {"solvers": solvers, "tolerances": tolerances, "dts": dts, "repeats": repeats, "duration": duration}
         asked |= {"ensemble": ensemble, "workers": workers, "force": force}
         measure, outputs = _measurement(ensemble, workers, output)
         free_folder(output, outputs, force)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command ``masonry-cd accuracy``: measure, write accuracy.csv, accuracy.md and accuracy.png (and seeds.csv), and say what came out."""
+"""The command ``masonry-cd accuracy``: measure, write accuracy.csv, accuracy.md and accuracy.png, and say what came out."""
 
 from __future__ import annotations
 
@@ -19,9 +19,8 @@ from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.files import is_file
 from masonry_cd.foundation.quantities import in_words
 
-OUTPUTS = ("accuracy.csv", "accuracy.md", "accuracy.png", "seeds.csv")
+OUTPUTS = ("accuracy.csv", "accuracy.md", "accuracy.png")
 PROBLEM_REPEATS, SCENE_REPEATS = 5, 1
-MOST_VARYING = 10  # joints listed in accuracy.md
 
 Say = Callable[[str], None]
 
@@ -31,7 +30,7 @@ def accuracy_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
 
     Args:
         source: .npz or FCLIB HDF5, or a scene (TOML).
-        asked: ``solvers``, ``tolerances``, ``dts`` as typed or None; ``repeats``, ``duration``, ``seeds`` or None.
+        asked: ``solvers``, ``tolerances``, ``dts`` as typed or None; ``repeats``, ``duration`` or None.
         overrides: changes to a scene, ``key=value``.
         folder: for the outputs.
         say: called with a line on how far it is.
@@ -51,9 +50,9 @@ def accuracy_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
 
 def _problem(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], say: Say) -> dict[str, Any]:
     """Measure the solvers on a problem file."""
-    for option, given in (("--dts", asked["dts"]), ("--duration", asked["duration"]), ("--seeds", asked["seeds"]), ("--set", overrides)):
+    for option, given in (("--dts", asked["dts"]), ("--duration", asked["duration"]), ("--set", overrides)):
         if given:
-            raise InputError(option, f"{source.name} is a friction problem; time steps, seeds and changes are for a scene")
+            raise InputError(option, f"{source.name} is a friction problem; time steps and changes are for a scene")
     solvers, tolerances = solvers_asked(asked["solvers"]), tolerances_asked(asked["tolerances"])
     from masonry_cd.io.problem_files import read_problem
     from masonry_cd.studies.accuracy import PROBLEM_TOLERANCES, solver_rows, solvers_for
@@ -67,7 +66,7 @@ def _problem(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], s
         lines.append("interior: left out, it needs a problem over bodies")
     if solvers is None and "pivoting" not in names:
         lines.append("pivoting: left out, it needs a problem over bodies in a plane")
-    return {"kind": "problem", "title": source.name, "rows": rows, "lines": lines, "warnings": [], "study": None}
+    return {"kind": "problem", "title": source.name, "rows": rows, "lines": lines, "warnings": []}
 
 
 def _best(name: str, rows: Sequence[Any]) -> str:
@@ -80,24 +79,17 @@ def _best(name: str, rows: Sequence[Any]) -> str:
 
 
 def _scene(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], say: Say) -> dict[str, Any]:
-    """Measure the runs of a scene, and how far seeds spread."""
+    """Measure the runs of a scene."""
     changes = [*overrides, *([] if asked["duration"] is None else [f"run.duration={asked['duration']!r}"])]
     scene = read_scene(source, changes)
     if scene.run.adaptive:
         raise InputError(source, 'run.dt is "auto", and accuracy compares fixed time steps; give it a scene with a number there')
     solvers, tolerances = solvers_asked(asked["solvers"]) or (scene.run.solver,), tolerances_asked(asked["tolerances"])
     from masonry_cd.studies.accuracy import DT_FACTORS, SCENE_TOLERANCES, run_rows
-    from masonry_cd.studies.accuracy_seeds import seed_lines, seed_warnings, study_seeds
 
     dts = numbers_asked(asked["dts"], "--dts", 0.1) or tuple(factor * scene.run.dt for factor in DT_FACTORS)
     rows = run_rows(source, changes, solvers, dts, tolerances or SCENE_TOLERANCES, asked["repeats"] or SCENE_REPEATS, say)
-    lines, warnings = [*_run_lines(scene.title, rows)], _run_warnings(rows)
-    study = None
-    if asked["seeds"]:
-        study = study_seeds(source, changes, asked["seeds"], say)
-        lines += seed_lines(study)
-        warnings += seed_warnings(study)
-    return {"kind": "scene", "title": scene.title, "rows": rows, "lines": lines, "warnings": warnings, "study": study}
+    return {"kind": "scene", "title": scene.title, "rows": rows, "lines": _run_lines(scene.title, rows), "warnings": _run_warnings(rows)}
 
 
 def _run_lines(title: str, rows: Sequence[Any]) -> list[str]:
@@ -187,17 +179,12 @@ def _write(measured: dict[str, Any], folder: Path) -> dict[str, Any]:
     from masonry_cd.studies.accuracy_picture import problem_picture, scene_picture
 
     own_files.begin(folder, OUTPUTS)
-    rows, study = [asdict(row) for row in measured["rows"]], measured["study"]
-    written = [folder / name for name in OUTPUTS[: 4 if study else 3]]
+    rows = [asdict(row) for row in measured["rows"]]
+    written = [folder / name for name in OUTPUTS]
     write_rows(rows, written[0])
     warnings = [f"- **{line}**" for line in measured["warnings"]]
     lines = [f"- {line}" for line in measured["lines"]]
     sections = [f"# Error against run time: {measured['title']}", "", markdown(rows), *lines, *warnings]
-    if study:
-        order = np.argsort(-study.spread("normal_force"), kind="stable")[:MOST_VARYING]
-        table = study.rows()
-        write_rows(table, written[3])
-        sections += ["", "## Joints whose forces vary most over seeds", "", markdown([table[j] for j in order])]
     with replacing(written[1]) as part:
         part.write_text("\n".join(sections) + "\n", encoding="utf-8")
     draw = problem_picture if measured["kind"] == "problem" else scene_picture

@@ -189,4 +189,4 @@ def test_a_push_that_gives_way_is_dated_by_the_steps_as_they_were(tmp_path):
 def test_accuracy_wants_a_number(tmp_path):
     scene(tmp_path)
     with pytest.raises(InputError, match="compares fixed time steps"):
-        accuracy_case(tmp_path / "scene.toml", {"duration": None, "seeds": None}, (), tmp_path / "out", print)
+        accuracy_case(tmp_path / "scene.toml", {"duration": None}, (), tmp_path / "out", print)

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
-from made_run import box
 from pictures import main_colours
 from typer.testing import CliRunner
 
@@ -19,9 +18,7 @@ from masonry_cd.cli.app import app
 from masonry_cd.io.problem_files import write_problem
 from masonry_cd.studies.accuracy import Motion, RunRow, SolverRow, motion_errors, run_rows, solver_rows, solvers_for
 from masonry_cd.studies.accuracy_case import markdown
-from masonry_cd.studies.accuracy_seeds import MEASURES, study_seeds
 from reports.drawing.figure import COLOURS
-from structures.files import blockfile
 
 SLIDING = {"friction": "friction = 0.3", "amplitude": "amplitude = 0.6", "duration": "duration = 0.4", "dt": "dt = 4e-3"}
 
@@ -126,8 +123,8 @@ def test_what_stands_still_has_no_relative_error():
     assert max(motion_errors(Motion(time, noise, opening, 5.0), Motion(time, still, opening, 5.0))) < 1e-6
 
 
-def test_a_scene_gets_table_picture_and_seeds(block_on_plate, tmp_path):
-    words = ("--dts", "4e-3,2e-3", "--tolerances", "1e-6", "--duration", "0.2", "--seeds", 2)
+def test_a_scene_gets_table_and_picture(block_on_plate, tmp_path):
+    words = ("--dts", "4e-3,2e-3", "--tolerances", "1e-6", "--duration", "0.2")
     result = masonry_cd("accuracy", block_on_plate(**SLIDING), "-o", tmp_path / "out", *words)
     assert result.exit_code == 0, result.output
     rows = table(tmp_path / "out" / "accuracy.csv")
@@ -135,31 +132,7 @@ def test_a_scene_gets_table_picture_and_seeds(block_on_plate, tmp_path):
     assert [(row["dt"], row["steps"], row["reference"]) for row in rows] == [
         ("0.001", "200", "True"), ("0.004", "50", "False"), ("0.002", "100", "False"),
     ]  # fmt: skip
-    (joint,) = table(tmp_path / "out" / "seeds.csv")
-    assert [*joint][:3] == ["joint", "block_a", "block_b"]
-    assert [*joint][3:] == [f"{measure}_{what}" for measure in MEASURES for what in ("min", "mean", "max", "spread")]
-    weight = 2000.0 * 1.0 * 0.5 * 0.4 * 9.81
-    assert float(joint["normal_force_mean"]) == pytest.approx(weight, rel=1e-4)  # one joint carries the weight, whatever the seed
     assert COLOURS[0] in main_colours(tmp_path / "out" / "accuracy.png"), "the curve of the tolerance"
-    assert "Joints whose forces vary most" in (tmp_path / "out" / "accuracy.md").read_text()
-
-
-def test_forces_of_a_hyperstatic_scene_vary_over_seeds_but_not_their_sum(tmp_path):
-    """A lintel on three posts: only the sum of what they carry is fixed."""
-    posts = [box(f"post{k}", (x, 0, 0), (x + 0.2, 0.4, 1)) for k, x in enumerate((0.0, 0.9, 1.8))]
-    blocks = [box("plate", (-1, -1, -1), (3, 1, 0), fixed=True), *posts, box("lintel", (0, 0, 1), (2, 0.4, 1.3))]
-    blockfile.write(tmp_path / "blocks.json", blocks)
-    scene = tmp_path / "scene.toml"
-    tables = 'structure = { kind = "file", path = "blocks.json" }\nmaterial = { density = 2000.0, friction = 0.5 }\n'
-    scene.write_text(tables + "[run]\ndt = 1e-3\nduration = 0.02\ntolerance = 1e-9\n")
-    study = study_seeds(scene, (), 4, quiet)
-    force = study.values["normal_force"]
-    assert force.shape == (4, 6)
-    assert np.ptp(study.on_supports) / study.on_supports.mean() < 1e-6
-    assert (study.spread("normal_force") / force.mean(axis=0)).max() > 1e-3
-    assert [row["joint"] for row in study.rows()] == [str(j) for j in range(6)]
-    again = study_seeds(scene, (), 4, quiet)
-    assert np.array_equal(again.values["normal_force"], force)
 
 
 @pytest.mark.parametrize(
@@ -183,7 +156,7 @@ def test_bad_options_are_one_line(block_on_plate, tmp_path, words, message):
 
 def test_options_of_a_scene_are_refused_for_a_problem(tmp_path):
     write_problem(tmp_path / "p.npz", scenes.wall(2, 2))
-    result = masonry_cd("accuracy", tmp_path / "p.npz", "-o", tmp_path / "out", "--seeds", 3)
+    result = masonry_cd("accuracy", tmp_path / "p.npz", "-o", tmp_path / "out", "--duration", 3)
     assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
-    assert "--seeds: p.npz is a friction problem" in result.stderr
+    assert "--duration: p.npz is a friction problem" in result.stderr
     assert masonry_cd("accuracy", tmp_path / "none.npz", "-o", tmp_path / "out").exit_code == 2

@@ -89,6 +89,17 @@ def test_seed_decides_the_bits() -> None:
     assert not np.array_equal(one, other)
 
 
+def test_forces_of_a_hyperstatic_scene_vary_over_seeds_but_not_what_they_do() -> None:
+    """Converged impulses of a wall at rest differ from seed to seed; the velocities that they leave do not."""
+    problem = scenes.wall(3, 4)
+    found = [solve(problem, Options(tolerance=1e-10, max_iterations=20_000, seed=seed), None) for seed in range(3)]
+    assert max(solution.error for solution in found) <= 1e-10
+    one, *others = (solution.impulse for solution in found)
+    assert min(np.abs(other - one).max() for other in others) > 1e-3 * np.abs(one).max()
+    for solution in found:
+        np.testing.assert_allclose(solution.velocity, 0.0, atol=1e-8)
+
+
 def test_warm_start_needs_no_sweep() -> None:
     """A solution is recognised before the first sweep."""
     problem = scenes.tower(3)
