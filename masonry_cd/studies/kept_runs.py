@@ -13,6 +13,7 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, TypeVar
 
+from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
@@ -69,6 +70,7 @@ class KeptRuns:
     def _begin(self) -> None:
         """Write anew what is known: a kill may have torn the last line."""
         self._file.parent.mkdir(parents=True, exist_ok=True)
+        own_files.note(self._file, growing=True)
         with replacing(self._file) as part:
             part.write_text("".join(json.dumps(line) + "\n" for line in [self._identity, *self._rows.items()]))
 

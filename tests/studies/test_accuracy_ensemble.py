@@ -144,7 +144,6 @@ def test_runs_that_have_ended_are_kept(tmp_path: Path):
     ("words", "message"),
     [
         (("--ensemble", 3), "--ensemble: 3 members show no bias, however large; at least 4 do"),
-        (("--ensemble", 4, "--seeds", 4), "--ensemble and --seeds exclude each other"),
         (("--ensemble", 4, "--repeats", 4), "--ensemble and --repeats exclude each other"),
         (("--workers", 2), "--workers: is for --ensemble"),
         (("--ensemble", 4, "--dts", "0.2"), "--dts: 0.2 should be between 0 and 0.1"),
