@@ -144,7 +144,10 @@ def test_every_import_of_an_optional_package_is_preceded_by_a_check() -> None:
     ],
 )
 def test_python_names_the_extra_that_it_lacks(short_run, monkeypatch: pytest.MonkeyPatch, module, call) -> None:
+    from reports.drawing.render import require_context
+
     absent(monkeypatch, module)
+    require_context.cache_clear()
     with pytest.raises(InputError, match=rf"which is not installed: pip install \"masonry-cd\[{extras.EXTRA_OF[module]}\]"):
         call(short_run)
 

@@ -17,7 +17,7 @@ from masonry_cd.foundation.workers import workers
 
 PATIENCE = 60.0  # until something that always happens counts as missing [s]
 PROGRAM = """
-import os, sys, time
+import os, signal, sys, time
 from pathlib import Path
 from masonry_cd.foundation.workers import workers
 
@@ -26,6 +26,7 @@ def task(folder):
     time.sleep(600)
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background of a shell inherit that it is ignored
     with workers(2, sys.argv[2]) as pool:
         for run in [pool.submit(task, sys.argv[1]) for _ in range(5)]:
             run.result()
