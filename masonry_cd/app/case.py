@@ -268,10 +268,11 @@ def _explained(scene: Scene, structure: Structure) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        unusual = structure_doubts(scene, structure.blocks, ("structure", "structures", "material", "loads"))
-        if not unusual or not error.place.startswith("run.dt"):
+        of_step = [fault for fault in error.faults if fault.place.startswith("run.dt")]
+        unusual = structure_doubts(scene, structure.blocks, ("structure", "structures", "material", "loads")) if of_step else []
+        if not unusual:
             raise
-        raise error.each(lambda fault: fault._replace(text=f"{fault.text}; {unusual[0]}")) from None
+        raise error.each(lambda fault: fault._replace(text=f"{fault.text}; {unusual[0]}") if fault in of_step else fault) from None
 
 
 def _guides(loading: Loading, assembly: Assembly) -> tuple[GuideGauge, ...]:

@@ -210,7 +210,7 @@ def test_without_opengl_the_packages_are_named() -> None:
         pytest.skip("OSMesa is installed here")
     done = subprocess.run([sys.executable, "-c", code], env=hidden, capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "pictures: no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1" in done.stderr
+    assert "NoContext: pictures: no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1" in done.stderr
 
 
 def test_reports_load_neither_vtk_nor_matplotlib() -> None:

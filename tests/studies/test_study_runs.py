@@ -354,4 +354,6 @@ def test_a_bad_file_for_slurm(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "slurm.toml").write_text(text)
     result = invoke(write_study(tmp_path), "--slurm", str(tmp_path / "slurm.toml"))
     assert result.exit_code == 2
-    assert f"masonry-cd: error: {tmp_path / 'slurm.toml'}: {message}\n" in result.stderr
+    first, *others = result.stderr.partition("masonry-cd: error: ")[2].splitlines()
+    assert first == f"{tmp_path / 'slurm.toml'}: {message}"
+    assert all(line.startswith(f"{tmp_path / 'slurm.toml'}: ") for line in others)
