@@ -14,7 +14,7 @@ from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.limit.problem import Bars, Loads
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from structures.geometry.prism import box
 
 GRAVITY = 9.81  # [m/s2]
@@ -27,8 +27,8 @@ LENGTH, PUSHED_AT = 1.0, 1.0  # of the wall, and the height of the push [m]
 ARCH = (2.0, 0.4, 0.3, 10)  # span, depth, thickness [m], stones of the flat arch
 
 
-def _law(strength: float | None) -> dict[str, JointLaw]:
-    return {} if strength is None else {"default": JointLaw(compressive_strength=strength)}
+def _material(friction: float, strength: float | None) -> Material:
+    return Material(friction=friction, joints={} if strength is None else {"default": JointLaw(compressive_strength=strength)})
 
 
 def _loads(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
@@ -48,7 +48,7 @@ def dry_wall(stress: float, strength: float | None) -> tuple[float, float | None
             blocks.append(Block(f"{course}.{k}", *box((left, 0.0, low), (right, THICK, low + UNIT[1])), GRANITE, "wall"))
     top = COURSES * UNIT[1]
     blocks.append(Block("beam", *box((0.0, 0.0, top), (LENGTH, THICK, top + 0.2)), GRANITE, "wall"))
-    assembly = Assembly.from_blocks(blocks, GRANITE_FRICTION, _law(strength))
+    assembly = Assembly.from_blocks(blocks, _material(GRANITE_FRICTION, strength))
     dead, live = _loads(assembly)
     dead[-1, 2] = -stress * LENGTH * THICK
     live[-1, 0], live[-1, 4] = 1.0, PUSHED_AT - (top + 0.1)
@@ -64,7 +64,7 @@ def flat_arch(strength: float | None) -> float:
     for k in range(stones):
         blocks.append(Block(f"v{k}", *box((k * wide, 0.0, 0.0), ((k + 1) * wide, thick, depth)), GRANITE, "arch"))
     blocks.append(Block("right", *box((span, 0.0, -0.2), (span + 0.5, thick, depth + 0.2)), GRANITE, "base", fixed=True))
-    assembly = Assembly.from_blocks(blocks, 2.0, _law(strength))
+    assembly = Assembly.from_blocks(blocks, _material(2.0, strength))
     dead, live = _loads(assembly)
     for k, side in ((stones // 2, 1.0), (stones // 2 + 1, -1.0)):
         live[k, 2], live[k, 4] = -0.5, 0.25 * wide * side

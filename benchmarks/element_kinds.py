@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -21,21 +22,21 @@ from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly
-from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.model.materials import Material
 
 SCENES = {"arcade50": "arcade50", "wall": "wall6x6"}
 FIRST = 20  # steps that are not counted
 DT, FREQUENCY = 1e-3, 2.0  # [s], [Hz]
 
 
-def machine(made: BenchScene, steps: int, material: ElasticBlocks | None, across: bool, tolerance: float) -> Stepper:
+def machine(made: BenchScene, steps: int, elastic: dict[str, Any], across: bool, tolerance: float) -> Stepper:
     """A stepper of a scene, at rest under its weight; ``across``: the base shakes along y instead of x."""
     time_of = DT * np.arange(steps + 1)
     shaken = np.zeros((steps + 1, 1, 3))
     shaken[:, 0, 1 if across else 0] = made.amplitude * np.sin(2.0 * np.pi * FREQUENCY * time_of)
     pull = np.tile([0.0, 0.0, -GRAVITY], (steps + 1, 1))
     run = Run(dt=DT, duration=steps * DT, solver="auto", tolerance=tolerance, threads=1)
-    out = Stepper(Assembly.from_blocks(made.blocks, 0.6, None, material), shaken, pull, run)
+    out = Stepper(Assembly.from_blocks(made.blocks, Material(friction=0.6, **elastic)), shaken, pull, run)
     settle(out)
     return out
 
@@ -43,8 +44,8 @@ def machine(made: BenchScene, steps: int, material: ElasticBlocks | None, across
 def cost(name: str, kind: str, steps: int, young: float, size: float, tolerance: float) -> tuple[int, int, float, float, float, int]:
     """Nodes of a block, unknowns of one, contacts, iterations, processor milliseconds of a step, and the steps that missed."""
     keys = {"deformable": kind, "young": young, "damping": 0.05, "damping_frequency": 10.0}
-    material = None if kind == "rigid" else ElasticBlocks.model_validate(keys | ({"mesh_size": size} if kind == "tetrahedra" else {}))
-    stepper = machine(scene(SCENES[name]), steps, material, name == "wall", tolerance)
+    elastic = {} if kind == "rigid" else keys | ({"mesh_size": size} if kind == "tetrahedra" else {})
+    stepper = machine(scene(SCENES[name]), steps, elastic, name == "wall", tolerance)
     strains = stepper.system.strains
     nodes = max(len(mesh.nodes) for mesh in strains.warps.meshes) if strains is not None and strains.warps is not None else 0
     reports, begin = [], 0.0

@@ -17,7 +17,7 @@ import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.geometry import Faces
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from structures.geometry.prism import box, prism_xz
 from structures.kinds import church as churches
 
@@ -47,8 +47,8 @@ class BenchScene:
 
     def assembly(self) -> Assembly:
         """The blocks as the core takes them."""
-        joints = {"default": JointLaw(normal_stiffness=self.stiffness)} if self.stiffness else None
-        return Assembly.from_blocks(self.blocks, self.friction, joints)
+        joints = {"default": JointLaw(normal_stiffness=self.stiffness)} if self.stiffness else {}
+        return Assembly.from_blocks(self.blocks, Material(friction=self.friction, joints=joints))
 
     def write(self, path: Path, steps: int) -> None:
         """Write the scene for a peer: blocks, friction, time step and the base velocity of its steps.

@@ -27,7 +27,7 @@ NAMES = {
     "LimitAnalysis": "masonry_cd.interface.limit:LimitAnalysis",
     "MacroElements": "masonry_cd.interface.macro:MacroElements",
     "Run": "masonry_cd.interface.results:Run",
-    "RunWarning": "masonry_cd.interface.running:RunWarning",
+    "RunWarning": "masonry_cd.interface.returned:RunWarning",
     "Scene": "masonry_cd.interface.scenes:Scene",
     "Simulation": "masonry_cd.interface.simulation:Simulation",
     "Structure": "masonry_cd.interface.structure:Structure",

@@ -15,7 +15,7 @@ from masonry_cd.interface.macro import macro_elements as macro_elements
 from masonry_cd.interface.modal import modal as modal
 from masonry_cd.interface.results import Run as Run
 from masonry_cd.interface.results import open_run as open
-from masonry_cd.interface.running import RunWarning as RunWarning
+from masonry_cd.interface.returned import RunWarning as RunWarning
 from masonry_cd.interface.running import resume as resume
 from masonry_cd.interface.running import run as run
 from masonry_cd.interface.scenes import Scene as Scene

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import tomllib
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
@@ -109,7 +109,7 @@ class Report(Table):
         return self.crack_map or self.vector or bool(self.times) or self.animation
 
 
-def report_of(text: str, **changes: object) -> Report:
-    """The table ``[report]`` of the scene's text that results keep, with the changes that are not None."""
-    table = tomllib.loads(text).get("report", {})
+def report_of(tables: Mapping[str, Any], **changes: object) -> Report:
+    """The table ``[report]`` of a scene's tables, with the changes that are not None."""
+    table = tables.get("report", {})
     return parse_table(Report, table | {key: value for key, value in changes.items() if value is not None}, "report")

@@ -22,11 +22,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import AfterValidator, Field, WithJsonSchema
 from scipy.spatial import ConvexHull
 
 from masonry_cd.foundation.errors import Fault, InputError, parse_table
-from masonry_cd.foundation.fields import is_number
+from masonry_cd.foundation.fields import Vector
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.components import connected_components
@@ -45,12 +45,11 @@ FARTHEST = 1e5  # of a place from the origin [m]
 Plan = np.ndarray
 
 
-def _place(value: object) -> tuple[float, float, float]:
-    """Three numbers."""
-    numbers = list(value) if isinstance(value, (list, tuple)) else []
-    if len(numbers) != 3 or not all(is_number(number) and abs(number) <= FARTHEST for number in numbers):
-        raise ValueError(f"should be three numbers [x, y, z] up to {FARTHEST:g} m")
-    return float(numbers[0]), float(numbers[1]), float(numbers[2])
+def _near(place: tuple[float, float, float]) -> tuple[float, float, float]:
+    """A place within the reach of numbers."""
+    if max(map(abs, place)) > FARTHEST:
+        raise ValueError(f"should be numbers up to {FARTHEST:g} m")
+    return place
 
 
 _POINT: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
@@ -61,7 +60,7 @@ class PlaceTable(Table):
 
     name: str = Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)
     """of letters and digits, put before its blocks and groups"""
-    at: Annotated[tuple[float, float, float], Unit("m"), BeforeValidator(_place), WithJsonSchema(_POINT)] = (0.0, 0.0, 0.0)
+    at: Annotated[Vector, Unit("m"), AfterValidator(_near), WithJsonSchema(_POINT)] = (0.0, 0.0, 0.0)
     """where its origin lies"""
     rotate: Annotated[float, Unit("degrees")] = Field(0.0, ge=-360.0, le=360.0)
     """about the upright axis through its origin, counter-clockwise seen from above"""

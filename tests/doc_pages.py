@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import signal
+import sys
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -140,7 +141,7 @@ class Reader:
             return done
 
         begin = self.shortened([word for word in words if word != "--resume"])
-        with mock.patch.object(Stepper, "step", step):
+        with mock.patch.object(Stepper, "step", step), mock.patch.object(sys, "argv", ["masonry-cd", *begin]):
             result = CliRunner().invoke(app, [*begin, "--force"])
         assert result.exit_code == 130, result.output
         assert f"go on with: masonry-cd {shlex.join(words[:4])}" in result.output

@@ -10,12 +10,12 @@ from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 
 
 def joined(blocks: Sequence[Block], friction: float, laws: Mapping[str, JointLaw] | None = None) -> tuple[Assembly, Joints]:
     """An assembly and its joints."""
-    assembly = Assembly.from_blocks(blocks, friction, laws)
+    assembly = Assembly.from_blocks(blocks, Material(friction=friction, joints=dict(laws or {})))
     return assembly, find_joints(assembly)
 
 

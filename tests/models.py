@@ -13,7 +13,7 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 GRAVITY = 9.81
@@ -61,6 +61,14 @@ def gravity(steps: int, vector: tuple[float, float, float] = (0.0, 0.0, -GRAVITY
     return np.tile(vector, (steps + 1, 1)).astype(float)
 
 
+def material_of(
+    friction: float = 0.6, joints: Mapping[str, JointLaw] | None = None, elastic: ElasticBlocks | None = None, rolling: float = 0.0
+) -> Material:
+    """A material with laws by pair of groups, blocks that deform, and spheres that roll with friction."""
+    keys = {} if elastic is None else elastic.model_dump(exclude_unset=True)
+    return Material(friction=friction, joints=dict(joints or {}), rolling_friction=rolling, **keys)
+
+
 def stepper(
     blocks: list[Block],
     steps: int,
@@ -83,7 +91,7 @@ def stepper(
     run = Run.model_validate({"dt": 1e-3, "duration": 1e3, "solver": "nlgs", "tolerance": 1e-10} | settings)
     velocity = still(steps) if support_velocity is None else support_velocity
     pull = gravity(steps) if acceleration is None else acceleration
-    assembly = Assembly.from_blocks(blocks, friction, joints, material, rolling)
+    assembly = Assembly.from_blocks(blocks, material_of(friction, joints, material, rolling))
     if assembly.deformation is not None:
         assembly = replace(assembly, deformation=replace(assembly.deformation, room=room))
     return Stepper(assembly, velocity, pull, run, start)

@@ -133,26 +133,8 @@ def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: S
     Raises:
         InputError: with file and line of the scene where a key is at fault.
     """
-    material = scene.material
     with scene.locating():
-        moduli = material.joint_moduli
-        assembly = Assembly.from_blocks(blocks, material.friction, material.joint_laws, material, material.rolling_friction, moduli)
-        return Structure(blocks, notes, bars, assembly)
-
-
-def build_blocks(scene: Scene) -> list[Block]:
-    """The blocks of a scene's structures, see :func:`make_structures`."""
-    return build_structure(scene)[0]
-
-
-def build_structure(scene: Scene) -> tuple[list[Block], list[str]]:
-    """The blocks of a scene's structures, and lines on what was changed in making them.
-
-    Raises:
-        InputError: with file and line of the scene where a key is at fault.
-    """
-    made = make_structures(scene)
-    return made.blocks, made.notes
+        return Structure(blocks, notes, bars, Assembly.from_blocks(blocks, scene.material))
 
 
 def make_structures(scene: Scene) -> Made:
@@ -201,7 +183,6 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         InputError: anything wrong with the structure, the material or the loads.
     """
     import loads
-    from masonry_cd.app.static_loads import limit_table
 
     begin = time.perf_counter()
     scene.refuse_static()

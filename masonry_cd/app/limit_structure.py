@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -51,5 +51,5 @@ def limit_structure(scene: Scene) -> LimitStructure:
     with scene.locating():
         refuse_spheres(made.blocks, "structure", "limit analysis")
         asked = limit_table(scene.limit)
-        assembly = Assembly.from_blocks(made.blocks, material.friction, material.joint_laws)
+        assembly = replace(Assembly.from_blocks(made.blocks, material.with_rigid_joints), deformation=None)
         return LimitStructure(scene, made, asked, assembly, find_joints(assembly))

@@ -17,11 +17,13 @@ from masonry_cd.analysis.code_check.verdicts import (
     NOT_DECIDED,
     WORST_FIRST,
     Basis,
+    CheckResult,
     Judgement,
     Looked,
     SearchNumbers,
-    Verdict,
     held_words,
+    sides_in_words,
+    undecided_words,
     worst,
 )
 from masonry_cd.analysis.limit.candidates import ASSOCIATED
@@ -129,7 +131,7 @@ def _row(
     return MacroRow(*facts, made.alpha, made.fraction, *numbers, decides.state, *doubts, *place, decides.check, *by_displacements)
 
 
-def _gravity(one: Verdict) -> tuple[int, float]:
+def _gravity(one: CheckResult) -> tuple[int, float]:
     """By which the gravest of the checks of a mechanism is found."""
     return WORST_FIRST.index(one.state), max(one.ratio, one.unmoved)
 
@@ -169,17 +171,18 @@ def _judgement(row: MacroRow, part: ElementAnalysis) -> Judgement:
     capacity, demand, unit = (
         (row.displacement, row.displacement_demand, "m") if by_displacements else (row.acceleration, row.demand, "m/s2")
     )
+    assert capacity is not None and demand is not None
     looked = Looked(row.found, row.moving_blocks, row.alpha0, row.fraction, row.acceleration, row.doubt, row.height)
     least, upper = part.least, [one.oscillator.alpha for one in part.mechanisms if one.source.startswith(ASSOCIATED)]
     numbers = None
     if least is not None:
         top = min(upper, default=math.inf)
         numbers = SearchNumbers(top, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)
-    sides = f"{capacity:.4g} {unit} borne, {demand:.4g} {unit} asked for, ratio {row.ratio:.3g}"
-    reason = f"{row.element}, push {row.push}, {row.mechanism}: {row.check} check, {sides}, alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}"
+    reason = f"{row.element}, push {row.push}, {row.mechanism}: {row.check} check, {sides_in_words(capacity, demand, unit)}"
+    reason += f", alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}"
     reason += held_words(row.height)
     if row.state == NOT_DECIDED:
-        reason += f"; {row.undecided or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
+        reason += undecided_words(row.undecided)
     return Judgement(row.state, reason, row.check, demand, capacity, unit, row.ratio, MARGIN, looked, numbers)
 
 

@@ -149,6 +149,7 @@ class Scene:
     loads: tuple[dict[str, Any], ...]
     run: Run
     report: Report
+    tables: Mapping[str, Any] = field(repr=False)  # as the text gives them, in whatever units; not to be changed
     text: str  # what the results keep: the file's text, or that of the changed tables when --set was used
     path: Path
     origin: Origin  # of its keys, for messages
@@ -258,6 +259,7 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         structure=top.structure or {},
         structures=tuple(top.structures),
         loads=tuple(top.loads),
+        tables=tables,
         text=text,
         path=path,
         origin=origin,

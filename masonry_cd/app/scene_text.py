@@ -87,13 +87,9 @@ def _load_toml(text: str, where: str) -> dict[str, Any]:
 
 def override(tables: dict[str, Any], change: str) -> None:
     """Apply one ``key=value`` to the tables, in place."""
-    key, equals, value = (part.strip() for part in change.partition("="))
-    _refuse_bytes(change)
-    if not equals:
-        raise InputError(f"--set {change}", WRITE)
-    given = _toml_value(key, value)
+    key, value = parse_change(change)
     try:
-        assign(tables, key, given)
+        assign(tables, key, value)
     except InputError as error:
         raise error.under(f"--set {change}") from None
 
@@ -131,21 +127,16 @@ def parse_change(change: str) -> tuple[str, Any]:
         InputError: no key, or no equals sign.
     """
     key, equals, value = (part.strip() for part in change.partition("="))
+    if _has_bytes(change):  # which no file could keep
+        raise InputError(f"--set {change}", "holds bytes that are no text in UTF-8")
     if not key or not equals:
-        raise InputError(f"--set {change}", "write key=value")
-    _refuse_bytes(change)
+        raise InputError(f"--set {change}", WRITE)
     return key, _toml_value(key, value)
 
 
 def _has_bytes(text: str) -> bool:
     """Whether a text has lone surrogates, which stand for bytes of the command line or of a name that are no UTF-8."""
     return any("\ud800" <= letter <= "\udfff" for letter in text)
-
-
-def _refuse_bytes(change: str) -> None:
-    """Refuse a change that no file could keep."""
-    if _has_bytes(change):
-        raise InputError(f"--set {change}", "holds bytes that are no text in UTF-8")
 
 
 def _toml_value(key: str, value: str) -> Any:
@@ -159,13 +150,13 @@ def _toml_value(key: str, value: str) -> Any:
 
 def dump_toml(tables: Mapping[str, Any]) -> str:
     """Write tables as TOML: plain values first, then ``[table]`` and ``[[table]]`` sections; deeper tables inline."""
-    lines = [f"{_toml_key(key)} = {toml_text(value)}" for key, value in tables.items() if not _is_section(value)]
+    lines = [f"{toml_key(key)} = {toml_text(value)}" for key, value in tables.items() if not _is_section(value)]
     for key, value in tables.items():
         if _is_section(value):
             for section in [value] if isinstance(value, Mapping) else value:
-                head = _toml_key(key)
+                head = toml_key(key)
                 lines += ["", f"[{head}]" if isinstance(value, Mapping) else f"[[{head}]]"]
-                lines += [f"{_toml_key(name)} = {toml_text(item)}" for name, item in section.items()]
+                lines += [f"{toml_key(name)} = {toml_text(item)}" for name, item in section.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -173,14 +164,15 @@ def _is_section(value: object) -> bool:
     return isinstance(value, Mapping) or (isinstance(value, list) and bool(value) and all(isinstance(item, Mapping) for item in value))
 
 
-def _toml_key(key: str) -> str:
+def toml_key(key: str) -> str:
+    """A key in TOML's notation."""
     return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
 
 
 def toml_text(value: object) -> str:
     """One value in TOML's notation."""
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_toml_key(key)} = {toml_text(item)}" for key, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{toml_key(key)} = {toml_text(item)}" for key, item in value.items()) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(toml_text, value)) + "]"
     if isinstance(value, (str, bool)):

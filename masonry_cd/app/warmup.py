@@ -27,6 +27,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -42,9 +43,8 @@ from masonry_cd.mechanics.friction.law_terms import errors_by_group
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.joints import Joints, touching_places
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.solvers import SOLVERS, Options, cores
 from masonry_cd.mechanics.solvers.condensed import is_condensed
@@ -198,10 +198,10 @@ def _cubes(kind: SceneKind) -> tuple[Assembly, Joints]:
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-3)}
     blocks = [Block(name, corners + [x, 0.0, z], FACES, 2000.0, fixed=name == "base") for name, (x, z) in places.items()]
-    laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if kind.by_area else None
+    laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if kind.by_area else {}
     if spheres:
         blocks.append(Block.sphere("ball", np.array([0.7, 0.5, 3.3]), 0.3, 2000.0, BALLS))
-    assembly = Assembly.from_blocks(blocks, 0.5, laws, _material(planar, strained, spheres), 0.01 if spheres else 0.0)
+    assembly = Assembly.from_blocks(blocks, Material(friction=0.5, joints=laws, **_elasticity(planar, strained, spheres)))
     if assembly.deformation is not None:
         assembly = replace(assembly, deformation=replace(assembly.deformation, room=_rows_and_unknowns(planar, strained)[1]))
     joints = find_joints(assembly)
@@ -224,13 +224,14 @@ def shake_cubes(kind: SceneKind, unsolved: bool = False) -> None:
         run(machine, joints, writer, Plan(STEPS, stress=kind.stress))
 
 
-def _material(planar: bool, strained: int, spheres: bool) -> ElasticBlocks | None:
-    """Of blocks with so many unknowns more than rigid ones have; spheres are rigid."""
+def _elasticity(planar: bool, strained: int, spheres: bool) -> dict[str, Any]:
+    """Keys of the material of blocks with so many unknowns more than rigid ones have; spheres are rigid, and roll with friction."""
+    rolling = {"rolling_friction": 0.01} if spheres else {}
     if strained == 0:
-        return None
+        return rolling
     kind = "uniform" if strained == (3 if planar else 6) else "tetrahedra"
     keys = {"deformable": {BALLS: "rigid", "default": kind} if spheres else kind, "young": 1e9}
-    return ElasticBlocks.model_validate(keys | ({"mesh_size": COARSE} if kind == "tetrahedra" else {}))
+    return keys | rolling | ({"mesh_size": COARSE} if kind == "tetrahedra" else {})
 
 
 # --- the second process ------------------------------------------------------------------------------------------------------------

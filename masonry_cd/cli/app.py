@@ -7,28 +7,18 @@ Exit codes: 0 done, 1 the run could not go on, 2 bad input (one line says what a
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Annotated
 
 import typer
 
 from masonry_cd import __version__
-from masonry_cd.cli.accuracy import accuracy
-from masonry_cd.cli.assess import assess
-from masonry_cd.cli.build import build
-from masonry_cd.cli.compare import compare
-from masonry_cd.cli.export import export
-from masonry_cd.cli.init import init
-from masonry_cd.cli.limit import limit
-from masonry_cd.cli.modal import modal
-from masonry_cd.cli.plugins import plugins
-from masonry_cd.cli.record import record
-from masonry_cd.cli.report import report
-from masonry_cd.cli.run import run
-from masonry_cd.cli.schema import schema
-from masonry_cd.cli.solve import solve
-from masonry_cd.cli.study import study
-from masonry_cd.cli.validate import validate
-from masonry_cd.cli.view import view
+from masonry_cd.cli.printing import printed
+
+COMMANDS = (  # files of this package, each with a function of its name, in the order of the help text
+    "init", "run", "build", "report", "view", "export", "compare", "record", "modal", "limit", "solve", "accuracy", "study", "assess",
+    "validate", "schema", "plugins",
+)  # fmt: skip
 
 app = typer.Typer(
     name="masonry-cd",
@@ -58,23 +48,5 @@ def _root(
     """
 
 
-for command in (
-    init,
-    run,
-    build,
-    report,
-    view,
-    export,
-    compare,
-    record,
-    modal,
-    limit,
-    solve,
-    accuracy,
-    study,
-    assess,
-    validate,
-    schema,
-    plugins,
-):  # in the order of the help text
-    app.command()(command)
+for name in COMMANDS:
+    app.command()(printed(getattr(import_module(f"masonry_cd.cli.{name}"), name)))

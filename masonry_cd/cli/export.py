@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Folder, errors_reported, warn
+from masonry_cd.app.result import Result
+from masonry_cd.cli.shared import Folder
 
 
 def export(
@@ -17,7 +18,7 @@ def export(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="OUT", help="Folder for the files.", show_default="DIR/paraview")
     ] = None,
-) -> None:
+) -> Result[None]:
     """Write a run for ParaView: blocks and joints over time.
 
     OUT gets blocks and joints as VTKHDF, or as PVD collections of VTP files, with openings, slidings, forces, states and displacements,
@@ -28,14 +29,6 @@ def export(
       masonry-cd export out/aqueduct
       masonry-cd export out/aqueduct --format pvd -o out/view
     """
-    with errors_reported():
-        from masonry_cd.io.results import Results
-        from reports.settings import report_of
+    from masonry_cd.app.commands.export import export as command
 
-        with Results.open(folder / "result.h5") as results:
-            from reports import outputs, paraview
-
-            thresholds = outputs.thresholds_of(report_of(results.scene))
-            written = paraview.export(results, output or folder / "paraview", format_, thresholds)
-        typer.echo(f"written: {', '.join(map(str, written))}")
-        warn(results.words)
+    return command(folder, format_, output)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import errors_reported
+from masonry_cd.app.result import Result
 
 
 def _kinds(begun: str) -> list[str]:
@@ -26,7 +26,7 @@ def init(
         Path | None, typer.Option("-o", "--output", metavar="SCENE", help="The scene file.", show_default="KIND.toml")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite files that are there.")] = False,
-) -> None:
+) -> Result[None]:
     """Write a starter scene of a kind of structure, which runs as it is.
 
     It names every key with its unit and default; those that a first scene needs are set. masonry-cd.schema.json beside it is for
@@ -37,10 +37,7 @@ def init(
       masonry-cd init arch
       masonry-cd init church -o scenes/church.toml
     """
-    with errors_reported():
-        from masonry_cd.app.starters import write_starter
+    from masonry_cd.app.starters import write_starter
 
-        path = output or Path(f"{kind}.toml")
-        typer.echo(f"written: {', '.join(map(str, write_starter(kind, path, force)))}")
-        if kind == "solid":
-            typer.echo("its solid.geo is a program of gmsh: the commands that read this scene take --trust")
+    trusted = ["its solid.geo is a program of gmsh: the commands that read this scene take --trust"] if kind == "solid" else []
+    return Result(None, trusted, written=write_starter(kind, output or Path(f"{kind}.toml"), force))

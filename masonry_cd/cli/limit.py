@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust, errors_reported, silent
+from masonry_cd.app.result import Result, silent
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust
 
 
 def limit(
@@ -26,7 +27,7 @@ def limit(
     force: Force = False,
     trust: Trust = False,
     quiet: Quiet = False,
-) -> None:
+) -> Result[None]:
     """Find the largest load factor of a scene by limit analysis, and the mechanism.
 
     What is multiplied is the scene's load of kind push, tilt, settlement or spreading, or what its table [limit] names: push = "x",
@@ -50,16 +51,13 @@ def limit(
       masonry-cd limit arch.toml -o out/arch --curve --set limit.curve.dynamics=true
       masonry-cd limit church.toml -o out/parts --macro-elements
     """
-    with errors_reported():
-        from masonry_cd.app.limit_case import EVERY
-        from masonry_cd.app.limit_command import Asked, limit_command
-        from masonry_cd.app.macro_files import MACRO_OUTPUTS
-        from reports.drawing.parts import view_named
+    from masonry_cd.app.limit_case import EVERY
+    from masonry_cd.app.limit_command import Asked, limit_command
+    from masonry_cd.app.macro_files import MACRO_OUTPUTS
+    from reports.drawing.parts import view_named
 
-        free_folder(output, (*EVERY, *MACRO_OUTPUTS), force)
-        if picture and view != "auto":
-            view_named(view)  # refused before anything is computed
-        asked = Asked(output, curve, macro_elements, run, picture, view, quiet)
-        written = limit_command(scene, set_ or (), asked, silent if quiet else typer.echo)
-        if not quiet:
-            typer.echo(f"written: {', '.join(map(str, written))}")
+    free_folder(output, (*EVERY, *MACRO_OUTPUTS), force)
+    if picture and view != "auto":
+        view_named(view)  # refused before anything is computed
+    asked = Asked(output, curve, macro_elements, run, picture, view, quiet)
+    return Result(None, written=limit_command(scene, set_ or (), asked, silent if quiet else typer.echo))

@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust, errors_reported, warn
+from masonry_cd.app.result import Result
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust
 
 
 def modal(
@@ -34,7 +33,7 @@ def modal(
     velocity: Annotated[float | None, typer.Option(metavar="C", help="Of the sweep [m/s].", show_default="1/1000 g")] = None,
     force: Force = False,
     trust: Trust = False,
-) -> None:
+) -> Result[Any]:
     """Check modal frequencies: the bonded elastic continuum, and rigid blocks on elastic joints, on the blocks of a scene.
 
     Rigid blocks with unilateral contacts have no elastic frequency; these two companions stand in for the structure before it cracks.
@@ -46,31 +45,19 @@ def modal(
       masonry-cd modal church.toml -o out/modal --reference measured.csv --fit
       masonry-cd modal mortar.toml -o out/modal --nscd --sweep x
     """
-    with errors_reported():
-        if nscd or sweep:
-            _vibration(scene, output, {"modes": modes, "sweep": sweep, "velocity": velocity}, set_ or (), force)
-            return
-        from masonry_cd.app.modal_case import OUTPUTS, by_group, modal_case
+    from masonry_cd.app.scene import read_scene
 
-        free_folder(output, OUTPUTS, force)
-        asked = {
-            "young": by_group(young, "young") if young else None, "poisson": poisson, "method": method, "modes": modes,
-            "mesh_size": mesh_size, "restraint": by_group(restraint, "restraint") if restraint else {}, "reference": reference,
-            "fit": fit, "pictures": pictures,
-        }  # fmt: skip
-        found = modal_case(scene, asked, output, set_ or ())
-        typer.echo("\n".join(found["lines"]))
-        for line in found["warnings"]:
-            typer.echo(f"masonry-cd: warning: {line}", err=True)
-        typer.echo(f"written: {', '.join(map(str, found['written']))}")
+    asked = read_scene(scene, set_ or ())
+    if nscd or sweep:
+        from masonry_cd.studies.vibration import vibration
 
+        return vibration(asked, {"modes": modes, "sweep": sweep, "velocity": velocity}, output, force)
+    from masonry_cd.app.commands.modal import by_group
+    from masonry_cd.app.commands.modal import modal as command
 
-def _vibration(scene: Path, output: Path, asked: dict[str, Any], changes: Sequence[str], force: bool) -> None:
-    """The run's own frequencies."""
-    from masonry_cd.studies.vibration import OUTPUTS, vibration_case
-
-    free_folder(output, OUTPUTS, force)
-    found = vibration_case(scene, asked, output, changes)
-    typer.echo("\n".join(found["lines"]))
-    warn(found["warnings"])
-    typer.echo(f"written: {', '.join(found['written'])}")
+    options = {
+        "young": by_group(young, "young") if young else None, "poisson": poisson, "method": method, "modes": modes,
+        "mesh_size": mesh_size, "restraint": by_group(restraint, "restraint") if restraint else {}, "reference": reference,
+        "fit": fit, "pictures": pictures,
+    }  # fmt: skip
+    return command(asked, options, output, force)

@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-import typer
-
-from masonry_cd.cli.shared import errors_reported
+from masonry_cd.app.result import Result
 
 
-def plugins() -> None:
+def plugins() -> Result[None]:
     """List what installed packages add: kinds of structures and loads, readers of records, reports, mechanisms, joint laws.
 
     None of them is imported. A line for each: what it is, its name in a scene, the package, and where it stands there.
@@ -17,11 +15,7 @@ def plugins() -> None:
     Examples:
       masonry-cd plugins
     """
-    with errors_reported():
-        from masonry_cd.foundation.plugins import plugins as found
+    from masonry_cd.foundation.plugins import plugins as found
 
-        every = found()
-        if not every:
-            typer.echo("no installed package adds anything; docs/plugins.md shows how one does")
-        for plugin in every:
-            typer.echo(f"{plugin.group.removesuffix('s').replace('_', ' ')} {plugin.name}: {plugin.package}, {plugin.place}")
+    lines = [f"{one.group.removesuffix('s').replace('_', ' ')} {one.name}: {one.package}, {one.place}" for one in found()]
+    return Result(None, lines or ["no installed package adds anything; docs/plugins.md shows how one does"])

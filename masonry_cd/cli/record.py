@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from masonry_cd.cli.shared import errors_reported, warn
+from masonry_cd.app.result import Result
+from masonry_cd.foundation.errors import InputError
 
 
 def record(
@@ -25,7 +25,7 @@ def record(
         ),
     ] = None,
     formats: Annotated[bool, typer.Option("--formats", help="List the formats that are read, and who publishes them.")] = False,
-) -> None:
+) -> Result[Any]:
     """Print the numbers of a record, and draw it: acceleration, velocity, displacement and spectrum, before and after its correction.
 
     Measures are PGA, PGV, PGD, Arias, CAV, D5-95, Sa(T, damping), AvgSA(from, to, count, damping), Housner(damping), FIV3(T, alpha, beta).
@@ -37,31 +37,12 @@ def record(
       masonry-cd record aqv.csv -o aqv.png --set column=ns_m_s2 --set window=[5.0,17.0]
       masonry-cd record elcentro.AT2 -o elcentro.png --measure "Sa(0.5)" --measure "AvgSA(0.1,1.0)"
     """
-    with errors_reported():
-        from loads.picture import file_picture
-        from loads.signal.accelerogram import Accelerogram, describe_both
-        from loads.signal.measures import in_words, of_one_component
-        from loads.signal.plausible import doubts
-        from masonry_cd.app.record_doubts import unusual_pga
-        from masonry_cd.app.scene_text import parse_change
-        from masonry_cd.foundation.errors import InputError
+    if formats:
+        from loads.readers import formats as known
 
-        if formats:
-            from loads.readers import formats as known
+        return Result(None, [f"{name:9} {about}; {by}" for name, about, by in known()])
+    if file is None:
+        raise InputError("FILE", "missing; --formats lists the formats that are read")
+    from masonry_cd.app.commands.record import record as command
 
-            typer.echo("\n".join(f"{name:9} {about}; {by}" for name, about, by in known()))
-            return
-        if file is None:
-            raise InputError("FILE", "missing; --formats lists the formats that are read")
-        if not os.path.exists(file):  # Path.exists raises where a name is too long
-            raise InputError(file, "no such record")
-        measures = of_one_component(measure, "--measure")
-        keys = dict(parse_change(change) for change in set_ or ())
-        processed = file_picture(file, output, **keys)
-        correction = str(keys.get("correction", Accelerogram.model_fields["correction"].default))
-        typer.echo("\n".join(describe_both(file.name, processed, correction)))
-        typer.echo(f"{file.name}   {in_words(measures, {'x': processed.after})}")
-        if output is not None:
-            typer.echo(f"written: {output}")
-        strong = unusual_pga(processed.after.numbers()["pga"], f"{file.name} has a")
-        warn([*([strong] if strong else []), *doubts(processed, correction, file.name)])
+    return command(file, output, set_ or (), measure)

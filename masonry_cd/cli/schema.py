@@ -8,14 +8,14 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import errors_reported
+from masonry_cd.app.result import Result
 from masonry_cd.foundation.atomic import replacing
 
 
 def schema(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write it there instead of printing it.")] = None,
     plan: Annotated[bool, typer.Option("--plan", help="That of a building's plan in JSON, plan.json.")] = False,
-) -> None:
+) -> Result[str]:
     """Print the JSON schema of the scene file, or of a plan, by which editors complete and check them.
 
     Taplo and Even Better TOML read it where the first line of a scene names it: #:schema ./masonry-cd.schema.json
@@ -25,13 +25,11 @@ def schema(
       masonry-cd schema -o masonry-cd.schema.json
       masonry-cd schema --plan -o plan.schema.json
     """
-    with errors_reported():
-        from masonry_cd.app.scene_schema import plan_schema_text, schema_text
+    from masonry_cd.app.scene_schema import plan_schema_text, schema_text
 
-        text = plan_schema_text() if plan else schema_text()
-        if output is None:
-            typer.echo(text, nl=False)
-            return
-        with replacing(output) as part:
-            part.write_text(text, encoding="utf-8")
-        typer.echo(f"written: {output}")
+    text = plan_schema_text() if plan else schema_text()
+    if output is None:
+        return Result(text, [text.removesuffix("\n")])
+    with replacing(output) as part:
+        part.write_text(text, encoding="utf-8")
+    return Result(text, written=[output])

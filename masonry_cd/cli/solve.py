@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from masonry_cd.cli.shared import errors_reported
+from masonry_cd.app.result import Result
 from masonry_cd.mechanics.solvers import SOLVERS
 from masonry_cd.mechanics.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 
@@ -24,7 +25,7 @@ def solve(
     seed: Annotated[int, typer.Option(metavar="N", min=0, max=LARGEST_SEED, help="Of random sweep orders.")] = 0,
     json_: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SOLUTION.npz", help="Save impulses r, velocities u.")] = None,
-) -> None:
+) -> Result[Any]:
     """Solve one friction problem from a file and print how exactly.
 
     The errors are measured outside the solver; a tolerance that was missed is reported.
@@ -34,15 +35,7 @@ def solve(
       masonry-cd solve KaplasTower-i1061-4.npz
       masonry-cd solve problem.hdf5 --solver admm --tolerance 1e-10 --json -o solution.npz
     """
-    with errors_reported():
-        from masonry_cd.app.solve_file import solve_file
+    from masonry_cd.app.commands.solve import solve as command
 
-        found = solve_file(file, solver, tolerance, max_iterations, seed, output)
-        if json_:
-            typer.echo(json.dumps(found))
-        else:
-            typer.echo(f"{file.name}: {found['contacts']} contacts, {found['reason']}")
-            typer.echo(f"error {found['error']:.3e} (unscaled {found['error_unscaled']:.3e}), {found['iterations']} iterations")
-            typer.echo(f"{found['seconds']:.3g} s")
-        if not found["converged"]:
-            typer.echo(f"masonry-cd: warning: the tolerance {tolerance:g} was missed, the error is {found['error']:.1e}", err=True)
+    found = command(file, solver, tolerance, max_iterations, seed, output)
+    return replace(found, lines=[json.dumps(found.value)], written=()) if json_ else found

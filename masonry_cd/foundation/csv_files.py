@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from masonry_cd.foundation.atomic import replacing
@@ -35,6 +35,11 @@ def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]
     lines = (",".join(map(_field, row)) for row in (header, *table))
     with replacing(path) as part:
         part.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="")
+
+
+def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
+    """Write a table whose columns are the keys of its first row; a cell is empty where another row has none."""
+    write_csv(path, rows[0], ([row.get(key, "") for key in rows[0]] for row in rows))
 
 
 def cell(value: object, digits: int) -> str:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
-from masonry_cd.interface.number_arrays import numbers
+from masonry_cd.interface.values import numbers
 
 if TYPE_CHECKING:
     from masonry_cd.mechanics.model.blocks import Block

@@ -17,9 +17,8 @@ from masonry_cd.analysis.outputs import ASSESS, numbers_in, units_in
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
-from masonry_cd.interface.closing import closing_as_html
 from masonry_cd.interface.plots import Page
-from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.returned import RunWarning, closing_as_html
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.studies import say, silent, warn, without_main

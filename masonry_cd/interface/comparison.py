@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from masonry_cd.foundation.extras import require
 from masonry_cd.interface.plots import shown
 from masonry_cd.interface.results import Run
-from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.returned import RunWarning
 from masonry_cd.interface.sealed import Sealed
 from reports.compare import comparison, comparison_files
 

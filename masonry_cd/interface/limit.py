@@ -14,7 +14,7 @@ from masonry_cd.app.folders import free_folder
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.interface.plots import Page
-from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.returned import RunWarning
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import frame_of_rows

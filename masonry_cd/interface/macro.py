@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from masonry_cd.app.folders import free_folder
 from masonry_cd.interface.plots import Page
-from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.returned import RunWarning
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import frame_of_rows

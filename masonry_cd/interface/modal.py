@@ -4,23 +4,27 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.returned import returned
 from masonry_cd.interface.scenes import Scene, scene
 
 
 def modal(
-    source: Scene | str | os.PathLike[str] | Mapping[str, Any], folder: str | os.PathLike[str] | None = None, **options: Any
+    source: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    force: bool = False,
+    **options: Any,
 ) -> dict[str, Any]:
     """Modal frequencies and shapes, as ``masonry-cd modal`` computes them.
 
     Args:
         source: a scene, or what :func:`masonry_cd.scene` makes one of.
         folder: where tables and pictures are written; nowhere by default.
+        force: overwrite what the folder holds.
         options: young [Pa], one value or by group of blocks, poisson, method ("continuum", "joints" or "both"), modes, mesh_size [m],
             restraint, reference, fit, pictures.
 
@@ -35,10 +39,7 @@ def modal(
     >>> len(made["models"]["joints"]["frequency_hz"])
     2
     """
-    from masonry_cd.app.modal_case import modal_case
+    from masonry_cd.app.commands.modal import modal as command
 
     asked = scene(source)  # which holds the files of its arrays
-    found = modal_case(asked.checked, options, None if folder is None else Path(folder))
-    for line in found["warnings"]:
-        warnings.warn(line, RunWarning, stacklevel=2)
-    return found
+    return returned(command(asked.checked, options, None if folder is None else Path(folder), force))

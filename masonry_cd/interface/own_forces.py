@@ -15,7 +15,7 @@ import numpy as np
 
 from loads.acted import Acted, by_integral
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.interface.number_arrays import numbers
+from masonry_cd.interface.values import numbers
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.guides import Guide

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,32 +14,26 @@ from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.analysis.deformed import solids_of
+from masonry_cd.analysis.gauge_histories import unit_of_column
 from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.outputs.summary import damage_numbers
-from masonry_cd.analysis.stress.peaks import principal, require_stress, stress_peaks
+from masonry_cd.analysis.pushover import push_curves, require_pushes
 from masonry_cd.app.summary import closing_lines, damage_line
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.interface.closing import closing_as_html
-from masonry_cd.interface.gauge_tables import gauge_table, push_table
-from masonry_cd.interface.mesh_tables import STRESSES, element_peak_table, element_table, node_table
 from masonry_cd.interface.plots import Plots
+from masonry_cd.interface.returned import closing_as_html
 from masonry_cd.interface.run_exports import RunExports
+from masonry_cd.interface.run_stress import RunStress
 from masonry_cd.interface.scenes import Scene, scene_of
-from masonry_cd.interface.structure import Structure
 from masonry_cd.interface.tables import PER_STEP, columns_of, frame_of, frame_of_rows
-from masonry_cd.interface.temporary import TemporaryFolder
-from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from reports.damage import damage_of, damage_settings, thresholds_of
-from reports.outputs import frame_at
+from reports.damage import damage_of, damage_settings
+from reports.laboratory import histories_of
 from reports.page.motion import read_motion, rotation_vectors
-from reports.settings import Report, report_of
-from reports.stress import block_columns, joint_columns
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-RESULTS = "result.h5"
 MEASURES = {  # of joints over time, and their units
     "opening": "m",
     "sliding": "m",
@@ -58,31 +50,12 @@ MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 VELOCITIES = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 
-class Run(RunExports):
+class Run(RunExports, RunStress):
     """The results of a run, read from its folder when they are asked for. Made by :func:`masonry_cd.run` and :func:`masonry_cd.open`.
 
     Tables are DataFrames of pandas with columns as in the CSV files; ``table.attrs["units"]`` says their units. ``print(run)`` shows the
     closing lines of the command line.
     """
-
-    def __init__(self, folder: Path, keeper: TemporaryFolder | None = None) -> None:
-        self.folder = Path(folder)
-        """Where its files are."""
-        self.keeper = keeper  # of a temporary folder
-        self._sums = True  # the first look at the file is at all of it
-        with self.results() as found:
-            self.title = found.title
-            """Of the scene."""
-            self.time = np.asarray(found.time, dtype=float)
-            """(F,) of its frames [s]."""
-            self._sums = bool(found.words)
-            self._words = found.words
-
-    @contextmanager
-    def results(self) -> Iterator[Results]:
-        """The result file, open, for what the tables do not give: ``with run.results() as results: ...``."""
-        with Results.open(self.folder / RESULTS, sums=self._sums) as found:
-            yield found
 
     @cached_property
     def summary(self) -> dict[str, Any]:
@@ -95,7 +68,7 @@ class Run(RunExports):
             written = read_summary(self.folder) or found.closing
             if "joints_opened" in written:
                 return written
-            end = end_state(found, thresholds_of(self._report))
+            end = end_state(found, self._thresholds)
             numbers = damage_numbers(Measured(found, damage_settings(self._report)), end)
             return {"title": self.title, "stopped": end.stopped} | written | numbers
 
@@ -121,18 +94,6 @@ class Run(RunExports):
             return scene_of(found)
 
     @cached_property
-    def structure(self) -> Structure:
-        """The blocks as they were built."""
-        with self.results() as found:
-            return Structure(found.blocks)
-
-    @cached_property
-    def _report(self) -> Report:
-        """The settings of the reports."""
-        with self.results() as found:
-            return report_of(found.scene)
-
-    @cached_property
     def damage(self) -> PartDamage:
         """The damage by part, from which the tables ``parts``, ``hinges``, ``levels`` and ``history`` are made."""
         with self.results() as found:
@@ -142,7 +103,7 @@ class Run(RunExports):
     def joints(self) -> DataFrame:
         """A row per joint: its blocks, area, place x, y, z, the largest and the residual opening and sliding, state; as in joints.csv."""
         with self.results() as found:
-            table = vars(joint_damage(found, thresholds_of(self._report)))
+            table = vars(joint_damage(found, self._thresholds))
             places = found.joints.centres()
         columns = {
             name: values for name, values in table.items() if name not in ("joint", "bonded", "crushed") or np.isfinite(values).all()
@@ -202,8 +163,8 @@ class Run(RunExports):
         >>> run.blocks().attrs["units"]["ux"], run.joints.attrs["units"]["area"]
         ('m', 'm2')
         """
-        with self.results() as found:
-            solids, frame = solids_of(found.blocks), frame_at(found, time) % found.frames
+        with self._at(time) as (found, frame):
+            solids = solids_of(found.blocks)
             moved = read_motion(found, solids, np.array([frame]))
             columns = {
                 "group": [block.group for block in found.blocks],
@@ -212,8 +173,7 @@ class Run(RunExports):
                 **columns_of(MOTIONS, np.concatenate([moved.displacement[0], moved.rotation[0]], axis=1)),
                 **columns_of(VELOCITIES, found.velocity[frame]),
             }
-            names = [block.name for block in found.blocks]
-        return frame_of(columns, names, "block", time=float(self.time[frame]))
+        return frame_of(columns, self.structure.names, "block", time=float(self.time[frame]))
 
     def motion(self, block: str) -> DataFrame:
         """How a block moves: a row per frame with the columns of :meth:`blocks`, and base_x, base_y, base_z, how far the base has moved.
@@ -253,95 +213,6 @@ class Run(RunExports):
             values = found.joint_history(measure)
         return frame_of(dict(enumerate(values.T)), self.time, "time", unit=MEASURES[measure])
 
-    def stress(self, time: float | None = None) -> DataFrame:
-        """The mean stress of the blocks at the frame next to a time [s], the last one by default; ``attrs["time"]`` is that of the frame.
-
-        A row per block: xx, yy, zz, xy, yz, xz in the world frame, and the principal stresses s1, s2, s3, the largest tension first [Pa]:
-        means over the block, since the frame before. NaN of supports, and before the first step.
-
-        Raises:
-            InputError: a time outside the run, or a run that kept no stress: ``report.stress = true`` in its scene asks for it.
-
-        >>> import masonry_cd as mc
-        >>> run = mc.run(mc.scene("examples/trilithon.toml", "run.duration=0.1", "report.stress=true"), progress=False)
-        >>> bool(run.stress(0.1).loc["left", "zz"] < run.stress(0.1).loc["lintel", "zz"] < 0.0)
-        True
-        """
-        with self.results() as found:
-            require_stress(found)
-            frame = frame_at(found, time) % found.frames
-            tensor = np.asarray(found.stress[frame], dtype=float)
-            columns = columns_of(STRESSES, np.concatenate([tensor, principal(tensor)], axis=1))
-            names = [block.name for block in found.blocks]
-        return frame_of(columns, names, "block", unit="Pa", time=float(self.time[frame]))
-
-    def elements(self, time: float | None = None) -> DataFrame:
-        """The mean stress of the elements of meshed blocks at the frame next to a time [s], the last one by default; ``attrs["time"]`` is
-        that of the frame.
-
-        A row per element, by its block and number in it: centre x, y, z as built [m], xx, yy, zz, xy, yz, xz in the world frame, and the
-        principal stresses s1, s2, s3, the largest tension first [Pa]: means since the frame before, NaN before the first step.
-
-        Raises:
-            InputError: a time outside the run, or a run that kept no stress of meshed blocks.
-
-        >>> import masonry_cd as mc
-        >>> asked = ["deformable=tetrahedra", "mesh_size=1.0", "young=5e9", "damping=0.1", "damping_frequency=20"]
-        >>> keys = ["run.duration=0.02", "run.planar=true", "report.stress=true", *(f"material.{key}" for key in asked)]
-        >>> run = mc.run(mc.scene("examples/trilithon.toml", *keys), progress=False)
-        >>> bool(run.elements().loc["left"]["s3"].max() < 0.0)
-        True
-        >>> float(run.nodes().loc["left"]["uz"].min()) > -1e-4, run.nodes().attrs["units"]["uz"]
-        (True, 'm')
-        """
-        with self.results() as found:
-            return element_table(found, frame_at(found, time) % found.frames)
-
-    def nodes(self, time: float | None = None) -> DataFrame:
-        """Where the nodes of meshed blocks are at the frame next to a time [s], the last one by default; see :meth:`elements`.
-
-        A row per node, by its block and number in it: place x, y, z, and displacement relative to the support that moves least ux, uy, uz,
-        world frame [m].
-
-        Raises:
-            InputError: as :meth:`elements`.
-        """
-        with self.results() as found:
-            return node_table(found, frame_at(found, time) % found.frames)
-
-    @cached_property
-    def element_stress(self) -> DataFrame:
-        """A row per element of meshed blocks: its largest compression and tension over the run, when, and the strength; as in
-        element_stress.csv.
-
-        Raises:
-            InputError: the run kept no stress of meshed blocks.
-        """
-        with self.results() as found:
-            return element_peak_table(found)
-
-    @cached_property
-    def block_stress(self) -> DataFrame:
-        """A row per block: its largest compression and tension over the run, when, and the strength; as in stress.csv.
-
-        Raises:
-            InputError: the run kept no stress.
-        """
-        with self.results() as found:
-            columns = block_columns(found, stress_peaks(found, report_of(found.scene).opened))
-        return frame_of(columns, columns.pop("block"), "block")
-
-    @cached_property
-    def joint_stress(self) -> DataFrame:
-        """A row per joint: the largest compression at its edge and its largest normal force over the run; as in joint_stress.csv.
-
-        Raises:
-            InputError: the run kept no stress.
-        """
-        with self.results() as found:
-            columns = joint_columns(found, stress_peaks(found, report_of(found.scene).opened))
-        return frame_of(columns, columns.pop("joint"), "joint")
-
     def force_displacement(self, push: str | None = None) -> DataFrame:
         """The force of a push by displacement: a row per step, by the time at its end, as in force_displacement.csv.
 
@@ -355,7 +226,14 @@ class Run(RunExports):
             InputError: the run has no push, or none of this name.
         """
         with self.results() as found:
-            return push_table(found, push)
+            curves = push_curves(found) if push else require_pushes(found)
+        names = [curve.name for curve in curves]
+        if push and push not in names:
+            there = ", ".join(names) or "none"
+            raise InputError("force_displacement", f'"{push}" is no push or prop{suggest(push, names)}; there are {there}')
+        curve = curves[names.index(push) if push else 0]
+        columns = {name: getattr(curve, name) for name in ("displacement", "force", "moment", "inertia")}
+        return frame_of(columns, curve.time, "time", numbers=curve.numbers())
 
     def gauge(self, name: str) -> DataFrame:
         """What a point, joint, crack or support of the scene's [output] has recorded: a row per step, as in points.csv and so on.
@@ -364,7 +242,13 @@ class Run(RunExports):
             InputError: none has this name.
         """
         with self.results() as found:
-            return gauge_table(found, name)
+            by_name = {own: columns for kind in histories_of(found).values() for own, columns in kind.items()}
+        if name not in by_name:
+            raise InputError("gauge", f'"{name}" is none{suggest(name, by_name)}; there are {", ".join(by_name)}')
+        columns = dict(by_name[name])
+        frame = frame_of(columns, columns.pop("time"), "time")
+        frame.attrs["units"] |= {column: unit_of_column(column) for column in ("time", *columns)}
+        return frame
 
     @property
     def plot(self) -> Plots:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -12,25 +11,18 @@ from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
-from masonry_cd.interface.sealed import Sealed
+from masonry_cd.interface.open_run import OpenRun
 from masonry_cd.interface.tables import columns_of, frame_of
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import rotation_matrices
-from reports.damage import thresholds_of
 from reports.maps.thrust import thrust_lines
-from reports.outputs import frame_at
-from reports.settings import report_of
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from obspy import Stream
     from pandas import DataFrame
     from pyvista import PolyData
     from trimesh import Scene as TrimeshScene
     from xarray import Dataset
-
-    from masonry_cd.interface.temporary import TemporaryFolder
 
 OLD = "this run was made before its forces were kept as vectors; run its scene again"
 REACTIONS = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -46,17 +38,8 @@ class Thrust(NamedTuple):
     block: np.ndarray  # (L,) number of the block that the piece is in
 
 
-class RunExports(Sealed):
+class RunExports(OpenRun):
     """Of a run; ``time`` picks the frame next to it [s], the last one where none is given."""
-
-    folder: Path
-    keeper: TemporaryFolder | None
-    title: str
-    time: np.ndarray
-
-    def results(self) -> AbstractContextManager[Results]:
-        """The result file, open."""
-        raise NotImplementedError
 
     def joint_forces(self, time: float | None = None) -> DataFrame:
         """A row per joint: the force on its block b, fx, fy, fz [N], of which the opposite acts on block a, and where it acts, x, y, z [m].
@@ -66,11 +49,10 @@ class RunExports(Sealed):
         Raises:
             InputError: a time outside the run, or a run of an older version.
         """
-        with self.results() as found:
-            frame = frame_at(found, time) % found.frames
+        with self._at(time) as (found, frame):
             if not found.has_joint_history("force"):
                 raise InputError("joint_forces", f"{OLD}")
-            names = np.array([block.name for block in found.blocks], dtype=object)
+            names = np.array(self.structure.names, dtype=object)
             columns = {
                 "block_a": names[found.joints.block_a],
                 "block_b": names[found.joints.block_b],
@@ -85,8 +67,8 @@ class RunExports(Sealed):
         Raises:
             InputError: as :meth:`joint_forces`.
         """
-        with self.results() as found:
-            frame, every = frame_at(found, time) % found.frames, found.reaction
+        with self._at(time) as (found, frame):
+            every = found.reaction
             if every is None:
                 raise InputError("reactions", f"{OLD}")
             names = [block.name for block in found.blocks if block.fixed]
@@ -98,9 +80,9 @@ class RunExports(Sealed):
         Raises:
             InputError: a time outside the run.
         """
-        with self.results() as found:
-            frame, solids = frame_at(found, time) % found.frames, solids_of(found.blocks)
-            apart = DamageSnapshot.at(found, frame, thresholds_of(report_of(found.scene))).separated
+        with self._at(time) as (found, frame):
+            solids = solids_of(found.blocks)
+            apart = DamageSnapshot.at(found, frame, self._thresholds).separated
             force = np.where(apart, 0.0, found.joints_at("normal_force", frame))
             joints, place = found.joints, np.nan_to_num(found.joints_at("force_point", frame))
             lines, strength, joint, block = thrust_lines((joints.block_a, joints.block_b), place, force, solids)
@@ -117,7 +99,7 @@ class RunExports(Sealed):
 
         with self.results() as found:
             variables = _variables(found)
-            names = [block.name for block in found.blocks]
+            names = self.structure.names
             where: dict[str, Any] = {
                 "time": ("time", found.time, {"units": "s"}),
                 "block": names,
@@ -142,8 +124,8 @@ class RunExports(Sealed):
         require("mesh", "pyvista")
         from reports.paraview import blocks_as_polydata
 
-        with self.results() as found:
-            return blocks_as_polydata(found, frame_at(found, time) % found.frames, thresholds_of(report_of(found.scene)))
+        with self._at(time) as (found, frame):
+            return blocks_as_polydata(found, frame, self._thresholds)
 
     def to_trimesh(self, time: float | None = None) -> TrimeshScene:
         """The blocks where they are at a time, a scene of trimesh with a mesh for each, by its name.
@@ -154,8 +136,8 @@ class RunExports(Sealed):
         require("to_trimesh", "trimesh")
         import trimesh
 
-        with self.results() as found:
-            frame, solids = frame_at(found, time) % found.frames, solids_of(found.blocks)
+        with self._at(time) as (found, frame):
+            solids = solids_of(found.blocks)
             points = _world(found, frame).moved(solids, solids.vertices, solids.vertex_block)
             made = trimesh.Scene()
             for b, block in enumerate(found.blocks):
@@ -180,10 +162,7 @@ class RunExports(Sealed):
         if quantity not in QUANTITIES:
             raise InputError("to_traces", f'"{quantity}" is none; quantities: {", ".join(QUANTITIES)}')
         with self.results() as found:
-            names = [item.name for item in found.blocks]
-            if block not in names:
-                raise InputError("to_traces", f'no block is named "{block}"')
-            index, time = names.index(block), np.asarray(found.time)
+            index, time = self.structure.index(block), self.time
             step = float(np.diff(time).mean()) if len(time) > 1 else 0.0
             even = len(time) > 1 and np.abs(np.diff(time)[:-1] - np.diff(time)[0]).max(initial=0.0) < 1e-6 * step
             if not even:

@@ -4,26 +4,22 @@
 from __future__ import annotations
 
 import os
-import signal
-import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.app.folders import RUN, free_folder
-from masonry_cd.app.progress import Interrupted
+from masonry_cd.app.result import Result
+from masonry_cd.interface.returned import returned
 from masonry_cd.interface.scenes import Scene, origin_of, scene
-from masonry_cd.interface.temporary import TemporaryFolder
+from masonry_cd.interface.temporary import TemporaryFolder, place_of
+from masonry_cd.io.checkpoint import NAME, require
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
     from masonry_cd.app.run_case import Own
     from masonry_cd.interface.results import Run
-
-
-class RunWarning(UserWarning):
-    """What a run must not pass over in silence: ``warnings.simplefilter("error", mc.RunWarning)`` makes errors of them."""
 
 
 def run(
@@ -58,22 +54,22 @@ def run(
     >>> run.joints.loc[0, ["block_a", "block_b", "state"]].tolist()
     ['ground', 'left', 'intact']
     """
-    asked = scene(source)
-    keeper = TemporaryFolder() if folder is None else None
-    place = keeper.path if keeper is not None else Path(str(folder))
-    free_folder(place, RUN, force)
-    from masonry_cd.app.case import prepare  # numba and the kernels come with it, after the cheap checks
+    from masonry_cd.app.commands.run import Asked
+    from masonry_cd.app.commands.run import run as command
 
-    case = prepare(asked.checked)
-    return _computed(replace(case, scene=asked.placed(place, force)), place, keeper, progress)
+    asked, (place, keeper) = scene(source), place_of(folder)
+    settings = Asked(force, quiet=not progress, place=lambda there: asked.placed(there, force))
+    return _returned(command(asked.checked, place, settings), place, keeper)
 
 
 def recorded(case: Case, asked: Scene, folder: str | os.PathLike[str] | None, own: Own, progress: bool = True, force: bool = False) -> Run:
     """Run a case that is prepared with code of its own, see :func:`run`."""
-    keeper = TemporaryFolder() if folder is None else None
-    place = keeper.path if keeper is not None else Path(str(folder))
+    from masonry_cd.app.commands.run import Asked, computed
+
+    place, keeper = place_of(folder)
     free_folder(place, RUN, force)
-    return _computed(replace(case, scene=asked.placed(place, force)), place, keeper, progress, own=own)
+    settings = Asked(force, quiet=not progress, own=own, place=lambda there: asked.placed(there, force))
+    return _returned(computed(case, place, settings), place, keeper, 5)
 
 
 def resume(source: Run | str | os.PathLike[str], *, progress: bool = True) -> Run:
@@ -86,33 +82,21 @@ def resume(source: Run | str | os.PathLike[str], *, progress: bool = True) -> Ru
     Raises:
         InputError: nothing to resume, or files that have changed since.
     """
+    from masonry_cd.app.commands.run import Asked
+    from masonry_cd.app.commands.run import run as command
     from masonry_cd.interface.results import Run as Opened
-    from masonry_cd.io import checkpoint
     from masonry_cd.io.results import Results
 
     place, keeper = (source.folder, source.keeper) if isinstance(source, Opened) else (Path(source), None)
-    checkpoint.require(place / checkpoint.NAME)
+    require(place / NAME)
     with Results.open(place / RUN[0]) as found:
         asked = origin_of(found).checked()
-    from masonry_cd.app.case import prepare
-
-    return _computed(prepare(asked), place, keeper, progress, resumed=True)
+    return _returned(command(asked, place, Asked(resume=True, quiet=not progress)), place, keeper)
 
 
-def _computed(
-    case: Case, folder: Path, keeper: TemporaryFolder | None, progress: bool, resumed: bool = False, own: Own | None = None
-) -> Run:
-    """Compute a case into a folder; a signal other than Ctrl-C has its usual effect afterwards."""
-    from masonry_cd.app.run_case import run_case
+def _returned(result: Result[Any], folder: Path, keeper: TemporaryFolder | None, level: int = 4) -> Run:
+    """The run that a command left in a folder, whose warnings are shown to the caller of the function that calls this one."""
     from masonry_cd.interface.results import Run as Opened
 
-    try:
-        number = int(run_case(case, folder, quiet=not progress, resume=resumed, own=own)["signal"])
-    except Interrupted as asked:  # while the reports were drawn: the results are whole
-        number = asked.number
-    if number not in (0, signal.SIGINT):
-        signal.raise_signal(number)
     made = Opened(folder, keeper)
-    for line in made.warnings:
-        warnings.warn(line, RunWarning, stacklevel=3 if own is None else 4)  # of who called
-    return made
+    return returned(replace(result, value=made, warnings=made.warnings), level)

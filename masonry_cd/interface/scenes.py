@@ -86,7 +86,7 @@ class Scene(Sealed):
     @property
     def tables(self) -> dict[str, Any]:
         """The tables of the text, a new copy: ``scene.tables["run"]["dt"]``."""
-        return parse_toml(self.text, self._checked.origin.path)
+        return deepcopy(dict(self._checked.tables))
 
     def changed(self, *changes: str, **tables: Any) -> Scene:
         """Another scene, in which some keys are changed.
@@ -259,7 +259,7 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
 def scene_of(results: Results) -> Scene:
     """The scene that made a run: of its file where that was a file of the user's, else made in Python as it was then."""
     origin = origin_of(results)
-    named = set(paths_of(parse_toml(results.scene, origin.path)))
+    named = set(paths_of(results.tables))
     if origin.path.absolute() != results.path.absolute().with_name(FILE) or not all(
         Path(name).is_absolute() or OWN_FILES.fullmatch(name) for name in named
     ):

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.interface.number_arrays import numbers
 from masonry_cd.interface.own_forces import block_named, free_block
+from masonry_cd.interface.values import numbers
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.overlaps import deepest_overlap
 from masonry_cd.mechanics.dynamics.system import Motion

@@ -23,9 +23,9 @@ from masonry_cd.analysis.fragility.sensitivity import COLUMNS, Correlation, corr
 from masonry_cd.analysis.outputs import STUDY, numbers_in, units_in
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.interface.closing import closing_as_html
-from masonry_cd.interface.results import RESULTS, Run
-from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.open_run import RESULTS
+from masonry_cd.interface.results import Run
+from masonry_cd.interface.returned import RunWarning, closing_as_html
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.study_plots import StudyPlots
 from masonry_cd.interface.tables import frame_of

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import tempfile
 import weakref
@@ -15,3 +16,11 @@ class TemporaryFolder:
     def __init__(self) -> None:
         self.path = Path(tempfile.mkdtemp(prefix="masonry_cd-"))
         weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+
+
+def place_of(folder: str | os.PathLike[str] | None) -> tuple[Path, TemporaryFolder | None]:
+    """The folder that is named, or else a temporary one with its keeper."""
+    if folder is not None:
+        return Path(folder), None
+    keeper = TemporaryFolder()
+    return keeper.path, keeper

@@ -1,20 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Python's values as those of a scene file, and the changes that they mean."""
+"""Python's values as those of a scene file, the changes that they mean, and arrays of numbers: one check for geometry, motions, forces."""
 
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from masonry_cd.app.scene_text import toml_text
+from masonry_cd.app.scene_text import toml_key, toml_text
 from masonry_cd.foundation.errors import InputError
-
-BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def plain(value: Any, key: str) -> Any:
@@ -52,7 +49,7 @@ def changes(tables: Mapping[str, Any], now: Mapping[str, Any], above: str = "") 
         above: what stands before their keys.
     """
     for name, value in tables.items():
-        key, there = above + (name if BARE.fullmatch(name) else f'"{name}"'), now.get(name)
+        key, there = above + toml_key(name), now.get(name)
         if isinstance(value, Mapping) and isinstance(there, Mapping) and "kind" not in value:
             yield from changes(value, there, f"{key}.")
         else:
@@ -69,3 +66,27 @@ def with_absolute_paths(value: Any, folder: Path, own: frozenset[str] = frozense
             for key, item in value.items()
         }
     return [with_absolute_paths(item, folder, own) for item in value] if isinstance(value, list | tuple) else value
+
+
+def numbers(given: Any, where: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
+    """Finite numbers in an array of its own.
+
+    Args:
+        given: whatever numpy makes an array of numbers of.
+        where: for messages.
+        shape: that it must have, -1 standing for any length; any when not given.
+
+    Raises:
+        InputError: anything else.
+    """
+    try:
+        array = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(where, "an array of numbers is needed") from None
+    if shape is not None and (array.ndim != len(shape) or any(n >= 0 and n != m for n, m in zip(shape, array.shape, strict=True))):
+        wanted = f"({', '.join('N' if n < 0 else str(n) for n in shape)}{',' if len(shape) == 1 else ''})"
+        raise InputError(where, f"an array of shape {wanted} is needed, got {array.shape}")
+    if not np.isfinite(array).all():
+        at = f" at {np.argwhere(~np.isfinite(array))[0].tolist()}" if array.ndim else ""
+        raise InputError(where, f"not finite{at}")
+    return array

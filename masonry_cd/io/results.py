@@ -9,6 +9,7 @@ leaves nothing to report is an InputError of one line.
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -312,6 +313,11 @@ class Results:
     def scene(self) -> str:
         """The text of the scene file that made this run."""
         return str(self.file.attrs["scene"])
+
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """The tables of that text; empty where the result keeps none."""
+        return tomllib.loads(self.scene)
 
     @property
     def scene_file(self) -> Path:

@@ -29,8 +29,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.deformed import base_shift, solids_of
+from masonry_cd.app.commands.solve import load_kernels
 from masonry_cd.app.scene import Scene, read_scene
-from masonry_cd.app.solve_file import load_kernels
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error

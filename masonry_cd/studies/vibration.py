@@ -25,9 +25,11 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.analysis.modal.elastic_joints import joint_modes
 from masonry_cd.analysis.modal.shapes import RigidShapes
-from masonry_cd.app.scene import Scene, read_scene
+from masonry_cd.app.folders import free_folder
+from masonry_cd.app.result import Result
+from masonry_cd.app.scene import Scene
 from masonry_cd.foundation import own_files
-from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.csv_files import write_rows
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -74,32 +76,31 @@ class Companion:
         return np.einsum("nbi,bi->n", self.weighted, displacement)
 
 
-def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: Path, changes: Sequence[str] = ()) -> dict[str, Any]:
+def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: bool = False) -> Result[dict[str, Any]]:
     """What ``masonry-cd modal --nscd`` does: free vibration, and a sweep where asked, written into a folder.
 
     Args:
-        scene_path: a scene file whose joints all are elastic.
+        scene: whose joints all are elastic.
         options: keys of :class:`VibrationOptions`.
         folder: made if need be.
-        changes: ``key=value`` that change the scene.
+        force: overwrite the files that are there.
 
     Returns:
-        what vibration.json holds, with ``lines`` to print, ``warnings`` that must not pass in silence, and ``written``, the files.
+        what vibration.json holds, ``lines`` and ``warnings`` among it.
 
     Raises:
         InputError: a wrong option or scene, or a joint that is rigid.
     """
-    from masonry_cd.app.case import build_blocks
+    from masonry_cd.app.case import make_structures
     from masonry_cd.app.summary import write_json
 
     asked = parse_table(VibrationOptions, options, "modal")
-    scene = read_scene(scene_path, changes)
+    free_folder(folder, OUTPUTS, force)
     scene.refuse_static()
-    blocks = build_blocks(scene)
+    blocks = make_structures(scene).blocks
     with scene.locating():
         refuse_spheres(blocks, "structure", "the modal check")
-        material = scene.material
-        assembly = Assembly.from_blocks(blocks, material.friction, material.joint_laws, moduli=material.joint_moduli)
+        assembly = Assembly.from_blocks(blocks, scene.material)
         companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
         assembly = replace(assembly, laws=assembly.laws.damped_at(float(companion.frequencies[0])))
         rows = free_vibration(assembly, scene.run, companion, asked.modes)
@@ -112,13 +113,14 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
     own_files.begin(folder, OUTPUTS)
     own_files.remove(folder, OUTPUTS)
     write_json(found, folder / "vibration.json")
-    _write_rows(folder / "vibration.csv", rows)
+    write_rows(folder / "vibration.csv", rows)
     if asked.sweep:
         from masonry_cd.studies.vibration_picture import sweep_picture
 
-        _write_rows(folder / "sweep.csv", found["sweep"])
+        write_rows(folder / "sweep.csv", found["sweep"])
         sweep_picture(found, folder / "sweep.png")
-    return found | {"written": [str(folder / name) for name in OUTPUTS if (folder / name).exists()]}
+    written = [folder / name for name in OUTPUTS if (folder / name).exists()]
+    return Result(found, found["lines"], found["warnings"], written)
 
 
 def linear_modes(assembly: Assembly, count: int) -> Companion:
@@ -299,8 +301,3 @@ def _mode_lines(rows: Sequence[Mapping[str, float]]) -> list[str]:
     return lines + [
         f"  {row['mode']:4d}  {row['nscd_hz']:11.4f}  {row['linear_hz']:12.4f}  {row['difference_percent']:+9.2f} %" for row in rows
     ]
-
-
-def _write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write a CSV file whose columns are the keys of its first row."""
-    write_csv(path, rows[0], (row.values() for row in rows))

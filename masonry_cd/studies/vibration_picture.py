@@ -16,7 +16,7 @@ from reports.drawing.figure import COLOURS, FAINT, INK
 
 
 def sweep_picture(found: Mapping[str, Any], path: Path) -> None:
-    """Draw what :func:`masonry_cd.studies.vibration.vibration_case` found in a sweep into a PNG.
+    """Draw what :func:`masonry_cd.studies.vibration.vibration` found in a sweep into a PNG.
 
     Raises:
         InputError: a file that cannot be written.

@@ -13,7 +13,6 @@ Damage is judged by the thresholds of the first run in all of them, or the numbe
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -77,7 +76,7 @@ def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comp
     words: list[str] = []
     for folder, name in zip(folders, names or _names(folders), strict=True):
         with Results.open(folder / "result.h5") as results:
-            settings = settings or report_of(results.scene)
+            settings = settings or report_of(results.tables)
             runs.append(_run(results, folder, name, settings))
             words += results.words
             if (whole := runs[-1].damage.parts[-1])["grade"] == NOT_GRADED:
@@ -95,7 +94,7 @@ def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
     solids = run.solids
     return Run(
         name=name,
-        scene=flat(tomllib.loads(results.scene)),
+        scene=flat(results.tables),
         damage=run.damage,
         time=results.time,
         top=run.top,

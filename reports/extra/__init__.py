@@ -2,7 +2,7 @@
 """Reports beyond those that have a key of their own in [report]: a scene asks for them by name, ``extra = ["energy"]``.
 
 One is an :class:`ExtraReport`, listed by name in the ``REPORTS`` of a module here. It reads the result alone; the settings of the scene,
-where it needs them, are ``reports.settings.report_of(results.scene)``.
+where it needs them, are ``reports.settings.report_of(results.tables)``.
 """
 
 from __future__ import annotations

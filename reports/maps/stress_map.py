@@ -61,12 +61,12 @@ class Pressed:
     @classmethod
     def of(cls, results: Results, frame: int | None) -> Pressed:
         """That of a frame, or of the whole run for None."""
-        peaks, elements = stress_peaks(results, report_of(results.scene).opened), element_peaks(results)
+        peaks, elements = stress_peaks(results, report_of(results.tables).opened), element_peaks(results)
         if frame is None:
             of_elements = None if elements is None else elements.compression
             return cls(peaks.compression, peaks.open_above, peaks.closed_above, True, peaks, of_elements, elements)
         above = above_limit(np.asarray(results.joints_at(EDGE_STRESS, frame), dtype=float), peaks.joint_strength)
-        gaping = results.joints_at("opening", frame) >= report_of(results.scene).opened
+        gaping = results.joints_at("opening", frame) >= report_of(results.tables).opened
         compression = -principal(np.asarray(results.stress[frame], dtype=float))[:, 2]
         of_elements = None if elements is None else -principal(np.asarray(results.element_stress[frame], dtype=float))[:, 2]
         return cls(compression, above & gaping, above & ~gaping, False, peaks, of_elements, elements)

@@ -7,7 +7,6 @@ The file stays below ``LIMIT``: where all frames would not fit, fewer of them ar
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -93,7 +92,7 @@ def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
     """The tolerance of the run: from its summary, else from its scene, else the default."""
     from masonry_cd.mechanics.dynamics.settings import Run
 
-    of_scene = tomllib.loads(results.scene).get("run", {}).get("tolerance", Run.model_fields["tolerance"].default)
+    of_scene = results.tables.get("run", {}).get("tolerance", Run.model_fields["tolerance"].default)
     given = summary.get("solver", {}).get("tolerance")
     return float(of_scene if given is None else given)
 

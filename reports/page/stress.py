@@ -30,7 +30,7 @@ def colours(results: Results, frames: np.ndarray) -> tuple[dict[str, Any], dict[
     """
     if not results.has_stress:
         return {}, {}
-    peaks = stress_peaks(results, report_of(results.scene).opened)
+    peaks = stress_peaks(results, report_of(results.tables).opened)
     scale = StressScale(float(np.nan_to_num(peaks.compression).max(initial=0.0)))
 
     def classes(compression: np.ndarray) -> np.ndarray:
@@ -51,7 +51,7 @@ def stress(context: PageContext) -> Mapping[str, Any]:
     results = context.results
     if not results.has_stress:
         return {}
-    peaks = stress_peaks(results, report_of(results.scene).opened)
+    peaks = stress_peaks(results, report_of(results.tables).opened)
     found = stress_summary(results, peaks)
     if not found:
         return {}

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -77,7 +76,7 @@ class PageContext:
     @cached_property
     def tables(self) -> dict[str, Any]:
         """The tables of the scene; empty where the result keeps none."""
-        return tomllib.loads(self.results.scene) if self.results.scene else {}
+        return self.results.tables
 
     @cached_property
     def motions(self) -> tuple[SupportMotion, ...]:

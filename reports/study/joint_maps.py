@@ -114,7 +114,7 @@ def joint_study(study: Study) -> JointStudy | None:
     if not reference.exists() or not (study.folder / "joints").is_dir():
         return None
     with Results.open(reference) as results:
-        thresholds = thresholds_of(report_of(results.scene)) if results.scene else Thresholds()
+        thresholds = thresholds_of(report_of(results.tables)) if results.scene else Thresholds()
         joints, names = results.joints, [block.name for block in results.blocks]
         pairs = [(names[a], names[b]) for a, b in zip(joints.block_a, joints.block_b, strict=True)]
     runs = read_joint_runs(study, len(pairs), thresholds)

@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 from masonry_cd.analysis.outputs.folders import FOLDERS, files_of
+from masonry_cd.app.commands.modal import METHODS
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS
 from masonry_cd.app.limit_vehicle import CROSSING_OUTPUTS
 from masonry_cd.app.macro_files import CSV, JSON, PAGE
-from masonry_cd.app.modal_case import METHODS
 from reports.assess import outputs as assess
 from reports.study.joint_maps import TABLE
 from reports.study.outputs import FILES

@@ -11,8 +11,8 @@ import pytest
 from made_run import box
 from typer.testing import CliRunner
 
+from masonry_cd.app.commands.solve import solve
 from masonry_cd.app.dump import parse_steps
-from masonry_cd.app.solve_file import solve_file
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.problem_files import read_problem
@@ -62,13 +62,13 @@ def test_problems_are_those_that_were_solved_and_the_run_keeps_its_bits(falling,
     for name in names:
         problem = read_problem(tmp_path / "out" / name)
         assert problem.contacts == contacts[int(name.split("_")[1].removesuffix(".npz")) - 1] or "forces" in name
-        assert solve_file(tmp_path / "out" / name, tolerance=1e-9)["converged"]
+        assert solve(tmp_path / "out" / name, tolerance=1e-9).value["converged"]
 
 
 def test_at_rest_the_impulses_of_the_file_carry_the_weight(falling, tmp_path):
     masonry_cd("run", falling, "-o", tmp_path / "out", "--dump-problem", 20, "-q")
     problem = read_problem(tmp_path / "out" / "problem_20.npz")
-    solve_file(tmp_path / "out" / "problem_20.npz", tolerance=1e-12, output=tmp_path / "s.npz")
+    solve(tmp_path / "out" / "problem_20.npz", tolerance=1e-12, output=tmp_path / "s.npz")
     weight = 2000.0 * 0.5 * 9.81 * 1e-3  # of the lower cube over a step; the upper one is in the air
     total = np.load(tmp_path / "s.npz")["r"][:, 0].sum()
     assert total == pytest.approx(weight, rel=1e-6)

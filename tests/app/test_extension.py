@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sys
+import tomllib
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from runpy import run_path
@@ -17,9 +18,9 @@ from places import ROOT
 import loads
 import structures
 from loads import readers
+from masonry_cd.app.commands.solve import solve
 from masonry_cd.app.run_case import file_names
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.solve_file import solve_file
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.io.results import Results
@@ -128,7 +129,7 @@ def test_a_solver(add, tmp_path):
     w = np.diag([2.0, 1.0, 1.0])
     at, ends = np.tile(np.arange(3), 3), np.arange(0, 10, 3)
     np.savez(tmp_path / "one.npz", W_data=w.ravel(), W_indices=at, W_indptr=ends, q=[-3.0, 0.0, 0.0], mu=[0.0])
-    found = solve_file(tmp_path / "one.npz", "one_contact", output=tmp_path / "solution.npz")
+    found = solve(tmp_path / "one.npz", "one_contact", output=tmp_path / "solution.npz").value
     assert found["converged"]
     assert found["reason"] == "one contact: solved"
     assert np.load(tmp_path / "solution.npz")["r"][0] == pytest.approx([1.5, 0.0, 0.0])
@@ -158,9 +159,9 @@ def test_a_format_of_records(add, tmp_path):
 def test_a_report(add, tmp_path):
     text = SCENE + '[report]\nextra = ["lowest"]\n'
     with pytest.raises(InputError, match=r'report\.extra: should be a list of names of energy, "lowest" is none'):
-        report_of(text)
+        report_of(tomllib.loads(text))
     add("reports.extra", "lowest", LOWEST)
-    settings = report_of(text)
+    settings = report_of(tomllib.loads(text))
     assert settings.asks
     blocks = [box("ground", (-1, -1, -1), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 1))]
     with Results.open(write_run(tmp_path / "result.h5", blocks, [at_rest(blocks)])) as results:
@@ -195,8 +196,8 @@ def test_an_output_of_a_run(add, tmp_path):
     add("reports.outputs", "weight", WEIGHT)
     blocks = [box("ground", (-1, -1, -1), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 1))]
     with Results.open(write_run(tmp_path / "result.h5", blocks, [at_rest(blocks)] * 2)) as results:
-        assert Job(results, tmp_path, report_of(""), {}).write() == []
-        written = Job(results, tmp_path, report_of("[report]\ndamage = true"), {}).write()
+        assert Job(results, tmp_path, report_of({}), {}).write() == []
+        written = Job(results, tmp_path, report_of({"report": {"damage": True}}), {}).write()
     assert tmp_path / "weight.csv" in written
     assert (tmp_path / "weight.csv").read_text().splitlines()[1:] == ["ground,8000", "stone,2000"]
     assert "weight.csv" in file_names()

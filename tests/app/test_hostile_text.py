@@ -10,7 +10,7 @@ import pytest
 from refusals import SCENE, TETRA, refusal
 
 import loads
-from masonry_cd.app.case import build_structure
+from masonry_cd.app.case import make_structures
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_text import override
 from masonry_cd.foundation.errors import InputError
@@ -23,7 +23,7 @@ def blocks(**keys: object) -> str:
 def line(folder: Path, scene: str, file: str) -> str:
     (folder / "scene.toml").write_text(scene, encoding="utf-8")
     (folder / "b.json").write_text(file, encoding="utf-8")
-    message = refusal(folder, lambda: build_structure(read_scene(folder / "scene.toml")))
+    message = refusal(folder, lambda: make_structures(read_scene(folder / "scene.toml")))
     assert message is not None
     return message
 
@@ -31,7 +31,7 @@ def line(folder: Path, scene: str, file: str) -> str:
 def test_the_files_are_sound_before_they_are_changed(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(SCENE)
     (tmp_path / "b.json").write_text(blocks())
-    assert len(build_structure(read_scene(tmp_path / "scene.toml"))[0]) == 1
+    assert len(make_structures(read_scene(tmp_path / "scene.toml")).blocks) == 1
 
 
 @pytest.mark.parametrize(

@@ -83,44 +83,6 @@ def test_joint_laws_by_pairs_of_groups_or_one_for_all(write):
     assert read_scene(write(GOOD)).material.joints == {}
 
 
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        (
-            "[material.joints]\nnormal_stifness = 1e9",
-            ':10: material.joints.default.normal_stifness: unknown key (did you mean "normal_stiffness"?)',
-        ),
-        (
-            "[material.joints.arch-base]\ncohesion = -1.0",
-            ":11: material.joints.arch-base.cohesion: input should be greater than or equal to 0",
-        ),
-        ("[material.joints.arch-base]\ntheta = 0.4", ":11: material.joints.arch-base.theta: input should be greater than or equal to 0.5"),
-        ("[material.joints]\ntangential_stiffness = 1e9", "material.joints.default: tangential_stiffness needs normal_stiffness"),
-        (
-            "[material.joints]\nnormal_stiffness = 5e-324",
-            "material.joints.default.normal_stiffness: input should be greater than or equal to 1",
-        ),
-        (
-            "[material.joints]\nnormal_stiffness = 1e9\ndamping_frequency = 5",
-            "material.joints.default: damping_frequency needs damping beside",
-        ),
-        ("[material.joints]\ndamping = 0.05\ndamping_frequency = 5", "material.joints.default: damping needs normal_stiffness"),
-        ("[material.joints]\ncompressive_strength = 0", "material.joints.default.compressive_strength: input should be greater than 0"),
-        ("[material.joints]\ncompressive_strength = inf", "material.joints.default.compressive_strength: input should be a finite number"),
-        ("[material.joints]\ntension = 1e5", "material.joints.default: tension needs normal_stiffness"),
-        (
-            "[material.joints]\ntheta = 0.5\n[material.joints.arch-base]\ntheta = 0.6",
-            'material.joints: holds keys of one law ("theta") and tables',
-        ),
-    ],
-)
-def test_bad_joint_laws_are_named_in_one_line(write, table, message):
-    with pytest.raises(InputError) as caught:
-        read_scene(write(GOOD.replace("[[loads]]", f"{table}\n\n[[loads]]", 1)))
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
 @pytest.mark.parametrize(("duration", "dt", "steps"), [(8.0, 1e-3, 8000), (0.3, 0.1, 3), (1.0, 0.03, 34), (0.7, 0.007, 100)])
 def test_steps_cover_the_duration_in_spite_of_rounding(duration, dt, steps):
     assert Run(dt=dt, duration=duration).steps == steps
@@ -165,75 +127,82 @@ def test_toml_written_reads_back_the_same():
     assert tomllib.loads(dump_toml(tables)) == tables
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (("dt = 1e-3", "dt = 1e-3\ndurration = 3"), 'scene.toml:19: run.durration: unknown key (did you mean "duration"?)'),
-        (("[run]", "[rnu]"), 'rnu: unknown key (did you mean "run"?)'),
-        (("dt = 1e-3", "dt = -1e-3"), "scene.toml:18: run.dt: input should be greater than 0, got -0.001"),
-        (("dt = 1e-3", "dt = 1"), "run.dt: input should be less than or equal to 0.1"),
-        (("dt = 1e-3", 'dt = "1 mm"'), 'run.dt: "mm" is no unit of a time; write a number in s, or one with its unit, "5 ms"'),
-        (("dt = 1e-3", "dt = nan"), "run.dt: input should be"),
-        (("dt = 1e-3", "dt = true"), "run.dt: input should be a valid number"),
-        (("duration = 8.0", "duration = 1e-4"), "shorter than one step"),
-        (("density = 2200", "density = -2.2"), "scene.toml:7: material.density: should be between 0.1 and 1e+06 kg/m3, got -2.2"),
-        (("friction = 0.6", "friction = 35"), "material.friction: a coefficient of friction (no angle) should be between 0 and 20, got 35"),
-        (("friction = 0.6", "friction.arch-base = -1"), 'material.friction: "arch-base": a coefficient'),
-        (("friction = 0.6", "friction = 'high'"), "material.friction: should be a number"),
-        (("density = 2200\n", ""), "material.density: missing"),
-        (('[[loads]]\nkind = "gravity"\n\n[[loads]]', "[loads]"), "loads: every load is a table of its own, headed [[loads]]"),
-        (("crack_map = true", "crack_map = 3"), "report.crack_map: input should be a valid boolean"),
-        (("crack_map = true", "crack_map = 'yes'"), "report.crack_map: input should be a valid boolean, got 'yes'"),
-        (("duration = 8.0", "duration = 1e12"), "run: duration 1e+12 s takes 1e+15 steps of dt 0.001 s; at most 2e+07"),
-        (
-            ("[run]\ndt", "[run]\nsolver = 'nlgz'\ndt"),
-            "run.solver: input should be 'accelerated', 'admm', 'auto', 'interior', 'newton', 'nlgs' or 'pivoting', got 'nlgz'",
-        ),
-        (
-            ("[run]\ndt", f"[run]\nseed = {2**63}\ndt"),
-            "run.seed: input should be less than or equal to 9223372036854775807, got 9223372036854775808",
-        ),
-        (
-            ("[run]\ndt", "[run]\nmax_iterations = 1000000001\ndt"),
-            "run.max_iterations: input should be less than or equal to 1000000000, got",
-        ),
-        (("[run]\ndt", "[run]\ngravity = -9.81\ndt"), "run.gravity: should be three numbers [x, y, z], got -9.81"),
-        (("radius = 10.0", "radius = 10.0 m"), 'statement (a number with its unit stands in quotes: "30 mm")'),
-        (
-            ("radius = 10.0", "radius = 10,0"),
-            "scene.toml:4: not valid TOML: expected newline or end of document after a statement (a number has a",
-        ),
-        (("radius = 10.0", "radius = .5"), "invalid value (a number has digits on both sides of its point: 0.5)"),
-        (("radius = 10.0", "radius = 10.\nrise = 2"), "statement (a number has digits on both sides of its point: 0.5)"),
-        (("radius = 10.0", "radius = ten"), 'invalid value (a text stands in quotes: "x")'),
-        (("radius = 10.0", "radius = True"), "invalid value (yes and no are written true and false)"),
-        (("radius = 10.0", 'path = "C:\\drawings"'), "in a string (a path is written with /, or in single quotes)"),
-        (("radius = 10.0", "radius = 10.0\nradius = 11.0"), "scene.toml:5: not valid TOML: cannot overwrite a value"),
-    ],
-)
-def test_bad_scenes_are_named_in_one_line(write, change, message):
+JOINTS = "[material.joints]\n"
+REFUSED = {  # what is written instead of what, or the head of a table before [[loads]]: the place, and a word of the reason
+    ("dt = 1e-3", "dt = 1e-3\ndurration = 3"): ("scene.toml:19: run.durration", '(did you mean "duration"?)'),
+    ("[run]", "[rnu]"): ("rnu", '(did you mean "run"?)'),
+    ("dt = 1e-3", "dt = -1e-3"): ("scene.toml:18: run.dt", "greater than 0, got -0.001"),
+    ("dt = 1e-3", "dt = 1"): ("run.dt", "0.1"),
+    ("dt = 1e-3", 'dt = "1 mm"'): ("run.dt", "no unit of a time"),
+    ("dt = 1e-3", "dt = nan"): ("run.dt", ""),
+    ("dt = 1e-3", "dt = true"): ("run.dt", "number"),
+    ("duration = 8.0", "duration = 1e-4"): ("run", "shorter than one step"),
+    ("duration = 8.0", "duration = 1e12"): ("run", "at most 2e+07"),
+    ("density = 2200", "density = -2.2"): ("scene.toml:7: material.density", "kg/m3, got -2.2"),
+    ("density = 2200\n", ""): ("material.density", "missing"),
+    ("friction = 0.6", "friction = 35"): ("material.friction", "no angle"),
+    ("friction = 0.6", "friction.arch-base = -1"): ("material.friction", '"arch-base"'),
+    ("friction = 0.6", "friction = 'high'"): ("material.friction", "number"),
+    ('[[loads]]\nkind = "gravity"\n\n[[loads]]', "[loads]"): ("loads", "[[loads]]"),
+    ("crack_map = true", "crack_map = 3"): ("report.crack_map", "boolean"),
+    ("crack_map = true", "crack_map = 'yes'"): ("report.crack_map", "got 'yes'"),
+    ("[run]\ndt", "[run]\nsolver = 'nlgz'\ndt"): ("run.solver", "'pivoting', got 'nlgz'"),
+    ("[run]\ndt", f"[run]\nseed = {2**63}\ndt"): ("run.seed", "9223372036854775807"),
+    ("[run]\ndt", "[run]\nmax_iterations = 1000000001\ndt"): ("run.max_iterations", "1000000000"),
+    ("[run]\ndt", "[run]\ngravity = -9.81\ndt"): ("run.gravity", "three numbers"),
+    ("radius = 10.0", "radius = 10.0 m"): ("scene.toml:4", '(a number with its unit stands in quotes: "30 mm")'),
+    ("radius = 10.0", "radius = 10,0"): ("scene.toml:4", "decimal point"),
+    ("radius = 10.0", "radius = .5"): ("scene.toml:4", "digits on both sides"),
+    ("radius = 10.0", "radius = 10.\nrise = 2"): ("scene.toml:4", "digits on both sides"),
+    ("radius = 10.0", "radius = ten"): ("scene.toml:4", "a text stands in quotes"),
+    ("radius = 10.0", "radius = True"): ("scene.toml:4", "yes and no are written true and false"),
+    ("radius = 10.0", 'path = "C:\\drawings"'): ("scene.toml:4", "a path is written with /"),
+    ("radius = 10.0", "radius = 10.0\nradius = 11.0"): ("scene.toml:5", "overwrite"),
+    (JOINTS, "normal_stifness = 1e9"): (":10: material.joints.default.normal_stifness", '"normal_stiffness"'),
+    ("[material.joints.arch-base]\n", "cohesion = -1.0"): (":11: material.joints.arch-base.cohesion", "0"),
+    ("[material.joints.arch-base]\n", "theta = 0.4"): (":11: material.joints.arch-base.theta", "0.5"),
+    (JOINTS, "tangential_stiffness = 1e9"): ("material.joints.default", "needs normal_stiffness"),
+    (JOINTS, "normal_stiffness = 5e-324"): ("material.joints.default.normal_stiffness", "1"),
+    (JOINTS, "normal_stiffness = 1e9\ndamping_frequency = 5"): ("material.joints.default", "needs damping"),
+    (JOINTS, "damping = 0.05\ndamping_frequency = 5"): ("material.joints.default", "needs normal_stiffness"),
+    (JOINTS, "compressive_strength = 0"): ("material.joints.default.compressive_strength", "0"),
+    (JOINTS, "compressive_strength = inf"): ("material.joints.default.compressive_strength", "finite"),
+    (JOINTS, "tension = 1e5"): ("material.joints.default", "needs normal_stiffness"),
+    (JOINTS, "theta = 0.5\n[material.joints.arch-base]\ntheta = 0.6"): ("material.joints", '"theta"'),
+}
+
+
+@pytest.mark.parametrize("change", REFUSED, ids=lambda change: change[1].replace("\n", " "))
+def test_bad_scenes_are_named_in_one_line(write, change):
+    old, new = change
+    text = GOOD.replace(old, new) if old in GOOD else GOOD.replace("[[loads]]", f"{old}{new}\n\n[[loads]]", 1)
     with pytest.raises(InputError) as caught:
-        read_scene(write(GOOD.replace(*change)))
-    assert message in str(caught.value)
+        read_scene(write(text))
+    place, reason = REFUSED[change]
+    assert f"{place}: " in str(caught.value) and reason in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("override", "message"),
+    ("changes", "place", "reason"),
     [
-        ("run.dtt=1e-3", "run.dtt: unknown key"),
-        ("rnu.dt=1e-3", 'rnu: unknown key (did you mean "run"?)'),
-        ("run.dt", "--set run.dt: write key=value"),
-        ("=3", "write key=value"),
-        ("loads[7].amplitude=1", "there is no loads[7] in the scene"),
-        ("loads.amplitude=1", "a list is addressed as loads[0].amplitude"),
-        ("run.dt=fast", "run.dt: input should be a valid number, got 'fast'"),
+        (("run.dtt=1e-3",), "run.dtt", "unknown key"),
+        (("rnu.dt=1e-3",), "rnu", '"run"'),
+        (("run.dt",), "--set run.dt", "key=value"),
+        (("=3",), "--set =3", "key=value"),
+        (("loads[7].amplitude=1",), "--set loads[7].amplitude=1", "there is no loads[7]"),
+        (("loads.amplitude=1",), "--set loads.amplitude=1", "loads[0].amplitude"),
+        (("run.dt=fast",), "run.dt", "got 'fast'"),
+        (("run.dt=1e-3", "run.dt=7"), "--set run.dt=7: run.dt", "0.1"),
+        (('material.friction={x="a"}',), '--set material.friction={x="a"}: material.friction', '"x"'),
+        (("run.dt=1e-3", "material.density=-2"), "--set material.density=-2: material.density", "between"),
+        (("run.duration=1e12",), "scene.toml:17 with --set run.duration=1e12: run", "takes"),
     ],
 )
-def test_bad_overrides_are_named_in_one_line(write, override, message):
+def test_bad_changes_are_named_in_one_line(write, changes, place, reason):
     with pytest.raises(InputError) as caught:
-        read_scene(write(GOOD), [override])
-    assert message in str(caught.value)
+        read_scene(write(GOOD), changes)
+    assert f"{place}: " in str(caught.value) and reason in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -274,23 +243,6 @@ def test_a_scene_takes_every_solver(write, solver):
 
 def test_these_solvers_come_with_the_program():
     assert set(SOLVERS) == {"accelerated", "admm", "auto", "interior", "newton", "nlgs", "pivoting"}
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (("run.dt=-1",), "--set run.dt=-1: run.dt: input should be greater than 0"),
-        (("run.dt=1e-3", "run.dt=7"), "--set run.dt=7: run.dt: input should be less than or equal to 0.1"),
-        (('material.friction={x="a"}',), '--set material.friction={x="a"}: material.friction: "x": should be a number'),
-        (("run.dt=1e-3", "material.density=-2"), "--set material.density=-2: material.density: should be between"),
-        (("run.duration=1e12",), "scene.toml:17 with --set run.duration=1e12: run: duration 1e+12 s takes"),
-        (("report.opened=0",), "--set report.opened=0: report.opened: "),
-    ],
-)
-def test_errors_of_a_change_name_it(write, changes, message):
-    with pytest.raises(InputError) as caught:
-        read_scene(write(GOOD), changes)
-    assert message in str(caught.value)
 
 
 def test_an_error_elsewhere_names_its_line_in_the_file_whatever_was_changed(write):

@@ -18,7 +18,7 @@ PAGE = ROOT / "docs" / "howto" / "compas_dem.md"
 THEIRS = (11, 24)  # lines that are no comments and not empty: the arch, the cross vault
 
 
-@pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+@pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
 @pytest.mark.parametrize("number", [0, 1], ids=["arch", "vault"])
 def test_an_example_is_no_longer_than_theirs_and_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int) -> None:
     snippet = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[number]

@@ -19,7 +19,7 @@ SNIPPETS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), 
 
 
 @pytest.mark.slow(reason="runs all snippets of a page, a study among them")
-@pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+@pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
 def test_the_snippets_run_one_after_the_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     shutil.copytree(EXAMPLES, tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
@@ -50,7 +50,7 @@ def test_every_name_and_table_is_on_the_page() -> None:
         assert hasattr(StudyPlots, name), name
 
 
-@pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+@pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
 def test_twenty_lines_are_twenty_and_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     (snippet,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python_in_twenty_lines.md").read_text(encoding="utf-8"), re.DOTALL)
     assert sum(bool(line.strip()) for line in snippet.splitlines()) <= 24  # twenty, and what formatting breaks

@@ -21,7 +21,7 @@ from masonry_cd.foundation import plugins
 from masonry_cd.foundation.trust import VARIABLE, trusted
 from masonry_cd.interface import protocols
 
-pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
 EXAMPLE = ROOT / "examples" / "plugin"
 SCENE = """\
 [structure]

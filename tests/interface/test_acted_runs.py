@@ -10,7 +10,7 @@ import pytest
 
 import masonry_cd as mc
 
-pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
 
 LATE = {"kind": "sinusoidal", "direction": "x", "amplitude": 0.05, "frequency": 5.0, "cycles": 1, "start": 0.1}
 

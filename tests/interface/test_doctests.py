@@ -10,7 +10,19 @@ import pytest
 from places import ROOT
 
 MODULES = sorted(path.stem for path in (ROOT / "masonry_cd" / "interface").glob("*.py"))
-WITH_EXAMPLES = {"assessing", "comparison", "limit", "macro", "modal", "results", "running", "scenes", "simulation", "studies"}
+WITH_EXAMPLES = {
+    "assessing",
+    "comparison",
+    "limit",
+    "macro",
+    "modal",
+    "results",
+    "run_stress",
+    "running",
+    "scenes",
+    "simulation",
+    "studies",
+}
 
 
 @pytest.mark.parametrize("name", MODULES)

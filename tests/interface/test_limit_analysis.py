@@ -11,7 +11,7 @@ from two_blocks import two_blocks
 
 import masonry_cd as mc
 
-pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
 PUSH = {"push": "x", "check": {"spectrum": "EC8", "ag": 2.0}}
 
 

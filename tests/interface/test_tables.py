@@ -17,7 +17,7 @@ from reports.page.motion import rotation_vectors
 
 WITHOUT_UNIT = {"error", "contact_area_loss", "lost_share", "residual_drift", "max_drift", "drift", "largest_drift"}  # shares
 
-pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")  # short, coarse and strong, as wanted here
+pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")  # short, coarse and strong, as wanted here
 
 
 @pytest.fixture(scope="module")

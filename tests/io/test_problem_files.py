@@ -14,7 +14,7 @@ import scenes
 from places import SHARED
 from scipy import sparse
 
-from masonry_cd.app.solve_file import solve_file
+from masonry_cd.app.commands.solve import solve
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.problem_files import read_problem, write_problem
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
@@ -78,7 +78,7 @@ def test_planar_problem_there_and_back(tmp_path: Path) -> None:
     """Two rows per contact survive."""
     w = np.diag([2.0, 1.0, 3.0, 1.0])
     write_problem(tmp_path / "p.npz", LocalProblem(sparse.csr_matrix(w), np.array([[-1.0, 0.2], [0.5, 0.0]]), np.array([0.5, 0.5])))
-    found = solve_file(tmp_path / "p.npz", tolerance=1e-12, output=tmp_path / "s.npz")
+    found = solve(tmp_path / "p.npz", tolerance=1e-12, output=tmp_path / "s.npz").value
     assert found["converged"]
     assert np.load(tmp_path / "s.npz")["r"][0] == pytest.approx([0.5, -0.2])
 
@@ -97,7 +97,7 @@ def test_collected_problems_are_solved() -> None:
     """All seven to 1e-10 by our measure, recomputed from the impulses that were saved."""
     names = sorted(path.name for path in COLLECTED.glob("*.npz"))
     assert len(names) == 7
-    missed = {name: found["error"] for name in names if not (found := solve_file(COLLECTED / name, tolerance=1e-10))["converged"]}
+    missed = {name: found["error"] for name in names if not (found := solve(COLLECTED / name, tolerance=1e-10).value)["converged"]}
     assert not missed
 
 
@@ -107,7 +107,7 @@ def test_published_reactions_are_no_reference() -> None:
     file = COLLECTED / "Spheres-i099-356-679.npz"
     problem = read_problem(file)
     assert natural_map_error(problem, np.load(file)["r_ref"].reshape(-1, 3)) > 1e-3
-    assert solve_file(file)["error"] <= 1e-8
+    assert solve(file).value["error"] <= 1e-8
 
 
 def broken(tmp_path: Path, **changes: np.ndarray | None) -> Path:
@@ -234,11 +234,11 @@ def test_files_that_are_no_problems(tmp_path: Path) -> None:
 def test_solver_and_tolerance_are_checked(tmp_path: Path) -> None:
     """A misspelt solver is answered with a suggestion."""
     with pytest.raises(InputError, match='did you mean "admm"'):
-        solve_file(tmp_path / "p.npz", solver="adm")
+        solve(tmp_path / "p.npz", solver="adm")
     with pytest.raises(InputError, match="tolerance"):
-        solve_file(tmp_path / "p.npz", tolerance=0.0)
+        solve(tmp_path / "p.npz", tolerance=0.0)
     with pytest.raises(InputError, match=r"SOLUTION\.npz"):
-        solve_file(tmp_path / "p.npz", output=tmp_path)
+        solve(tmp_path / "p.npz", output=tmp_path)
 
 
 def deformable(blocks: int, nodes: int) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray]:
@@ -280,7 +280,7 @@ def test_global_problem_of_deformable_blocks(tmp_path: Path) -> None:
     np.testing.assert_allclose(problem.w.toarray(), h.T @ inverse @ h.toarray(), atol=1e-14)
     np.testing.assert_allclose(problem.q.ravel(), h.T @ inverse @ f, atol=1e-14)
     assert problem.w.nnz < 0.5 * problem.q.size**2
-    assert solve_file(path)["error"] <= 1e-8
+    assert solve(path).value["error"] <= 1e-8
 
 
 def test_singular_mass_is_reported(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.contact.manifold import SLIVER, SNAP
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 HEIGHT = 0.5  # of both prisms [m]
@@ -35,7 +35,7 @@ def prism(name: str, polygon: np.ndarray, low: float, turn: np.ndarray, fixed: b
 def contacts(lower: np.ndarray, upper: np.ndarray, turn: np.ndarray, elastic: bool) -> ContactSet:
     """What the detector finds between the top of a prism on one polygon and the bottom of one on the other."""
     blocks = [prism("lower", lower, -HEIGHT, turn, True), prism("upper", upper, 0.0, turn, False)]
-    assembly = Assembly.from_blocks(blocks, 0.6, {"default": ELASTIC} if elastic else None)
+    assembly = Assembly.from_blocks(blocks, Material(friction=0.6, joints={"default": ELASTIC} if elastic else {}))
     state = State.at_rest(assembly)
     rotation = rotation_matrices(state.orientation)
     return Detector(assembly).detect(state.position, rotation, np.zeros((2, 6)), 1e-3, 0.0, np.zeros(3))

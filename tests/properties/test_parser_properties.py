@@ -19,7 +19,7 @@ from refusals import SCENE, TETRA, refusal
 
 import loads
 from loads.readers import READERS, Request, Source, read
-from masonry_cd.app.case import build_structure
+from masonry_cd.app.case import make_structures
 from masonry_cd.app.scene import read_scene
 
 LONGEST = 500  # characters of a message, its folder apart
@@ -128,7 +128,7 @@ def test_block_files(text: str, tmp_path_factory: pytest.TempPathFactory) -> Non
     folder = tmp_path_factory.mktemp("blocks")
     (folder / "scene.toml").write_text(SCENE)
     (folder / "b.json").write_text(text)
-    refusal(folder, lambda: build_structure(read_scene(folder / "scene.toml")), LONGEST)
+    refusal(folder, lambda: make_structures(read_scene(folder / "scene.toml")), LONGEST)
 
 
 def knet(values: np.ndarray = records.WAVE) -> str:

@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 import subprocess
+import tomllib
 import zlib
 from base64 import urlsafe_b64decode
 from datetime import date
@@ -104,7 +105,7 @@ def test_without_a_date_it_is_that_of_today_and_nobody_is_named(tmp_path):
 @pytest.mark.parametrize("bad", ['""', '"two\\nlines"', "3", f'"{"x" * 201}"'])
 def test_a_bad_line_of_the_title_block_is_refused(bad):
     with pytest.raises(InputError, match=r"report\.client"):
-        report_of(f"[report]\nclient = {bad}")
+        report_of(tomllib.loads(f"[report]\nclient = {bad}"))
 
 
 def test_parts_come_before_joints_and_limits_after_them(tmp_path):

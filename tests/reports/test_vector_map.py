@@ -150,4 +150,4 @@ def test_the_scene_and_the_command_line_ask_for_it(block_on_plate, tmp_path):
     asked = CliRunner().invoke(app, ["report", str(tmp_path / "out"), "--vector", "--no-crack-map"])
     assert asked.exit_code == 0 and all(name in asked.stdout for name in VECTOR)
     assert all((tmp_path / "out" / name).exists() for name in VECTOR)
-    assert report_of("[report]\nvector = true").asks
+    assert report_of({"report": {"vector": True}}).asks

@@ -11,20 +11,21 @@ import numpy as np
 import pytest
 from models import box, gravity, stepper, tower, wall
 
+from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
-from masonry_cd.studies.vibration import free_vibration, linear_modes, sweep, vibration_case
+from masonry_cd.studies.vibration import free_vibration, linear_modes, sweep, vibration
 
 RUN = Run(dt=1e-3, duration=1.0, tolerance=1e-9)
 
 
 def test_a_dry_tower_swings_at_the_frequencies_of_its_joints():
     """In all directions and about its axis; without cohesion, its weight presses the joints together."""
-    assembly = Assembly.from_blocks(tower(4), 0.6, {"default": JointLaw(normal_stiffness=1e9)})
+    assembly = Assembly.from_blocks(tower(4), Material(friction=0.6, joints={"default": JointLaw(normal_stiffness=1e9)}))
     rows = free_vibration(assembly, RUN, linear_modes(assembly, 6), 6)
     assert [row["nscd_hz"] for row in rows] == pytest.approx([row["linear_hz"] for row in rows], rel=5e-3)
     assert rows[0]["linear_hz"] < 0.5 * rows[2]["linear_hz"]
@@ -34,7 +35,9 @@ def test_a_mortar_wall_swings_like_a_bonded_one_and_a_dry_one_softer():
     """Head joints carry no weight: only mortar lets them act as the linear model has it."""
     frequencies = []
     for cohesion in (1e6, 0.0):
-        assembly = Assembly.from_blocks(wall(2, 3), 0.6, {"default": JointLaw(normal_stiffness=1e9, cohesion=cohesion)})
+        assembly = Assembly.from_blocks(
+            wall(2, 3), Material(friction=0.6, joints={"default": JointLaw(normal_stiffness=1e9, cohesion=cohesion)})
+        )
         rows = free_vibration(assembly, RUN, linear_modes(assembly, 3), 3)
         frequencies.append([row["nscd_hz"] for row in rows])
     linear = [row["linear_hz"] for row in rows]
@@ -76,7 +79,7 @@ def test_a_joint_whose_load_leaves_the_middle_third_gapes_and_keeps_a_part_of_it
 
 
 def test_a_small_sweep_follows_the_linear_model_and_a_strong_one_does_not():
-    assembly = Assembly.from_blocks(tower(2), 0.6, {"default": JointLaw(normal_stiffness=1e9)})
+    assembly = Assembly.from_blocks(tower(2), Material(friction=0.6, joints={"default": JointLaw(normal_stiffness=1e9)}))
     companion = linear_modes(assembly, 12)
     first = companion.frequencies[0]
     small = 1e-3 * 9.81 / (2 * np.pi * first)
@@ -90,7 +93,7 @@ def test_a_small_sweep_follows_the_linear_model_and_a_strong_one_does_not():
 
 def test_rigid_joints_are_refused():
     with pytest.raises(InputError, match=r"joints base-block are rigid, a vibration needs elastic ones"):
-        linear_modes(Assembly.from_blocks(tower(2), 0.6, {"block-block": JointLaw(normal_stiffness=1e9)}), 3)
+        linear_modes(Assembly.from_blocks(tower(2), Material(friction=0.6, joints={"block-block": JointLaw(normal_stiffness=1e9)})), 3)
 
 
 def test_from_scene_to_files(tmp_path: Path):
@@ -115,15 +118,16 @@ duration = 1.0
 """
     )
     out = tmp_path / "out"
-    found = vibration_case(scene, {"modes": 2}, out)
-    assert [Path(name).name for name in found["written"]] == ["vibration.json", "vibration.csv"]
+    result = vibration(read_scene(scene), {"modes": 2}, out)
+    found = result.value
+    assert [path.name for path in result.written] == ["vibration.json", "vibration.csv"]
     with (out / "vibration.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [abs(float(row["difference_percent"])) < 1.0 for row in rows] == [True, True]
-    assert "free vibration of the run" in found["lines"][0]
+    assert "free vibration of the run" in result.lines[0]
     rest = found["joints_at_rest"]
     assert (rest["open"], rest["partly"], rest["not_closed"]) == (0, 0, [])
     assert rest["share_left"] == pytest.approx(1.0)
-    assert found["warnings"] == []
+    assert not result.warnings
     with pytest.raises(InputError, match=r"modal\.sweep"):
-        vibration_case(scene, {"sweep": "w"}, out)
+        vibration(read_scene(scene), {"sweep": "w"}, out, force=True)

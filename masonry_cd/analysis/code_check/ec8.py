@@ -10,7 +10,7 @@ from masonry_cd.analysis.code_check.floors import part_acceleration
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import Verdict
+from masonry_cd.analysis.code_check.verdicts import CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "EN 1998-1:2004, 4.3.5.2, with EN 1998-3:2005"
@@ -34,5 +34,5 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     steps.append(Step("qa", table.behaviour_factor, "", "EN 1998-1, 4.3.5.4", "behaviour factor of the part"))
     steps.append(Step("a asked", asked, "m/s2", PART, "acceleration over qa, the importance factor of the part being 1"))
     note = "Eurocode 8 of 2004 and 2005 has no check by displacements of such mechanisms"
-    verdict = Verdict("linear", asked, oscillator.acceleration() / table.confidence_factor, "m/s2", PART)
+    verdict = CheckResult("linear", asked, oscillator.acceleration() / table.confidence_factor, "m/s2", PART)
     return CodeCheck("EC8", EDITION, "", ground.words, tuple(steps), (verdict,), (note,))

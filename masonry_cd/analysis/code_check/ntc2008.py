@@ -8,7 +8,7 @@ import math
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity, no_end
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import Verdict
+from masonry_cd.analysis.code_check.verdicts import CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "NTC 2008 with Circolare 617/2009"
@@ -23,12 +23,12 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     asked = _asked(table, ground, steps)
     borne = oscillator.acceleration() / table.confidence_factor
     if table.limit_state == "SLD":
-        verdicts.append(Verdict("linear", asked, borne, "m/s2", CLAUSE))
+        verdicts.append(CheckResult("linear", asked, borne, "m/s2", CLAUSE))
     else:
         steps.append(Step("q", table.behaviour_factor, "", CLAUSE, "behaviour factor"))
         asked /= table.behaviour_factor
         steps.append(Step("a asked", asked, "m/s2", CLAUSE, "the acceleration over q"))
-        verdicts.append(Verdict("linear", asked, borne, "m/s2", CLAUSE))
+        verdicts.append(CheckResult("linear", asked, borne, "m/s2", CLAUSE))
         if table.by_displacements and oscillator.falls:
             verdicts.append(_non_linear(table, oscillator, ground, steps))
         elif table.by_displacements:
@@ -52,7 +52,7 @@ def _asked(table: CheckTable, ground: Ground, steps: list[Step]) -> float:
     return max(raised, ground.peak)
 
 
-def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, steps: list[Step]) -> Verdict:
+def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, steps: list[Step]) -> CheckResult:
     """By the secant period at ds* = 0.4 du*, du* = 0.4 d0*."""
     ultimate = ULTIMATE * oscillator.last
     secant = SECANT * ultimate
@@ -71,4 +71,4 @@ def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, steps
         words = "at the height: SDe(T1) psi gamma (Ts/T1)^2 / sqrt((1 - Ts/T1)^2 + 0.02 Ts/T1)"
         steps.append(Step("d raised", raised, "m", CLAUSE, words))
         asked = max(asked, raised)
-    return Verdict("non-linear", asked, ultimate, "m", CLAUSE)
+    return CheckResult("non-linear", asked, ultimate, "m", CLAUSE)

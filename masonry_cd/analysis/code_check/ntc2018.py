@@ -9,7 +9,7 @@ from masonry_cd.analysis.code_check.floors import Floor
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity, no_end
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import Verdict
+from masonry_cd.analysis.code_check.verdicts import CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "NTC 2018 with Circolare 7/2019"
@@ -76,17 +76,17 @@ def _asked_at_once(table: CheckTable, ground: Ground, steps: list[Step]) -> floa
     return max(asked, ground.peak)
 
 
-def _linear(table: CheckTable, asked: float, borne: float, steps: list[Step]) -> Verdict:
+def _linear(table: CheckTable, asked: float, borne: float, steps: list[Step]) -> CheckResult:
     """By accelerations; at SLV they are divided by q."""
     if table.limit_state == "SLD":
-        return Verdict("linear", asked, borne, "m/s2", "C8.7.1.2.1.5")
+        return CheckResult("linear", asked, borne, "m/s2", "C8.7.1.2.1.5")
     steps.append(Step("q", table.behaviour_factor, "", "C8.7.1.2.1.7", "behaviour factor"))
     asked /= table.behaviour_factor
     steps.append(Step("a asked", asked, "m/s2", "C8.7.1.2.1.7", "the acceleration over q"))
-    return Verdict("linear", asked, borne, "m/s2", "C8.7.1.2.1.7")
+    return CheckResult("linear", asked, borne, "m/s2", "C8.7.1.2.1.7")
 
 
-def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, unmoved: float, steps: list[Step]) -> Verdict:
+def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, unmoved: float, steps: list[Step]) -> CheckResult:
     """By displacements, at SLV or SLC."""
     state = table.limit_state
     share, factor, clause, damping = LIMITS[state]
@@ -102,4 +102,4 @@ def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, unmov
     else:
         asked, by = ground.furthest(table.element_period or 0.0, period, damping), "C8.7.1.2.1.8"
     steps.append(Step("d asked", asked, "m", by, "displacement asked for at that period"))
-    return Verdict("non-linear", asked, ultimate, "m", "C8.7.1.2.1.8", unmoved)
+    return CheckResult("non-linear", asked, ultimate, "m", "C8.7.1.2.1.8", unmoved)

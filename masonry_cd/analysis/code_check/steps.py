@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from masonry_cd.analysis.code_check.level import Level
-from masonry_cd.analysis.code_check.verdicts import Basis, Judgement, Verdict, judgement
+from masonry_cd.analysis.code_check.verdicts import Basis, CheckResult, Judgement, judgement
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.quantities import counted
 
@@ -32,7 +32,7 @@ class CodeCheck:
     limit_state: str
     ground: str
     steps: tuple[Step, ...]
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[CheckResult, ...]
     notes: tuple[str, ...] = ()
     basis: Basis = field(default_factory=Basis)
     left_open: tuple[str, ...] = ()  # by the clauses: which reading is taken, and what was not looked at

@@ -57,8 +57,8 @@ class Basis:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """A demand and a capacity.
+class CheckResult:
+    """A demand and a capacity by one clause.
 
     That a mechanism starts under the demand shows that the structure does not meet it, however that mechanism was found. That those which
     were found do not start shows it of the others only where the search is sure, and with a margin.
@@ -92,10 +92,10 @@ class Verdict:
     @property
     def words(self) -> str:
         """The verdict in a line."""
-        sides = f"{self.capacity:.4g} {self.unit} borne, {self.demand:.4g} {self.unit} asked for, ratio {self.ratio:.3g}"
+        sides = sides_in_words(self.capacity, self.demand, self.unit)
         end = "; the mechanism does not start" if self.unmoved >= 1.0 and self.demand > self.capacity else ""
         if self.state == NOT_DECIDED:
-            end += f"; {self.doubt or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
+            end += undecided_words(self.doubt)
         return f"{self.check} check {self.state}: {sides}{end} ({self.clause})"
 
     def _met(self, share: float) -> bool:
@@ -128,6 +128,16 @@ class Judgement:
         return asdict(self) | {"passed": {SATISFIED: True, NOT_SATISFIED: False}.get(self.state), "words": self.words}
 
 
+def sides_in_words(capacity: float, demand: float, unit: str) -> str:
+    """What is borne, what is asked for, and their ratio."""
+    return f"{capacity:.4g} {unit} borne, {demand:.4g} {unit} asked for, ratio {capacity / demand:.3g}"
+
+
+def undecided_words(doubt: str) -> str:
+    """Why a check that is met decides nothing, as the end of a phrase; without a doubt it is the margin."""
+    return f"; {doubt or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
+
+
 def held_words(height: float) -> str:
     """How high a mechanism is held, as the end of a phrase; nothing of one on the ground."""
     return f", held {height:.4g} m up" if height > ON_THE_GROUND else ""
@@ -138,7 +148,7 @@ def refused(reason: str, search: SearchNumbers | None = None) -> Judgement:
     return Judgement(NOT_SATISFIED, reason, search=search)
 
 
-def judgement(verdicts: Sequence[Verdict], basis: Basis, notes: Sequence[str] = ()) -> Judgement:
+def judgement(verdicts: Sequence[CheckResult], basis: Basis, notes: Sequence[str] = ()) -> Judgement:
     """The verdict of some checks: that of the least; of none, why there is none."""
     if not verdicts:
         return Judgement(NOT_DECIDED, "; ".join(notes), margin=MARGIN, search=basis.numbers)
@@ -146,10 +156,10 @@ def judgement(verdicts: Sequence[Verdict], basis: Basis, notes: Sequence[str] = 
     looked = basis.looked[0] if basis.looked else None
     found = basis.numbers
     of = f", {looked.found}, alpha0 {looked.alpha0:.4g}, e* {looked.fraction:.3g}{held_words(looked.height)}" if looked else ""
-    sides = f"{least.capacity:.4g} {least.unit} borne, {least.demand:.4g} {least.unit} asked for, ratio {least.ratio:.3g}"
+    sides = sides_in_words(least.capacity, least.demand, least.unit)
     reason = f"{least.check} check, {sides}{of}{_searched(found)}"
     if least.state == NOT_DECIDED:
-        reason += f"; {least.doubt or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
+        reason += undecided_words(least.doubt)
     better = [one for one in verdicts if one.state == SATISFIED and least.state != SATISFIED]
     if better:
         reason += f"; the {better[0].check} check alone is satisfied"

@@ -9,7 +9,6 @@ point load acts on the blocks as well the momentum does not say what the support
 
 from __future__ import annotations
 
-import tomllib
 from typing import TYPE_CHECKING
 
 from masonry_cd.analysis.outputs import COMPARE, LAST, PAGE, STUDY, SUMMARY, Number
@@ -27,7 +26,7 @@ def base_shear_max(run: Measured) -> float | None:
     import numpy as np
 
     results, free = run.results, ~run.solids.fixed
-    kinds = {load.get("kind") for load in tomllib.loads(results.scene).get("loads", [])}
+    kinds = {load.get("kind") for load in results.tables.get("loads", [])}
     if kinds & set(ON_BLOCKS) or not free.any() or results.frames < 2:
         return None
     mass = np.array([block.density * block.mass_properties.volume for block in results.blocks])[free]

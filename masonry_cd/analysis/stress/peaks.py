@@ -17,7 +17,6 @@ falls within a frame is averaged. Nothing crushes in the run itself. The strengt
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -124,7 +123,7 @@ def principal(six: np.ndarray) -> np.ndarray:
 
 def strengths(results: Results) -> tuple[np.ndarray, np.ndarray]:
     """The strength of each block (B,) and joint (J,) by the scene of a run [Pa]; NaN where there is none."""
-    given = given_strength(table_in_si((Material,), tomllib.loads(results.scene).get("material", {}), "material"))
+    given = given_strength(table_in_si((Material,), results.tables.get("material", {}), "material"))
     named = [block.group for block in results.blocks]
     groups = list(dict.fromkeys(named))
     of_group = strength_by_group(given, groups)

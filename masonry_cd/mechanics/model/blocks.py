@@ -18,9 +18,16 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.deformation import Deformation, deformation_of
-from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.geometry import Faces, MassProperties, Polyhedra, Polyhedron, mass_properties
-from masonry_cd.mechanics.model.materials import JointLaw, JointLaws, friction_table, joint_table, refuse_unfelt_laws, rolling_table
+from masonry_cd.mechanics.model.materials import (
+    JointLaw,
+    JointLaws,
+    Material,
+    friction_table,
+    joint_table,
+    refuse_unfelt_laws,
+    rolling_table,
+)
 from masonry_cd.mechanics.model.sphere import ball_centre, facetted_ball, sphere_properties
 
 
@@ -195,29 +202,19 @@ class Assembly:
         return float(self.shapes.size[~self.fixed[self.shapes.part_block]].min())
 
     @classmethod
-    def from_blocks(
-        cls,
-        blocks: Sequence[Block],
-        friction: float | Mapping[str, float],
-        joints: Mapping[str, JointLaw] | None = None,
-        material: ElasticBlocks | None = None,
-        rolling: float | Mapping[str, float] = 0.0,
-        moduli: tuple[float, float] | None = None,
-    ) -> Assembly:
+    def from_blocks(cls, blocks: Sequence[Block], material: Material | float) -> Assembly:
         """Collect blocks into an assembly.
 
         Args:
             blocks: checked blocks (see ``structures.geometry.checks``), at least one of them free.
-            friction: one coefficient, or coefficients by pair of groups ``"arch-base"`` with ``"default"`` for the rest.
-            joints: laws of the joints by pair of groups, likewise; a pair without one is rigid and dry.
-            material: which blocks deform, and how; None: all are rigid.
-            rolling: rolling friction of spheres, arm over radius, as ``friction``; a pair without a value rolls freely.
-            moduli: E and G of the masonry [Pa], which make joints without a stiffness of their own elastic.
+            material: of the blocks and their joints; a number stands for the coefficient of friction of rigid blocks on dry rigid joints.
 
         Raises:
             InputError: a name given twice, no free block, a pair that names an unknown group, a law that friction does not allow, spheres
                 that would deform or have springs or bonds, or rolling friction without spheres.
         """
+        if not isinstance(material, Material):
+            material = Material(friction=material)
         names = tuple(block.name for block in blocks)
         if len(set(names)) < len(names):
             twice = next(name for i, name in enumerate(names) if name in names[:i])
@@ -231,9 +228,9 @@ class Assembly:
         density = np.array([block.density for block in blocks])
         centre = np.array([p.centre for p in properties])
         fixed = np.array([block.fixed for block in blocks])
-        coefficients = friction_table(friction, groups)
+        coefficients = friction_table(material.friction, groups)
         _check_rigid_spheres(blocks, groups, material)
-        _check_dry_spheres(blocks, groups, joints or {})
+        _check_dry_spheres(blocks, groups, material.joint_laws)
         group_of = np.array([groups.index(block.group) for block in blocks])
         inertia = np.array([p.unit_inertia for p in properties]) * density[:, None, None]
         return cls(
@@ -248,10 +245,10 @@ class Assembly:
             centre=centre,
             volume=volume,
             friction=coefficients,
-            rolling=_rolling(blocks, rolling, groups),
-            laws=joint_table(joints or {}, groups, coefficients, moduli),
+            rolling=_rolling(blocks, material.rolling_friction, groups),
+            laws=joint_table(material.joint_laws, groups, coefficients, material.joint_moduli),
             shapes=Shapes.of(blocks, centre),
-            deformation=None if material is None else deformation_of(fixed, group_of, groups, inertia, volume, material),
+            deformation=deformation_of(fixed, group_of, groups, inertia, volume, material),
         )
 
     def placed(self, position: np.ndarray, rotation: np.ndarray) -> Assembly:
@@ -295,10 +292,10 @@ def _rolling(blocks: Sequence[Block], rolling: float | Mapping[str, float], grou
     return table
 
 
-def _check_rigid_spheres(blocks: Sequence[Block], groups: Sequence[str], material: ElasticBlocks | None) -> None:
+def _check_rigid_spheres(blocks: Sequence[Block], groups: Sequence[str], material: Material) -> None:
     """Refuse spheres in groups that deform."""
-    for group in () if material is None else dict.fromkeys(block.group for block in blocks if block.radius and not block.fixed):
-        if material is not None and material.of_group(group, groups) is not None:
+    for group in dict.fromkeys(block.group for block in blocks if block.radius and not block.fixed):
+        if material.of_group(group, groups) is not None:
             raise InputError("material.deformable", f'the group {group} has spheres, which are rigid; deformable.{group} = "rigid" says so')
 
 

@@ -21,7 +21,7 @@ from masonry_cd.foundation.table_schema import one_or_by_name
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.by_group import ANY, members
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
-from masonry_cd.mechanics.model.masonry_kinds import Masonry, MasonryKey
+from masonry_cd.mechanics.model.masonry_kinds import RIGID, Masonry, MasonryKey
 from masonry_cd.mechanics.model.strength import KEY, Strength
 
 Value = TypeVar("Value")
@@ -152,7 +152,7 @@ class Material(ElasticBlocks):
         """One law for all joints is the default of the pairs."""
         if not isinstance(value, Mapping):
             raise ValueError("should be a table: keys of one law, or tables by pair of groups")
-        plain = [key for key, law in value.items() if not isinstance(law, Mapping)]
+        plain = [key for key, law in value.items() if not isinstance(law, Mapping | JointLaw)]
         if plain and len(plain) < len(value):
             raise ValueError(f'holds keys of one law ("{plain[0]}") and tables by pair; put the keys under [material.joints.default]')
         return {"default": value} if plain else value
@@ -189,6 +189,12 @@ class Material(ElasticBlocks):
     def joint_moduli(self) -> tuple[float, float] | None:
         """E and G of the masonry that joints without a stiffness of their own follow [Pa]; None: they are rigid."""
         return None if self.masonry is None else self.masonry.moduli
+
+    @property
+    def with_rigid_joints(self) -> Material:
+        """The material with joints that are rigid but where they have a stiffness of their own; bonds and strengths stay."""
+        rigid = None if self.masonry is None else self.masonry.model_copy(update={"stiffness": RIGID})
+        return self.model_copy(update={"masonry": rigid})
 
     @field_validator("rolling_friction", mode="before")
     @classmethod

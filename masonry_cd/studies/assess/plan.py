@@ -12,7 +12,7 @@ from typing import Any
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, LEVEL, PAIR
 from masonry_cd.app.doubts import assess_doubts
 from masonry_cd.app.scene import Scene, scene_of
-from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, parse_toml
+from masonry_cd.app.scene_text import dump_toml, is_within, keys_of
 from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
@@ -135,7 +135,7 @@ def _asked(part: Part) -> Asked:
 def _tables_of(scene: Scene) -> dict[str, Any]:
     """The tables of a scene as numbers, without what no run of an assessment needs."""
     with scene.locating():
-        tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
+        tables = scene_in_si(scene.tables)
     tables.pop("assess", None)
     tables["quiet_checks"] = []
     if isinstance(tables.get("limit"), Mapping):

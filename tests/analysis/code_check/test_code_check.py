@@ -13,7 +13,7 @@ from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
 from masonry_cd.analysis.code_check.check import code_check
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import Basis, Verdict
+from masonry_cd.analysis.code_check.verdicts import Basis, CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.errors import InputError, parse_table
 
@@ -208,7 +208,7 @@ def test_a_record_that_is_not_there_is_named(tmp_path):
     ],
 )  # fmt: skip
 def test_satisfied_needs_a_sure_search_and_a_margin(capacity: float, doubt: str, state: str, passed: bool | None) -> None:
-    made = Verdict("linear", 1.0, capacity, "m/s2", "clause", doubt=doubt)
+    made = CheckResult("linear", 1.0, capacity, "m/s2", "clause", doubt=doubt)
     assert (made.state, made.passed) == (state, passed)
     assert made.words.startswith(f"linear check {state}: {capacity:g} m/s2 borne, 1 m/s2 asked for, ratio {capacity:g}")
     assert ("no search" in made.words) is (state == "not decided" and bool(doubt))

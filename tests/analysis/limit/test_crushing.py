@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from models import material_of
 
 from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.limit.capacity import capacity_curve
@@ -25,7 +26,9 @@ CONES = 1e-4  # and in space but for the last cuts and the tolerance of cone pro
 def pier(law: JointLaw, across: tuple[float, float] = (1.0, 0.0), off: float = 0.0) -> tuple[Assembly, Loads]:
     """A pier under N that is pushed with 1 N at its top; ``off``: the base reaches so much farther to one side, out of the plane."""
     base = Block("base", *box((-B, -B, -0.5), (2.0 * B, B + T + off, 0.0)), 2000.0, "base", fixed=True)
-    assembly = Assembly.from_blocks([base, Block("pier", *box((0.0, 0.0, 0.0), (B, T, H)), 2000.0, "pier")], ROUGH, {"default": law})
+    assembly = Assembly.from_blocks(
+        [base, Block("pier", *box((0.0, 0.0, 0.0), (B, T, H)), 2000.0, "pier")], material_of(ROUGH, {"default": law})
+    )
     dead, live = np.zeros((2, 6)), np.zeros((2, 6))
     dead[1, 2] = -N
     live[1, :2] = across
@@ -74,7 +77,7 @@ def flat_arch(strength: float) -> tuple[Assembly, Loads]:
     stones = [box((-1.0, 0.0, 0.0), (0.0, T, 0.4)), box((0.0, 0.0, 0.0), (1.0, T, 0.4))]
     blocks = [Block(f"abutment{k}", *shape, 2000.0, "base", fixed=True) for k, shape in enumerate(ends)]
     blocks += [Block(f"stone{k}", *shape, 2000.0, "arch") for k, shape in enumerate(stones)]
-    assembly = Assembly.from_blocks(blocks, ROUGH, law)
+    assembly = Assembly.from_blocks(blocks, material_of(ROUGH, law))
     dead, live = np.zeros((4, 6)), np.zeros((4, 6))
     dead[2:, 2] = -9.81 * assembly.mass[2:]
     live[2:, 2] = -1.0

@@ -17,7 +17,7 @@ from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from masonry_cd.studies.vibration import linear_modes
 
 SCENE = """
@@ -40,7 +40,9 @@ duration = 0.1
 
 
 def elastic(blocks: list[Block], share: float = 0.0) -> Assembly:
-    return Assembly.from_blocks(blocks, 0.6, {"default": JointLaw(normal_stiffness=1e9, damping=share, theta=0.5)})
+    return Assembly.from_blocks(
+        blocks, Material(friction=0.6, joints={"default": JointLaw(normal_stiffness=1e9, damping=share, theta=0.5)})
+    )
 
 
 def test_it_is_the_first_mode_of_the_blocks_on_their_joints_in_space_and_in_a_plane() -> None:

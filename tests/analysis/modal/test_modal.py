@@ -231,7 +231,7 @@ def test_wrong_values_are_reported_in_one_line(options: dict[str, object], messa
 
 
 def test_importing_the_packages_loads_no_heavy_package() -> None:
-    code = "import sys, masonry_cd.analysis.modal.modes, masonry_cd.app.modal_case, masonry_cd.analysis.modal.continuum\n"
+    code = "import sys, masonry_cd.analysis.modal.modes, masonry_cd.app.commands.modal, masonry_cd.analysis.modal.continuum\n"
     code += "import masonry_cd.analysis.modal.elastic_joints, reports.modes_picture as _\n"
     code += "print([m for m in ('gmsh', 'skfem', 'matplotlib', 'pyvista', 'vtk', 'pandas') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

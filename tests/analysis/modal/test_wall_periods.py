@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 from models import box
 
-from masonry_cd.app.modal_case import modal_case
+from masonry_cd.app.commands.modal import modal
+from masonry_cd.app.scene import read_scene
 from masonry_cd.mechanics.model.blocks import Block
 
 LENGTH, HEIGHT, THICKNESS, DENSITY = 4.0, 3.0, 0.5, 22e3 / 9.80665
@@ -80,7 +81,7 @@ def block_file(folder: Path, blocks: list[Block]) -> Path:
 
 def periods(folder: Path, blocks: list[Block]) -> tuple[float, float]:
     """The periods of the first modes in and out of the plane by ``masonry-cd modal`` [s]."""
-    found = modal_case(block_file(folder, blocks), {"method": "joints", "modes": 8, "pictures": 0})["models"]["joints"]
+    found = modal(read_scene(block_file(folder, blocks)), {"method": "joints", "modes": 8, "pictures": 0}).value["models"]["joints"]
     assert found["young_pa"] == pytest.approx(E)
     first = [next(k for k, share in enumerate(found["participation"][axis]) if share > 0.3) for axis in "xy"]
     return 1.0 / found["frequency_hz"][first[0]], 1.0 / found["frequency_hz"][first[1]]
@@ -116,6 +117,6 @@ def test_bed_slips_alone_would_make_a_wall_too_soft(tmp_path):
     """With G over the length on both joints, as in a column, straight bond is a fifth slower: what the factor of the bond is for."""
     blocks = cantilever(0.5, 0.5, "straight")
     plain = {"young": E, "method": "joints", "modes": 8, "pictures": 0, "normal_stiffness": E / 0.5, "tangential_stiffness": G / 0.5}
-    found = modal_case(blocks, plain)["models"]["joints"]
+    found = modal(blocks, plain).value["models"]["joints"]
     first = next(k for k, share in enumerate(found["participation"]["x"]) if share > 0.3)
     assert 1.0 / found["frequency_hz"][first] > 1.15 * continuum_period(LENGTH)

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from models import box, ground, turned
+from models import box, ground, material_of, turned
 
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
@@ -19,7 +19,7 @@ class Watched:
     """Two blocks, one of which is put here and there under the eyes of one detector."""
 
     def __init__(self, blocks: list[Block]) -> None:
-        self.assembly = Assembly.from_blocks(blocks, 0.6, ELASTIC)
+        self.assembly = Assembly.from_blocks(blocks, material_of(0.6, ELASTIC))
         self.detector = Detector(self.assembly)
 
     def at(self, state: State, slack: float = 1e-3) -> ContactSet:

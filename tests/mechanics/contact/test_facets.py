@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from models import material_of
 
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
@@ -28,7 +29,7 @@ def crossed(sides: int) -> tuple[Detector, Assembly]:
     """Two such plates against each other, at right angles."""
     material = ElasticBlocks.model_validate({"deformable": "tetrahedra", "young": 1e9, "mesh_size": 10.0})
     blocks = [long_plate("level", 0.0, sides, False), long_plate("upright", 0.3, sides, True)]
-    assembly = Assembly.from_blocks(blocks, 0.6, None, material)
+    assembly = Assembly.from_blocks(blocks, material_of(0.6, None, material))
     warps = Warps.of(assembly, None, 12)
     assert warps is not None
     return Detector(assembly, facets=warps.facets), assembly

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, gravity, ground, stepper, turned
+from models import GRAVITY, box, gravity, ground, material_of, stepper, turned
 from scipy.optimize import brentq
 
 from benchmarks.joint_points import IN_CONTACT, errors, on_the_depth, on_the_diagonal, square, table
@@ -35,7 +35,7 @@ class Bed:
 
     def __init__(self, corners: np.ndarray, axis: tuple[float, float], points: int = 7) -> None:
         law = {"default": JointLaw(normal_stiffness=STIFFNESS, joint_points=points)}
-        self.assembly = Assembly.from_blocks([ground(), prism(corners)], 0.6, law)
+        self.assembly = Assembly.from_blocks([ground(), prism(corners)], material_of(0.6, law))
         self.axis = np.array([*axis, 0.0]) / np.hypot(*axis)
         self.rising = float((corners @ [-self.axis[1], self.axis[0]]).max())  # of the corner that opens first [m]
 

@@ -15,7 +15,7 @@ from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 
@@ -38,7 +38,8 @@ def prism(name: str, corners: np.ndarray, low: float, high: float) -> Block:
 
 def contacts_of(corners: np.ndarray) -> ContactSet:
     """The contacts of an elastic prism on the ground."""
-    assembly = Assembly.from_blocks([ground(2.0), prism("p", corners, 0.0, 0.5)], 0.6, {"default": JointLaw(normal_stiffness=1e9)})
+    material = Material(friction=0.6, joints={"default": JointLaw(normal_stiffness=1e9)})
+    assembly = Assembly.from_blocks([ground(2.0), prism("p", corners, 0.0, 0.5)], material)
     state = State.at_rest(assembly)
     return Detector(assembly).detect(state.position, rotation_matrices(state.orientation), np.zeros((2, 6)), 1e-3, 0.0, np.zeros(3))
 
@@ -80,7 +81,7 @@ def test_a_corner_of_a_rectangle_has_a_twelfth():
 
 
 def test_rigid_joints_have_corners_only():
-    assembly = Assembly.from_blocks(block(), 0.6, {"block-block": JointLaw(normal_stiffness=1e9)})
+    assembly = Assembly.from_blocks(block(), Material(friction=0.6, joints={"block-block": JointLaw(normal_stiffness=1e9)}))
     state = State.at_rest(assembly)
     found = Detector(assembly).detect(state.position, rotation_matrices(state.orientation), np.zeros((2, 6)), 1e-3, 0.0, np.zeros(3))
     assert len(found.gap) == 4

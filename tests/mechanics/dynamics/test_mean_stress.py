@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, gravity, ground, stepper, still, tower
+from models import GRAVITY, box, gravity, ground, material_of, stepper, still, tower
 from numpy.linalg import eigvalsh
 
 from loads.bars import Forces, PointLoad, Tie
@@ -38,7 +38,7 @@ class Measured:
         **settings: object,
     ) -> None:
         run = Run.model_validate({"dt": 1e-3, "duration": 1.0, "solver": "interior", "tolerance": 1e-13} | settings)
-        self.assembly = Assembly.from_blocks(blocks, 0.6, None, material)
+        self.assembly = Assembly.from_blocks(blocks, material_of(0.6, None, material))
         self.machine = Stepper(self.assembly, still(6 * STEPS), gravity(6 * STEPS, pull), run, start, forces)
         self.joints = find_joints(self.assembly)
         self.record = MeanStress(self.machine, self.joints)

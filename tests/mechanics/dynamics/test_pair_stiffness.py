@@ -9,7 +9,7 @@ from masonry_cd.mechanics.contact.find_joints import find_joints, joint_parts
 from masonry_cd.mechanics.dynamics.pair_stiffness import PairStiffness, most_stretched, softest_spring, stiffness_of_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 
 E, G = 3e9, 1e9
 SIDE, HEIGHT = 0.5, 0.25
@@ -17,7 +17,9 @@ SIDE, HEIGHT = 0.5, 0.25
 
 def assembly(joints=None, material=None):
     """Two blocks on the ground."""
-    return Assembly.from_blocks(tower(2, SIDE, HEIGHT), 0.6, joints, material, moduli=(E, G))
+    keys = {} if material is None else material.model_dump(exclude_unset=True)
+    masonry = {"kind": "squared stone", "E": E, "G": G}
+    return Assembly.from_blocks(tower(2, SIDE, HEIGHT), Material(friction=0.6, joints=joints or {}, masonry=masonry, **keys))
 
 
 def test_joints_as_built_and_blocks_that_meet_anew():

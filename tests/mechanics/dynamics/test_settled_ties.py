@@ -7,7 +7,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from models import GRAVITY, gravity, still, tower
+from models import GRAVITY, gravity, material_of, still, tower
 
 from loads.bars import Forces, PointLoad, Tie
 from masonry_cd.mechanics.dynamics.equilibrium import settle
@@ -15,7 +15,7 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 
 STEPS, STIFFNESS, TENSION = 40, 1e8, 2e4  # N/m3 of a joint, N
 AREA, WEIGHT = 0.25, 2000.0 * 0.25 * 0.25 * GRAVITY  # of a block of a tower
@@ -25,7 +25,7 @@ def tied(tension: float, stiffness: float = STIFFNESS, young: float | None = Non
     """Two blocks on elastic joints, held down from the ground through their middle; a point load comes with the run."""
     joints = {"default": JointLaw(normal_stiffness=stiffness, tangential_stiffness=stiffness)}
     material = None if young is None else ElasticBlocks.model_validate({"deformable": "uniform", "young": young, "poisson": 0.0})
-    assembly = Assembly.from_blocks(tower(2), 0.6, joints, material)
+    assembly = Assembly.from_blocks(tower(2), material_of(0.6, joints, material))
     ends = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.5]]) - assembly.centre[[0, 2]]
     tie = Tie((0, 2), ends, 0.5, 1e-4, 4e7, tension, 0.0, from_start=from_start)
     late = PointLoad(2, np.zeros(3), np.array([0.0, 0.0, -1e4]), np.r_[np.zeros(2), np.ones(STEPS - 1)])
@@ -83,7 +83,7 @@ def test_a_tie_that_is_there_from_the_start_shortens_with_the_joints() -> None:
 
 def test_what_stands_by_its_tie_alone_settles_with_it() -> None:
     """A block without friction under a pull to the side, on a tie that has no tension before."""
-    assembly = Assembly.from_blocks(tower(1), 0.0, {"default": JointLaw(normal_stiffness=STIFFNESS)})
+    assembly = Assembly.from_blocks(tower(1), Material(friction=0.0, joints={"default": JointLaw(normal_stiffness=STIFFNESS)}))
     ends = np.array([[-3.0, 0.0, 0.125], [0.0, 0.0, 0.125]]) - assembly.centre
     side = 0.3 * GRAVITY
     run = Run.model_validate({"dt": 1e-3, "duration": 1e3, "solver": "auto", "tolerance": 1e-12})

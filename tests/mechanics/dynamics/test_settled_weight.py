@@ -16,7 +16,7 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from structures.geometry.prism import box
 
 
@@ -51,7 +51,7 @@ def test_a_stone_may_sink_by_more_than_a_sliver_of_it_is_thick() -> None:
         Block("stone", *whole, 2000.0, "stone", parts=tuple(parts)),
     ]
     stiffness = 1e8
-    assembly = Assembly.from_blocks(blocks, 0.6, {"default": JointLaw(normal_stiffness=stiffness)})
+    assembly = Assembly.from_blocks(blocks, Material(friction=0.6, joints={"default": JointLaw(normal_stiffness=stiffness)}))
     stepper = Stepper(assembly, np.zeros((3, 1, 3)), np.tile([0.0, 0.0, -9.81], (3, 1)), Run(dt=1e-3, duration=2e-3))
     settle(stepper)
     sunk = float(assembly.centre[1, 2] - stepper.state.position[1, 2])

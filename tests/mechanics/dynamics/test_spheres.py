@@ -11,6 +11,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.model.materials import Material
 
 RADIUS = 0.1
 
@@ -240,12 +241,12 @@ def test_a_run_with_spheres_goes_on_to_the_same_bits():
 def test_spheres_do_not_deform():
     blocks = [ground(), ball("ball", (0.0, 0.0, RADIUS))]
     with pytest.raises(InputError, match=r"material.deformable: the group block has spheres"):
-        Assembly.from_blocks(blocks, 0.6, material=ElasticBlocks(deformable="uniform", young=1e9))
+        Assembly.from_blocks(blocks, Material(friction=0.6, deformable="uniform", young=1e9))
 
 
 def test_rolling_friction_needs_spheres():
     with pytest.raises(InputError, match=r"material.rolling_friction: no block is a sphere"):
-        Assembly.from_blocks([ground(), box("b", (0, 0, 0), (1, 1, 1))], 0.6, rolling=0.1)
+        Assembly.from_blocks([ground(), box("b", (0, 0, 0), (1, 1, 1))], Material(friction=0.6, rolling_friction=0.1))
 
 
 def test_a_sphere_lies_on_a_block_that_deforms():

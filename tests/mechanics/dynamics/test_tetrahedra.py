@@ -8,7 +8,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from models import BOX_FACES, GRAVITY, box, ground, stepper, still, tower, turned
+from models import BOX_FACES, GRAVITY, box, ground, material_of, stepper, still, tower, turned
 
 from loads.bars import Forces, PointLoad
 from masonry_cd.foundation.arrays import Stored
@@ -50,7 +50,7 @@ def pressed_stack(planar: bool, press: float = 1e3, steps: int = 25) -> Stepper:
     material = meshed(
         deformable=dict.fromkeys(levels, "tetrahedra"), poisson=0.25, strain_theta=1.0, mesh_size={"a": 0.5, "b": 0.35, "c": 0.25}
     )
-    assembly = Assembly.from_blocks(blocks, 0.0, None, material)
+    assembly = Assembly.from_blocks(blocks, material_of(0.0, None, material))
     return Stepper(assembly, still(steps), np.zeros((steps + 1, 3)), run, forces=forces)
 
 
@@ -78,7 +78,7 @@ def test_meshes_of_all_sizes_share_their_kernels() -> None:
     """Another number of unknowns compiles nothing."""
     blocks, seen = [ground(3.0), box("a", (-0.4, -0.2, 0.0), (0.4, 0.2, 0.5))], {}
     for size in (0.5, 0.3):
-        strains = Strains.of(Assembly.from_blocks(blocks, 0.0, None, meshed(mesh_size=size)), None, 1e-3)
+        strains = Strains.of(Assembly.from_blocks(blocks, material_of(0.0, None, meshed(mesh_size=size))), None, 1e-3)
         assert strains is not None
         seen[len(strains.columns)] = len(inverses.signatures)
     assert len(seen) == 2
@@ -235,7 +235,7 @@ def test_two_forces_that_pull_at_a_block_stretch_it_in_the_mean(planar: bool) ->
     arm, always = np.array([0.0, 0.0, 0.5]), np.ones(steps + 1)
     forces = Forces((PointLoad(1, arm, force, always), PointLoad(1, -arm, -force, always)), ())
     run = Run(dt=1e-3, duration=1.0, solver="nlgs", tolerance=1e-10, planar=planar, gravity=(0.0, 0.0, 0.0))
-    assembly = Assembly.from_blocks(blocks, 0.5, None, meshed(poisson=0.0, strain_theta=1.0))
+    assembly = Assembly.from_blocks(blocks, material_of(0.5, None, meshed(poisson=0.0, strain_theta=1.0)))
     machine = Stepper(assembly, still(steps), np.zeros((steps + 1, 3)), run, forces=forces)
     for _ in range(steps):
         machine.step()

@@ -8,7 +8,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from models import BOX_FACES, GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
+from models import BOX_FACES, GRAVITY, box, gravity, ground, material_of, stepper, still, tower, turned, wall
 
 from loads.bars import Forces, PointLoad
 from masonry_cd.mechanics.dynamics.equilibrium import settle
@@ -156,7 +156,7 @@ def test_a_bond_under_pressure_has_the_same_stress_everywhere(planar: bool) -> N
     forces = Forces((PointLoad(len(blocks) - 1, np.zeros(3), np.array([0.0, 0.0, -press]), np.ones(steps + 1)),), ())
     run = Run(dt=1e-3, duration=1.0, solver="newton", tolerance=1e-13, planar=planar, gravity=(0.0, 0.0, 0.0))
     material = soft(deformable={"block": "uniform"}, poisson=poisson, strain_theta=1.0, damping=0.5, damping_frequency=100.0)
-    assembly = Assembly.from_blocks(blocks, 0.0, None, material)
+    assembly = Assembly.from_blocks(blocks, material_of(0.0, None, material))
     machine = Stepper(assembly, still(steps), np.zeros((steps + 1, 3)), run, forces=forces)
     for _ in range(steps):
         machine.step()
@@ -173,7 +173,7 @@ def test_two_forces_that_pull_at_a_block_stretch_it() -> None:
     always = np.ones(steps + 1)
     forces = Forces((PointLoad(1, arm, force, always), PointLoad(1, -arm, -force, always)), ())
     run = Run(dt=1e-3, duration=1.0, solver="nlgs", tolerance=1e-10, planar=False, gravity=(0.0, 0.0, 0.0))
-    assembly = Assembly.from_blocks(blocks, 0.5, None, soft(poisson=0.25, strain_theta=1.0))
+    assembly = Assembly.from_blocks(blocks, material_of(0.5, None, soft(poisson=0.25, strain_theta=1.0)))
     machine = Stepper(assembly, still(steps), np.zeros((steps + 1, 3)), run, forces=forces)
     for _ in range(steps):
         machine.step()
@@ -267,4 +267,4 @@ def test_a_start_without_strains_is_one_at_rest() -> None:
     """States of rigid blocks have no strains, those of others one row each."""
     rigid = Assembly.from_blocks(tower(2), 0.5)
     assert State.at_rest(rigid).strain.shape == (0, 6)
-    assert State.at_rest(Assembly.from_blocks(tower(2), 0.5, None, soft())).strain.shape == (3, 6)
+    assert State.at_rest(Assembly.from_blocks(tower(2), material_of(0.5, None, soft()))).strain.shape == (3, 6)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, gravity, ground, still, tower
+from models import GRAVITY, box, gravity, ground, material_of, still, tower
 
 from loads.bars import Forces, PointLoad
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
@@ -31,7 +31,7 @@ def pushed(
 ) -> Stepper:
     """Blocks whose last one a force acts on, at its centre [N]."""
     laws = {"default": JointLaw(normal_stiffness=stiffness)} if stiffness else None
-    assembly = Assembly.from_blocks(blocks, FRICTION, laws)
+    assembly = Assembly.from_blocks(blocks, material_of(FRICTION, laws))
     settings = {"dt": DT, "duration": 1e3, "solver": "auto", "tolerance": tolerance, "threads": 1, "planar": planar}
     held = PointLoad(len(blocks) - 1, np.zeros(3), np.array(force), np.ones(steps + 1))
     return Stepper(assembly, still(steps), gravity(steps), Run.model_validate(settings), forces=Forces((held,), ()))

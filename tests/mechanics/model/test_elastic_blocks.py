@@ -12,6 +12,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.deformation import hooke, principal_axes
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks, Elasticity
+from masonry_cd.mechanics.model.materials import Material
 
 GROUPS = ("base", "arch", "pier-east", "pier-west")
 
@@ -111,7 +112,7 @@ def test_principal_axes_stay_near_those_of_the_frame() -> None:
 
 def test_an_assembly_that_is_moved_takes_the_axes_along() -> None:
     """As the limit analysis moves it."""
-    made = Assembly.from_blocks(tower(2), 0.5, None, ElasticBlocks(deformable="uniform", young=1e9))
+    made = Assembly.from_blocks(tower(2), Material(friction=0.5, deformable="uniform", young=1e9))
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     moved = made.placed(made.centre, np.tile(quarter, (3, 1, 1)))
     assert made.deformation is not None

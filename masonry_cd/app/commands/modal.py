@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -20,10 +20,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from masonry_cd.analysis.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
-from masonry_cd.analysis.modal.modes import METHODS, Modes, modal
+from masonry_cd.analysis.modal.modes import METHODS, Modes
+from masonry_cd.analysis.modal.modes import modal as modes_of
 from masonry_cd.analysis.outputs.folders import files_of
+from masonry_cd.app.folders import free_folder
+from masonry_cd.app.result import Result
 from masonry_cd.foundation import own_files
-from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.csv_files import write_rows
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import finite_number
 from masonry_cd.foundation.units import Unit
@@ -110,7 +113,7 @@ def _number_or_text(text: str) -> float | str:
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Model:
     """The modes of one model beside the measured ones."""
 
     modes: Modes
@@ -118,52 +121,51 @@ class Result:
     factor: float = 1.0  # on the modulus given, from the fit
 
 
-def modal_case(
-    source: Path | str | Scene | Sequence[Block],
+def modal(
+    source: Scene | Sequence[Block],
     options: Mapping[str, Any],
     folder: Path | None = None,
-    changes: Sequence[str] = (),
+    force: bool = False,
     title: str = "Modes",
-) -> dict[str, Any]:
-    """The modal check of a scene: what the command ``masonry-cd modal`` does.
+) -> Result[dict[str, Any]]:
+    """The modal check of a scene.
 
     Args:
-        source: a scene file, a scene, or blocks.
+        source: a scene, or blocks.
         options: keys of :class:`ModalOptions`.
         folder: where files are written, made if need be; nothing is written without one.
-        changes: ``key=value`` that change the scene.
+        force: overwrite the files that are there.
         title: of blocks, which have none of a scene.
 
     Returns:
-        what modal.json holds; ``lines`` are to be printed, ``warnings`` must not pass in silence, ``written`` are the files.
+        what modal.json holds, ``lines`` and ``warnings`` among them.
 
     Raises:
         InputError: a wrong option, scene, or file of measured modes.
     """
-    from masonry_cd.app.case import build_blocks
+    from masonry_cd.app.case import make_structures
     from masonry_cd.app.doubts import structure_doubts
-    from masonry_cd.app.scene import Scene, read_scene
+    from masonry_cd.app.scene import Scene
 
+    if folder is not None:
+        free_folder(folder, OUTPUTS, force)
     asked, unusual = parse_table(ModalOptions, options, "modal"), []
     measured = read_measured(asked.reference) if asked.reference else []
-    if isinstance(source, Path | str):
-        source = read_scene(source, changes)
     if isinstance(source, Scene):
-        blocks, title, material = build_blocks(source), source.title, source.material
+        blocks, title, material = make_structures(source).blocks, source.title, source.material
         unusual = structure_doubts(source, blocks)
     else:
         blocks, material = list(source), None
     refuse_spheres(blocks, "structure", "the modal check")
     asked, stiffness = _of_masonry(asked, blocks, material)
     results = [_result(blocks, method, asked, measured, stiffness) for method in (METHODS if asked.method == "both" else (asked.method,))]
-    results = [results[0], *(Result(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
+    results = [results[0], *(Model(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
     young = results[0].modes.young if asked.method != "joints" else asked.young or START
     table = convergence(blocks, young, asked) if asked.convergence else []
     out = _summary(title, results, table)
     out["warnings"] += unusual
-    if folder is not None:
-        out["written"] = [str(path) for path in write(results, folder, blocks, title, out, table, asked)]
-    return out
+    written = [] if folder is None else _write(results, folder, blocks, out, asked)
+    return Result(out, out["lines"], out["warnings"], written)
 
 
 def _of_masonry(asked: ModalOptions, blocks: Sequence[Block], material: Material | None) -> tuple[ModalOptions, JointStiffness | None]:
@@ -179,17 +181,17 @@ def _of_masonry(asked: ModalOptions, blocks: Sequence[Block], material: Material
     from masonry_cd.mechanics.contact.find_joints import find_joints
     from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
 
-    assembly = Assembly.from_blocks(blocks, material.friction, material.joint_laws, moduli=material.joint_moduli)
+    assembly = replace(Assembly.from_blocks(blocks, material), deformation=None)
     asked = asked.model_copy(update={"young": material.joint_moduli[0]})
     return asked, asked.joint_stiffness or stiffness_of_joints(assembly, find_joints(assembly))
 
 
 def _result(
     blocks: Sequence[Block], method: str, asked: ModalOptions, measured: Sequence[MeasuredMode], stiffness: JointStiffness | None
-) -> Result:
+) -> Model:
     """Compute one model, fit it where asked, and pair it with what was measured; ``stiffness`` of the joints where it is not by E."""
     spare = 4 if any(mode.has_shape for mode in measured) else 0  # a measured mode may answer to a higher one
-    modes = modal(
+    modes = modes_of(
         blocks,
         asked.young if asked.young is not None else START,
         asked.poisson,
@@ -201,7 +203,7 @@ def _result(
     )
     factor = fit_factor(modes, measured) if asked.fit else 1.0
     modes = modes.scaled(factor) if asked.fit else modes
-    return Result(modes, tuple(pair(modes, measured)), factor)
+    return Model(modes, tuple(pair(modes, measured)), factor)
 
 
 def _turned_like(modes: Modes, other: Modes) -> Modes:
@@ -217,7 +219,7 @@ def convergence(blocks: Sequence[Block], young: float | Mapping[str, float], ask
     """Frequencies of the continuum by size of the elements, coarse to fine, with their distance from the finest in per cent."""
     rows: list[dict[str, Any]] = []
     for size in sorted(asked.convergence, reverse=True):
-        modes = modal(blocks, young, asked.poisson, modes=asked.modes, size=size, restraint=asked.restraint)
+        modes = modes_of(blocks, young, asked.poisson, modes=asked.modes, size=size, restraint=asked.restraint)
         facts = {key: modes.facts[key] for key in ("element_size_m", "elements", "unknowns", "seconds")}
         rows.append(facts | {f"f{k + 1}_hz": float(value) for k, value in enumerate(modes.frequencies)})
     for row in rows:
@@ -229,7 +231,7 @@ def convergence(blocks: Sequence[Block], young: float | Mapping[str, float], ask
     return rows
 
 
-def _summary(title: str, results: Sequence[Result], table: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _summary(title: str, results: Sequence[Model], table: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """What modal.json holds."""
     from masonry_cd import __version__
 
@@ -244,7 +246,7 @@ def _summary(title: str, results: Sequence[Result], table: Sequence[Mapping[str,
     return out
 
 
-def _model(result: Result) -> dict[str, Any]:
+def _model(result: Model) -> dict[str, Any]:
     """One model in numbers."""
     modes = result.modes
     young = dict(modes.young) if isinstance(modes.young, Mapping) else modes.young
@@ -272,19 +274,19 @@ def _pair(p: Pair) -> dict[str, Any]:
     }
 
 
-def _lines(result: Result) -> list[str]:
+def _lines(result: Model) -> list[str]:
     """The modes in words."""
     modes = result.modes
     young = f"{modes.young / 1e9:.4g} GPa" if isinstance(modes.young, (int, float)) else "by group"
     head = f"{modes.method}: E {young}{' (fitted)' if result.factor != 1.0 else ''}, {modes.facts['unknowns']} unknowns"
-    by_mode = {p.mode: p for p in result.pairs if p.mode is not None}
     lines = [head, "  mode  frequency   mass in x     y     z" + ("   measured   error    MAC" if result.pairs else "")]
-    for k in range(modes.count):
-        share = " ".join(f"{100 * value:4.0f} %" for value in modes.participation[k])
-        line = f"  {k + 1:4d} {modes.frequencies[k]:8.4g} Hz    {share}"
-        if k + 1 in by_mode:
-            p = by_mode[k + 1]
-            line += f" {p.measured:8.4g} Hz {_signed(p.error_percent):>6} %" + (f"  {p.mac:.3f}" if math.isfinite(p.mac) else "")
+    for row in _rows(result):
+        share = " ".join(f"{100 * row[f'mass_{axis}']:4.0f} %" for axis in "xyz")
+        line = f"  {row['mode']:4d} {row['frequency_hz']:8.4g} Hz    {share}"
+        if row["measured_hz"]:
+            line += f" {row['measured_hz']:8.4g} Hz {_signed(row['error_percent']):>6} %" + (
+                f"  {row['mac']:.3f}" if row["mac"] != "" else ""
+            )
         lines.append(line)
     return lines
 
@@ -294,7 +296,7 @@ def _signed(percent: float) -> str:
     return f"{round(percent, 1) + 0.0:+.1f}"
 
 
-def _warnings(result: Result) -> list[str]:
+def _warnings(result: Model) -> list[str]:
     """Doubtful pairs, and motions that nothing holds."""
     lines = []
     if result.modes.facts["rigid_motions"]:
@@ -311,15 +313,7 @@ def _warnings(result: Result) -> list[str]:
     return lines
 
 
-def write(
-    results: Sequence[Result],
-    folder: Path,
-    blocks: Sequence[Block],
-    title: str,
-    summary: Mapping[str, Any],
-    table: Sequence[Mapping[str, Any]] = (),
-    asked: ModalOptions | None = None,
-) -> list[Path]:
+def _write(results: Sequence[Model], folder: Path, blocks: Sequence[Block], summary: dict[str, Any], asked: ModalOptions) -> list[Path]:
     """Write modal.json, the tables and the pictures into a folder, which is made if need be.
 
     Raises:
@@ -327,25 +321,24 @@ def write(
     """
     from masonry_cd.app.summary import write_json
 
-    asked = asked or ModalOptions(young=START)
     own_files.begin(folder, OUTPUTS)
     own_files.remove(folder, OUTPUTS)
-    write_json({key: value for key, value in summary.items() if key != "written"}, folder / "modal.json")
-    _write_rows(folder / "modal.csv", [row for result in results for row in _rows(result)])
+    write_json(summary, folder / "modal.json")
+    write_rows(folder / "modal.csv", [row for result in results for row in _rows(result)])
     for result in results:
-        _write_rows(folder / f"shapes_{result.modes.method}.csv", _shape_rows(result.modes))
-    if table:
-        _write_rows(folder / "mesh_convergence.csv", list(table))
+        write_rows(folder / f"shapes_{result.modes.method}.csv", _shape_rows(result.modes))
+    if summary["mesh_convergence"]:
+        write_rows(folder / "mesh_convergence.csv", summary["mesh_convergence"])
     if asked.pictures:
         from reports.modes_picture import modes_picture
 
         for result in results:
             path = folder / f"modes_{result.modes.method}.png"
-            modes_picture(result.modes, blocks, path, title, _captions(result), asked.pictures, asked.view)
+            modes_picture(result.modes, blocks, path, summary["title"], _captions(result), asked.pictures, asked.view)
     return [folder / name for name in OUTPUTS if (folder / name).exists()]
 
 
-def _rows(result: Result) -> list[dict[str, Any]]:
+def _rows(result: Model) -> list[dict[str, Any]]:
     """The rows of modal.csv."""
     modes, by_mode = result.modes, {p.mode: p for p in result.pairs}
     rows = []
@@ -378,20 +371,11 @@ def _shape_rows(modes: Modes) -> list[dict[str, Any]]:
     return rows
 
 
-def _write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write a CSV file whose columns are the keys of its first row."""
-    try:
-        write_csv(path, rows[0], ([row.get(key, "") for key in rows[0]] for row in rows))
-    except OSError as failure:
-        raise InputError(path, f"cannot be written, {failure.strerror}") from None
-
-
-def _captions(result: Result) -> list[str]:
+def _captions(result: Model) -> list[str]:
     """The measured frequency of each mode, in words."""
-    by_mode = {p.mode: p for p in result.pairs}
     out = []
-    for k in range(result.modes.count):
-        p = by_mode.get(k + 1)
-        similar = f", MAC {p.mac:.2f}" if p and math.isfinite(p.mac) else ""
-        out.append(f"measured {p.measured:.4g} Hz, error {_signed(p.error_percent)} %{similar}" if p else "")
+    for row in _rows(result):
+        similar = f", MAC {row['mac']:.2f}" if row["mac"] != "" else ""
+        measured = row["measured_hz"]
+        out.append(f"measured {measured:.4g} Hz, error {_signed(row['error_percent'])} %{similar}" if measured else "")
     return out

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from masonry_cd.app.result import Result
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.io.problem_files import read_problem
@@ -17,10 +18,10 @@ from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 
-def solve_file(
+def solve(
     path: Path | str, solver: str = "auto", tolerance: float = 1e-8, max_iterations: int | None = None, seed: int = 0,
     output: Path | str | None = None,
-) -> dict[str, Any]:  # fmt: skip
+) -> Result[dict[str, Any]]:  # fmt: skip
     """Solve the problem in a file.
 
     Args:
@@ -54,10 +55,9 @@ def solve_file(
     seconds = time.perf_counter() - begin
     error = natural_map_error(problem, solution.impulse)
     if output is not None:
-        place = Path(output) if str(output).endswith(".npz") else Path(f"{output}.npz")  # as numpy names it
-        with replacing(place) as part, part.open("wb") as file:
+        with replacing(Path(output)) as part, part.open("wb") as file:
             np.savez(file, r=solution.impulse, u=problem.apply(solution.impulse))
-    return {
+    found = {
         "solver": solver,
         "contacts": problem.contacts,
         "error": error,
@@ -67,6 +67,13 @@ def solve_file(
         "converged": bool(error <= tolerance),
         "reason": solution.reason,
     }
+    lines = [
+        f"{Path(path).name}: {problem.contacts} contacts, {solution.reason}",
+        f"error {error:.3e} (unscaled {found['error_unscaled']:.3e}), {solution.iterations} iterations",
+        f"{seconds:.3g} s",
+    ]
+    missed = [] if found["converged"] else [f"the tolerance {tolerance:g} was missed, the error is {error:.1e}"]
+    return Result(found, lines, missed, [] if output is None else [Path(output)])
 
 
 def load_kernels(solver: str, problem: Problem) -> None:

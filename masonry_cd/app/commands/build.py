@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The structure of a scene alone, written and drawn: what ``masonry-cd build`` does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from masonry_cd.analysis.outputs.folders import BLOCKS, files_of
+from masonry_cd.app.folders import free_folder
+from masonry_cd.app.result import Result, Say, silent
+from masonry_cd.app.scene import Scene
+from masonry_cd.foundation import own_files
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extras import require
+
+if TYPE_CHECKING:
+    from masonry_cd.mechanics.model.blocks import Block
+    from structures import Made
+    from structures.geometry.checks import Unsound
+
+JSON = "json"  # the format in which a structure of kind "file" is best read again
+
+
+def build(
+    scene: Scene, folder: Path, formats: Sequence[str] = (JSON,), picture: bool = True, force: bool = False, say: Say = silent
+) -> Result[list[Block]]:
+    """Build the structure of a scene, and write it into a folder.
+
+    Args:
+        scene: whose tables are checked.
+        folder: for the files, made if need be.
+        formats: of blocks.
+        picture: draw structure.png, or problem.png of blocks that are refused.
+        force: overwrite the files that are there.
+        say: takes a line on problem.png, before the error comes.
+
+    Raises:
+        InputError: unsound blocks, wrong keys, no such format, or files that are there.
+    """
+    from structures import summary
+    from structures.files import meshfile
+    from structures.geometry.checks import Unsound
+
+    if picture:
+        require("structure.png", "pyvista", "matplotlib", "PIL", without=" (or go without: --no-picture)")
+    formats = tuple(dict.fromkeys(formats))
+    for name in formats:
+        if name not in BLOCKS:
+            raise InputError("--format", f'"{name}" is none; formats: {", ".join(BLOCKS)}')
+    marks = [name for name in files_of("build") if not name.startswith("blocks.") or name.removeprefix("blocks.") in formats]
+    free_folder(folder, tuple(marks), force)
+    for name in formats:
+        if name != JSON:
+            meshfile.require_writer(folder / f"blocks.{name}")
+    import structures
+    from masonry_cd.app.case import make_structures
+
+    try:
+        made = make_structures(scene)
+    except Unsound as fault:
+        if picture:
+            say(_problem_drawn(fault, folder))
+        raise
+    found = structures.report(made.blocks)
+    warnings = [*summary.warnings(found), *_doubts(scene, made)]
+    own_files.begin(folder, marks)
+    written, nameless = _write_blocks(made, folder, formats)
+    return Result(
+        made.blocks,
+        [*summary.lines(found), *made.notes],
+        [*warnings, *nameless],
+        [*written, *_write_plan(scene, folder, picture), *_draw(scene, made, folder, picture)],
+    )
+
+
+def repairs(asked: Iterable[str]) -> list[str]:
+    """The changes of a scene that repairs stand for, "shells" and "gaps=0.002".
+
+    Raises:
+        InputError: no such repair.
+    """
+    changes = []
+    for repair in asked:
+        what, _, width = repair.partition("=")
+        if what not in ("shells", "gaps") or (what == "gaps") != bool(width):
+            raise InputError("--repair", f'"{repair}" is none; shells, or gaps=WIDTH with the widest gap to close [m]')
+        changes.append("structure.repair=true" if what == "shells" else f"structure.gaps={width}")
+    return changes
+
+
+def _doubts(scene: Scene, made: Made) -> list[str]:
+    """Walls that do not stand under their fill, and values that are likely not what is wanted."""
+    from masonry_cd.app.case import assembled
+    from masonry_cd.app.doubts import structure_doubts
+
+    leaning = replace(assembled(scene, made.blocks, (), made.ties), fills=made.fills).leaning if made.fills else []
+    return [*leaning, *structure_doubts(scene, made.blocks)]
+
+
+def _write_blocks(made: Made, folder: Path, formats: Sequence[str]) -> tuple[list[Path], list[str]]:
+    """Write blocks and fills; return the files, and a line where fill cannot be put back from them."""
+    from structures.files import blockfile, fillfile, meshfile
+
+    written = [folder / f"blocks.{name}" for name in formats]
+    for path in written:
+        if path.suffix == f".{JSON}":
+            blockfile.write(path, made.blocks, made.fills)
+        else:
+            meshfile.write(path, made.blocks)
+    if not made.fills or tuple(formats) == (JSON,):
+        return written, []
+    fillfile.write(folder / fillfile.FILL_FILE, made.blocks, made.fills)
+    nameless = ", ".join(f"blocks.{name}" for name in formats if name not in (JSON, "step", *meshfile.MARKED))
+    lines = [f"{nameless} keep no names of blocks, by which {fillfile.FILL_FILE} puts the fill back"] if nameless else []
+    return [*written, folder / fillfile.FILL_FILE], lines
+
+
+def _write_plan(scene: Scene, folder: Path, picture: bool) -> list[Path]:
+    """Write the plan of a building."""
+    from masonry_cd.app import plan_files
+
+    return plan_files.write_plan_files(scene, folder, picture) if plan_files.is_of_plan(scene) else []
+
+
+def _draw(scene: Scene, made: Made, folder: Path, picture: bool) -> list[Path]:
+    """Draw structure.png where it is asked for."""
+    if not picture:
+        return []
+    from reports.drawing.figure import Sheet
+    from reports.drawing.solids import structure_scene
+    from structures.ties import lines_of
+
+    Sheet.drawn(structure_scene(made.blocks, scene.title, ties=lines_of(made.ties))).save(folder / "structure.png")
+    return [folder / "structure.png"]
+
+
+def _problem_drawn(fault: Unsound, folder: Path) -> str:
+    """Draw problem.png where the libraries for it are installed; a line on it. The error itself is reported in any case."""
+    try:
+        from reports.drawing.refused_blocks import problem_picture
+
+        own_files.begin(folder, ("problem.png",))
+        problem_picture(fault.blocks, fault.faulty, str(fault), folder / "problem.png")
+    except (ImportError, InputError) as failure:
+        return f"warning: problem.png is not drawn: {failure}"
+    return f"written: {folder / 'problem.png'}"
