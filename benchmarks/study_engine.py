@@ -19,6 +19,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.studies.study.clusters import Where, connected
 from masonry_cd.studies.study.engine import Engine
 from masonry_cd.studies.study.folder import JOINTS, StudyFolder
@@ -34,7 +35,7 @@ def wait(task: Task, seconds: float) -> Outcome:
     """Stands in for a run: its row and its joints are as large as those of an arch."""
     time.sleep(seconds)
     joints = {"opening": np.zeros(JOINTS_OF_RUN, dtype=np.float32), "lost": np.zeros(JOINTS_OF_RUN, dtype=bool), "shape": 1}
-    row = {"status": "done", "reason": "", "seconds": seconds, "worker": str(os.getpid()), **dict.fromkeys("abcdefghijkl", 0.123456789)}
+    row = RunRow(DONE, seconds=seconds, worker=str(os.getpid()), numbers=dict.fromkeys("abcdefghijkl", 0.123456789))
     return Outcome(task.name, row, joints)
 
 

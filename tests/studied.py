@@ -13,11 +13,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
-from typing import Any
 
 import numpy as np
 from block_files import cuboid
 
+from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.studies.study.task import Outcome, Task
 
 SCENE = """\
@@ -180,5 +180,5 @@ def raises(task: Task) -> Outcome:
     raise RuntimeError(f"{task.name} is broken")
 
 
-def _row() -> dict[str, Any]:
-    return {"status": "done", "reason": "", "seconds": 0.01, "worker": str(os.getpid())}
+def _row() -> RunRow:
+    return RunRow(DONE, seconds=0.01, worker=str(os.getpid()))

@@ -8,6 +8,7 @@ All that is checked is checked in the command, so that both have it.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,3 +43,12 @@ class Result(Generic[T_co]):
 
 def silent(line: str) -> None:
     """Take a line while a command is at work, and say nothing."""
+
+
+def said(shown: bool) -> Say:
+    """Takes the lines of a command at work, to standard error where they are to be shown."""
+    return _say if shown else silent
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)

@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, Trust, errors_reported, exclude
+from masonry_cd.app.result import Result, said
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, Trust
 from masonry_cd.mechanics.solvers import SOLVERS
 
 
@@ -30,7 +29,7 @@ def accuracy(
     force: Force = False,
     quiet: Quiet = False,
     trust: Trust = False,
-) -> None:
+) -> Result[Any]:
     """Measure error against run time: of the solvers on a friction problem, or of a whole scene over time step and tolerance.
 
     DIR gets accuracy.csv, accuracy.md and accuracy.png, a work-precision diagram. Errors of a problem are
@@ -49,30 +48,7 @@ def accuracy(
       masonry-cd accuracy arch.toml -o out/accuracy --dts 4e-3,2e-3,1e-3 --tolerances 1e-3,1e-6
       masonry-cd accuracy demo.toml -o out/accuracy --ensemble 8 --workers 2 --tolerances 1e-3,1e-5
     """
-    with errors_reported():
-        exclude(("--ensemble", ensemble), ("--repeats", repeats))
-        asked = {"solvers": solvers, "tolerances": tolerances, "dts": dts, "repeats": repeats, "duration": duration}
-        asked |= {"ensemble": ensemble, "workers": workers, "force": force}
-        measure, outputs = _measurement(ensemble, workers, output)
-        free_folder(output, outputs, force)
-        found = measure(source, asked, set_ or (), output, lambda line: None if quiet else typer.echo(line, err=True))
-        if not quiet:
-            typer.echo("\n".join(found["lines"]))
-            typer.echo(f"written: {', '.join(map(str, found['written']))}")
-        for line in found["warnings"]:
-            typer.echo(f"masonry-cd: warning: {line}", err=True)
+    from masonry_cd.studies.accuracy import command
 
-
-def _measurement(ensemble: int | None, workers: int, output: Path) -> tuple[Callable[..., dict[str, Any]], tuple[str, ...]]:
-    """What measures, and the files that it writes."""
-    from masonry_cd.foundation.errors import InputError
-    from masonry_cd.studies import accuracy_case
-
-    if ensemble is None:
-        if workers > 1:
-            raise InputError("--workers", "is for --ensemble; times of single runs are taken one after the other")
-        return accuracy_case.accuracy_case, accuracy_case.OUTPUTS
-    from masonry_cd.studies import accuracy_ensemble_case
-
-    kept = (output / accuracy_ensemble_case.KEPT).exists()
-    return accuracy_ensemble_case.ensemble_case, () if kept else accuracy_ensemble_case.OUTPUTS
+    asked = command.Asked(solvers, tolerances, dts, repeats, duration, tuple(set_ or ()), ensemble, workers, force, quiet)
+    return command.accuracy(source, output, asked, said(not quiet))

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust, errors_reported, same_command, warn
+from masonry_cd.app.result import Result, said
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust, warn
 
 
 def assess(
@@ -24,7 +23,7 @@ def assess(
     force: Force = False,
     quiet: Quiet = False,
     trust: Trust = False,
-) -> None:
+) -> Result[Any]:
     """Vary each assumption of a scene by itself: which of them decides the answer, and which do not.
 
     Varied are the stiffness of the joints, friction, the size of the blocks, their bond, damping, the points of elastic joints, the time
@@ -40,50 +39,20 @@ def assess(
       masonry-cd assess church.toml -o out/church_assess --workers 2
       masonry-cd assess church.toml -o out/church_assess --all-pairs
     """
-    with errors_reported():
-        from masonry_cd.app.scene import read_scene
-        from masonry_cd.studies.assess.assess_case import assess_case, cost_in_words
-        from masonry_cd.studies.assess.plan import AssessPlan
-        from masonry_cd.studies.study.clusters import Where
-        from masonry_cd.studies.study.study_case import Options
+    from masonry_cd.app.scene import read_scene
+    from masonry_cd.foundation.errors import InputError
+    from masonry_cd.studies.assess import command
+    from masonry_cd.studies.assess.plan import AssessPlan
+    from masonry_cd.studies.study.study_case import Options
 
-        if report:
-            write_and_tell(output, quiet)
-            return
+    if report:
+        found = command.report(output)
+    else:
         made = AssessPlan(read_scene(scene, set_ or ()), all_pairs)
         if plan:
-            typer.echo(cost_in_words(made))
-            return
-        run = made.maker.study.tables.run
-        options = Options(Where(None, None, workers, None, run.timeout + run.grace), retry, force, quiet=quiet, warn=warn)
-        go_on = same_command()
-        try:
-            found = assess_case(made, output, options, lambda line: None if quiet else typer.echo(line, err=True))
-        except Interrupted:
-            typer.echo(go_on, err=True)
-            raise
-        if not found["stopped"]:
-            write_and_tell(output, quiet)
-    if found["stopped"]:
-        typer.echo(f"masonry-cd: error: {found['stopped']}; finished runs are kept\n{go_on}", err=True)
-        raise typer.Exit(1)
-
-
-def write_and_tell(output: Path, quiet: bool) -> None:
-    """Write what follows from the runs, and print the table and the verdict.
-
-    Raises:
-        InputError: the base case is no data.
-    """
-    from masonry_cd.analysis.assessment.verdict import lines_of, warnings_of
-    from masonry_cd.foundation.errors import InputError
-    from reports.assess.outputs import FILES, write_assessment
-    from reports.assess.tables import text_table
-
-    found = write_assessment(output)
-    if not found.base.done:
-        raise InputError("", lines_of(found)[0])
-    if not quiet:
-        typer.echo(f"{text_table(found)}\n\n" + "\n".join(lines_of(found)))
-        typer.echo(f"results: {', '.join(str(output / name) for name in FILES)}")
-    warn(warnings_of(found))
+            return Result(None, [command.cost_in_words(made)])
+        options = Options(made.where(workers), retry, force, quiet=quiet, warn=warn)
+        found = command.assess(made, output, options, said(not quiet))
+    if found.value is not None and not found.value.base.row.done:
+        raise InputError("", found.lines[0])
+    return found

@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from masonry_cd.cli.shared import errors_reported, warn
+from masonry_cd.app.result import Result
 
 
 def compare(
@@ -16,7 +16,7 @@ def compare(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="OUT", help="Write comparison.csv, .md and .png there.", show_default=False)
     ] = None,
-) -> None:
+) -> Result[Any]:
     """Lay runs side by side: what differs in their scenes, their damage and their response.
 
     Prints a table; with -o it is written as CSV and Markdown, with a picture. Damage is judged by the thresholds of the first run.
@@ -26,11 +26,8 @@ def compare(
       masonry-cd compare out/weak out/strong
       masonry-cd compare out/mu0.5 out/mu0.6 out/mu0.7 -o out/friction
     """
-    with errors_reported():
-        from reports.compare import comparison, comparison_files
+    from reports.compare.comparison import compare as laid_side_by_side
+    from reports.compare.comparison_files import markdown, write_comparison
 
-        found = comparison.compare(folders)
-        typer.echo(comparison_files.markdown(found), nl=False)
-        if output is not None:
-            typer.echo(f"written: {', '.join(map(str, comparison_files.write_comparison(found, output)))}")
-        warn(found.words)
+    found = laid_side_by_side(folders)
+    return Result(found, markdown(found).splitlines(), found.words, [] if output is None else write_comparison(found, output))

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -52,19 +50,10 @@ def exclude(first: tuple[str, object], second: tuple[str, object]) -> None:
         raise InputError(f"{first[0]} and {second[0]} exclude each other", "leave one out")
 
 
-def silent(line: str = "", **_: object) -> None:
-    """Take a line instead of typer.echo, and say nothing."""
-
-
 def warn(lines: Iterable[str]) -> None:
     """Print warnings, a line each."""
     for line in lines:
         typer.echo(f"masonry-cd: warning: {line}", err=True)
-
-
-def same_command() -> str:
-    """The line that says by which command a study continues: this one, without --force."""
-    return f"masonry-cd: go on with: {shlex.join(['masonry-cd', *(word for word in sys.argv[1:] if word != '--force')])}"
 
 
 @contextmanager

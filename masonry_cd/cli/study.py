@@ -4,15 +4,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Force, Output, Quiet, Trust, errors_reported, exclude, same_command, warn
-from masonry_cd.foundation.errors import InputError
-
-REASONS = 5  # named at the end; the others are counted
+from masonry_cd.app.result import Result, said
+from masonry_cd.cli.shared import Force, Output, Quiet, Trust, exclude, warn
 
 
 def study(
@@ -30,7 +27,7 @@ def study(
     force: Force = False,
     quiet: Quiet = False,
     trust: Trust = False,
-) -> None:
+) -> Result[None]:
     """Make many runs of one scene: over records, intensities, materials, and seeds, on all cores or on a cluster.
 
     DIR gets runs.csv and runs.parquet, one row per run, and what follows from them: fragilities with their bands, pictures, and the page
@@ -45,65 +42,14 @@ def study(
       masonry-cd study study.toml -o out/study --scheduler tcp://node1:8786
       masonry-cd study study.toml -o out/study --slurm slurm.toml
     """
-    with errors_reported():
-        from masonry_cd.studies.study.clusters import Where
-        from masonry_cd.studies.study.study_case import Options, plan_of, study_case
+    from masonry_cd.studies.study import command
+    from masonry_cd.studies.study.study_case import Options, plan_of
 
-        exclude(("--scheduler", scheduler), ("--slurm", slurm))
-        exclude(("--workers", workers), ("--scheduler or --slurm", scheduler or slurm))
-        exclude(("--report", report), ("--force", force))
-        made = plan_of(study)
-        if plan:
-            asked = made.maker.study
-            typer.echo(
-                f"{asked.title}: {len(made.runs)} runs{', and those that follow' if made.adapts else ''}, design {asked.tables.design}"
-            )
-            return
-        run = made.maker.study.tables.run
-        limits = made.maker.study.tables.asks == "limit"
-        if report and limits:
-            raise InputError("--report", "a study of limit analyses has limits.csv and no fits")
-        if report:
-            _write_report(output, quiet)
-            return
-        where = Where(scheduler, slurm, workers or run.workers, run.memory, run.timeout + run.grace)
-        options = Options(where, retry, force, resume, quiet, warn)
-        go_on = same_command()
-        try:
-            found = study_case(made, output, options, lambda line: None if quiet else typer.echo(line, err=True))
-        except Interrupted:
-            typer.echo(go_on, err=True)
-            raise
-        tell_end(found, output, quiet)
-        if not found["stopped"] and not limits:
-            _write_report(output, quiet)
-    if found["stopped"]:
-        typer.echo(f"masonry-cd: error: {found['stopped']}; finished runs are kept\n{go_on}", err=True)
-        raise typer.Exit(1)
-
-
-def tell_end(found: dict[str, Any], output: Path, quiet: bool) -> None:
-    """What the study has come to."""
-    no_data = found["failed"] + found["timeout"]
-    if not quiet:
-        typer.echo(f"{found['done']} of {found['runs']} runs done, {found['failed']} failed, {found['timeout']} ran out of time")
-        if found.get("limits"):
-            typer.echo("\n".join([*found["limits"], f"results: {output / 'limits.csv'}"]))
-        else:
-            typer.echo(f"results: {output / 'runs.csv'}, {output / 'runs.parquet'}")
-    often = sorted(found["reasons"].items(), key=lambda item: -item[1])
-    warn(f"{count} of {no_data} runs without data: {reason}" for reason, count in often[:REASONS])
-    if others := often[REASONS:]:
-        total = sum(count for _, count in others)
-        warn([f"{total} of {no_data} runs without data, for {len(others)} other reasons: see {output / 'runs.csv'}"])
-
-
-def _write_report(output: Path, quiet: bool) -> None:
-    """Write what follows from the runs, and tell it."""
-    from masonry_cd.analysis.verdict import Verdict
-    from reports.study.outputs import write_study
-
-    summary = write_study(output)
-    if not quiet:
-        typer.echo("\n".join([Verdict(**summary["verdict"]).line, *summary["lines"], f"page: {output / 'study.html'}"]))
-    warn(summary["warnings"])
+    exclude(("--report", report), ("--force", force))
+    made = plan_of(study)
+    if plan:
+        return Result(None, [made.line])
+    if report:
+        return command.report(made, output)
+    options = Options(made.where(workers, scheduler, slurm), retry, force, resume, quiet, warn)
+    return command.study(made, output, options, said(not quiet))

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from masonry_cd.cli.shared import Force, Quiet, errors_reported, silent
+from masonry_cd.app.result import Result, said
+from masonry_cd.cli.shared import Force, Quiet
 
 
 def _names(begun: str) -> list[str]:
@@ -28,7 +29,7 @@ def validate(
     ] = None,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Result[Any]:
     """Repeat a test of the laboratory page: its scenes, runs, table and curves beside what was measured.
 
     DIR gets a folder for each scene, scene.toml and blocks.json, which are good to start from, with the results of its run;
@@ -39,20 +40,13 @@ def validate(
       masonry-cd validate
       masonry-cd validate bed -o out/bed
     """
-    with errors_reported():
-        from masonry_cd.app.folders import free_folder
-        from masonry_cd.studies.laboratory.cases import CASES
-        from masonry_cd.studies.laboratory.validate import FIGURE, TABLE, case_named
-        from masonry_cd.studies.laboratory.validate import validate as repeat
+    from masonry_cd.app.folders import free_folder
+    from masonry_cd.studies.laboratory.cases import CASES
+    from masonry_cd.studies.laboratory.validate import FIGURE, TABLE, case_named
+    from masonry_cd.studies.laboratory.validate import validate as repeat
 
-        if name is None:
-            for case in CASES.values():
-                typer.echo(f"{case.name}: {case.title} ({case.source})")
-            return
-        folder = output or Path("validation") / case_named(name).name
-        free_folder(folder, (TABLE, FIGURE), force)
-        say = silent if quiet else typer.echo
-        found = repeat(name, folder, say)
-        for line in found.lines:
-            say(line)
-        say(f"written: {', '.join(map(str, found.written))}")
+    if name is None:
+        return Result(None, [f"{case.name}: {case.title} ({case.source})" for case in CASES.values()])
+    folder = output or Path("validation") / case_named(name).name
+    free_folder(folder, (TABLE, FIGURE), force)
+    return repeat(name, folder, said(not quiet))

@@ -28,7 +28,7 @@ def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]
     Args:
         path: of the file.
         header: names of the columns.
-        rows: cells, of which each is written as ``str`` shows it, or by :func:`cell` where digits are given.
+        rows: cells, of which each is written as ``str`` shows it, None as nothing, or by :func:`cell` where digits are given.
         digits: of numbers.
     """
     table = ((cell(value, digits) for value in row) for row in rows) if digits else rows
@@ -58,7 +58,7 @@ def unguarded(cell: str) -> str:
 
 def _field(value: object) -> str:
     """A cell, guarded and quoted where it has to be."""
-    text = str(value)
+    text = "" if value is None else str(value)
     if FORMULA.match(text) and not _is_number(text) and text not in DIRECTIONS:
         text = f"'{text}"
     return '"' + text.replace('"', '""') + '"' if any(c in text for c in SEPARATORS) else text

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import os
-import signal
-import warnings
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -13,23 +11,23 @@ from typing import TYPE_CHECKING, Any
 
 from masonry_cd.analysis.assessment.assessment import read_assessment
 from masonry_cd.analysis.assessment.verdict import heading, lines_of, to_pin_down, verdict, warnings_of
-from masonry_cd.analysis.outputs import ASSESS, numbers_in, units_in
-from masonry_cd.app.progress import Interrupted
+from masonry_cd.analysis.outputs import ASSESS, units_in
+from masonry_cd.app.result import said
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.extras import require
 from masonry_cd.interface.plots import Page
-from masonry_cd.interface.returned import RunWarning, closing_as_html
+from masonry_cd.interface.returned import closing_as_html, returned
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
-from masonry_cd.interface.studies import say, silent, warn, without_main
+from masonry_cd.interface.studies import warn, without_main
+from masonry_cd.interface.study_plots import drawn
 from masonry_cd.interface.tables import frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
+from reports.assess.tables import COLUMNS, cells_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
     from PIL.Image import Image
 
-COLUMNS = ("status", "reason", *numbers_in(ASSESS), "remark", "seconds")
 UNITS = {**units_in(ASSESS), "seconds": "s"}
 
 
@@ -53,12 +51,12 @@ class Assessment(Sealed):
     @property
     def verdict(self) -> str:
         """``between D2 and D4; joint stiffness decides; time step and tolerance do not``; empty where the base case is no data."""
-        return verdict(self._found) if self._found.base.done else ""
+        return verdict(self._found) if self._found.base.row.done else ""
 
     @property
     def pin_down(self) -> list[str]:
         """Assumptions on the structure that change the answer beyond chance, the weightiest first."""
-        return [one.name for one in to_pin_down(self._found)] if self._found.base.done else []
+        return [one.name for one in to_pin_down(self._found)] if self._found.base.row.done else []
 
     @cached_property
     def table(self) -> DataFrame:
@@ -66,7 +64,7 @@ class Assessment(Sealed):
         rows = []
         for member in self._found.members:
             name, level = heading(member)
-            rows.append({"assumption": name, "level": level} | {column: member.row.get(column) for column in COLUMNS})
+            rows.append({"assumption": name, "level": level} | dict(zip(COLUMNS, cells_of(member), strict=True)))
         table = frame_of_rows(rows, "assumption")
         table.attrs["units"] = dict(UNITS)
         return table
@@ -74,13 +72,7 @@ class Assessment(Sealed):
     @cached_property
     def bars(self) -> DataFrame:
         """A row per assumption and answer: low and high of its bar, reference, what chance alone spans, and whether it shows."""
-        found, rows = self._found, []
-        for one in found.ranked:
-            for answer in found.answers:
-                bar = found.bar(one, answer)
-                chance = found.by_chance(answer, 1 + len(bar.values))
-                cells = {"low": bar.low, "high": bar.high, "reference": bar.reference, "by_chance": chance, "shows": bar.shows}
-                rows.append({"assumption": one.name, "answer": answer.key} | cells)
+        rows = [{"assumption": name, "answer": answer} | bar for name, bars in self._found.bars().items() for answer, bar in bars.items()]
         return frame_of_rows(rows, "assumption")
 
     @property
@@ -99,17 +91,11 @@ class Assessment(Sealed):
         Raises:
             InputError: the base case is no data.
         """
-        require("a picture", "PIL")
-        from PIL import Image as images
+        from reports.assess.picture import tornado
 
-        from reports.assess.picture import PICTURE, tornado
-
-        if not self._found.base.done:
+        if not self._found.base.row.done:
             raise InputError("", self.lines[0])
-        tornado(self._found, self.folder / PICTURE)
-        with images.open(self.folder / PICTURE) as picture:
-            picture.load()
-            return picture.copy()
+        return drawn(lambda path: tornado(self._found, path))
 
     def page(self) -> Page:
         """assess.html with all of it, which needs no network; table and chart in the folder are written again with it."""
@@ -163,30 +149,14 @@ def assess(
     >>> found.table.loc["friction", ["level", "status"]].values.tolist()
     [['0.4', 'done'], ['0.6', 'done']]
     """
-    from masonry_cd.studies.assess.assess_case import assess_case
+    from masonry_cd.studies.assess.command import assess as command
     from masonry_cd.studies.assess.plan import AssessPlan
-    from masonry_cd.studies.study.clusters import Where
     from masonry_cd.studies.study.study_case import Options
-    from reports.assess.outputs import write_assessment
 
-    if workers is not None and workers < 1:
-        raise InputError("workers", f"should be 1 or more, got {workers}")
-    asked = scene(source)
     keeper = TemporaryFolder() if folder is None else None
     place = keeper.path if keeper is not None else Path(str(folder))
-    plan = AssessPlan(asked.checked, all_pairs)
-    run = plan.maker.study.tables.run
-    where = Where(None, None, workers, None, run.timeout + run.grace)
-    number = 0
-    try:
-        with without_main():
-            assess_case(plan, place, Options(where, retry, force, quiet=not progress, warn=warn), say if progress else silent)
-    except Interrupted as stopped:  # finished runs are kept
-        number = stopped.number
-    if number not in (0, signal.SIGINT):
-        signal.raise_signal(number)
-    write_assessment(place)
-    found = Assessment(place, keeper)
-    for line in found.warnings:
-        warnings.warn(line, RunWarning, stacklevel=2)
-    return found
+    plan = AssessPlan(scene(source).checked, all_pairs)
+    with without_main():
+        result = command(plan, place, Options(plan.where(workers), retry, force, quiet=not progress, warn=warn), said(progress))
+    returned(result)
+    return Assessment(place, keeper)

@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import html
 import signal
-import sys
 import warnings
 from collections.abc import Sequence
 from typing import TypeVar
 
-from masonry_cd.app.result import Result, Say, silent
+from masonry_cd.app.result import Result
 
 T = TypeVar("T")
 
@@ -33,15 +32,6 @@ def returned(result: Result[T], level: int = 3) -> T:
     for line in result.warnings:
         warnings.warn(line, RunWarning, stacklevel=level)
     return result.value
-
-
-def said(progress: bool) -> Say:
-    """Takes the lines of a command at work, to standard error where progress is asked for."""
-    return _say if progress else silent
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
 
 
 def closing_as_html(lines: Sequence[str], warned: Sequence[str]) -> str:

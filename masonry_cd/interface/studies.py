@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
@@ -15,17 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.fragility import words
-from masonry_cd.analysis.fragility.fits import Fits, fit_study
-from masonry_cd.analysis.fragility.folder import read_study
+from masonry_cd.analysis.fragility.findings import findings_in
 from masonry_cd.analysis.fragility.measures import unit
-from masonry_cd.analysis.fragility.sensitivity import COLUMNS, Correlation, correlations
+from masonry_cd.analysis.fragility.sensitivity import COLUMNS
 from masonry_cd.analysis.outputs import STUDY, numbers_in, units_in
-from masonry_cd.app.progress import Interrupted
+from masonry_cd.app.result import said
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.open_run import RESULTS
 from masonry_cd.interface.results import Run
-from masonry_cd.interface.returned import RunWarning, closing_as_html
+from masonry_cd.interface.returned import RunWarning, closing_as_html, returned
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.study_plots import StudyPlots
 from masonry_cd.interface.tables import frame_of
@@ -36,7 +33,7 @@ from reports.study.tables import COLUMNS_OF_FITS, row_of
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from masonry_cd.studies.study.study_case import Plan
+    from masonry_cd.studies.study.plan import Plan
 
 COUNTS = ("seed", *(key for key, number in numbers_in(STUDY).items() if number.whole))  # columns of whole numbers
 UNITS = {"level": "", **units_in(STUDY), "seconds": "s"}
@@ -56,12 +53,13 @@ class Study(Sealed):
         self.folder = Path(folder)
         """Where its files are."""
         self.keeper = keeper  # of a temporary folder
-        self._found = read_study(self.folder)
+        self._findings = findings_in(self.folder)
+        self._found = self._findings.study
 
     @property
     def title(self) -> str:
         """Of pictures and closing lines."""
-        return str(self._found.asked["title"])
+        return self._found.asked.title
 
     @cached_property
     def runs(self) -> DataFrame:
@@ -71,7 +69,7 @@ class Study(Sealed):
         for name in (name for name in columns if name.rpartition(".")[2] in COUNTS and found.is_number(name)):
             if np.isfinite(columns[name]).all():
                 columns[name] = columns[name].astype(np.int64)
-        units = {name: unit(name) for name in found.measures} | {"level": unit(str(found.asked["measure"] or ""))}
+        units = {name: unit(name) for name in found.measures} | {"level": unit(str(found.asked.measure or ""))}
         return _with_units(frame_of(columns, columns.pop("run"), "run"), units)
 
     @cached_property
@@ -80,15 +78,15 @@ class Study(Sealed):
 
         Columns beta_record and beta_model are the parts of beta, where the design tells them apart.
         """
-        rows = [row_of(fit) | {name: fit.betas.as_dict()[name] for name in ("beta_record", "beta_model")} for fit in self._fits.fits]
-        measure = unit(str(self._found.asked["measure"] or ""))
+        rows = [row_of(fit) | {name: fit.betas.as_dict()[name] for name in ("beta_record", "beta_model")} for fit in self._findings.fits]
+        measure = unit(self._found.asked.measure or "")
         table = _table(rows, (*COLUMNS_OF_FITS, "beta_record", "beta_model"), "limit_state")
         return _with_units(table, dict.fromkeys(("theta", "theta_low", "theta_high"), measure))
 
     @cached_property
     def sensitivity(self) -> DataFrame:
         """A row per quantity and variable: the rank correlation of the two, its band and p-value; as in sensitivity.csv."""
-        return _table([row._asdict() for row in self._correlations], COLUMNS, "variable")
+        return _table([row._asdict() for row in self._findings.correlations], COLUMNS, "variable")
 
     @cached_property
     def joint_probabilities(self) -> DataFrame:
@@ -106,25 +104,25 @@ class Study(Sealed):
     @cached_property
     def stopped(self) -> str:
         """Why there are fewer runs than planned, in words; empty where all were made. The same call as before continues it."""
-        planned, made = self._found.asked["runs"], self._found.count
+        planned, made = self._found.asked.runs, self._found.count
         if planned is None:
             return f"{made} runs are made, and others follow from them"
         return "" if made == planned else f"{made} of {planned} runs are made"
 
-    @cached_property
+    @property
     def lines(self) -> list[str]:
         """What the runs say, in words: the closing lines of the command line."""
-        return words.lines_of(self._found, self._fits.fits, self._correlations)
+        return self._findings.lines
 
-    @cached_property
+    @property
     def warnings(self) -> list[str]:
         """What must not pass in silence, a line each."""
-        return [*words.warnings_of(self._found), *self._fits.warnings]
+        return self._findings.warnings
 
     @property
     def plot(self) -> StudyPlots:
         """Its pictures: ``study.plot.fragility()``, ``.stripes()``, ``.tornado()``, ``.probability()``, ``.page()`` and others."""
-        return StudyPlots(self._found, lambda: self._fits, lambda: self._correlations, lambda: self._joints)
+        return StudyPlots(self._findings, lambda: self._joints)
 
     def run(self, name: str) -> Run:
         """A run whose folder was kept, with its tables and pictures.
@@ -143,14 +141,6 @@ class Study(Sealed):
         return Run(self.folder / "runs" / name, self.keeper)
 
     @cached_property
-    def _fits(self) -> Fits:
-        return fit_study(self._found)
-
-    @cached_property
-    def _correlations(self) -> list[Correlation]:
-        return correlations(self._found)
-
-    @cached_property
     def _joints(self) -> JointStudy | None:
         return joint_study(self._found)
 
@@ -161,7 +151,7 @@ class Study(Sealed):
         done, count = int(self._found.done.sum()), self._found.count
         some = "" if done == count else f", {done} of them done"
         end = f"; {self.stopped}" if self.stopped else ""
-        return f'<Study "{self.title}": {self._found.asked["design"]}, {count} runs{some}{end}>'
+        return f'<Study "{self.title}": {self._found.asked.design}, {count} runs{some}{end}>'
 
     def _repr_html_(self) -> str:
         return closing_as_html(self.lines, self.warnings)
@@ -212,29 +202,17 @@ def study(
     >>> study.runs[["loads[0].amplitude", "material.friction", "status"]].values.tolist()
     [[0.3, 0.4, 'done'], [0.3, 0.7, 'done'], [0.6, 0.4, 'done'], [0.6, 0.7, 'done']]
     """
-    from masonry_cd.studies.study.clusters import Where
-    from masonry_cd.studies.study.study_case import Options, study_case
+    from masonry_cd.studies.study.command import study as command
+    from masonry_cd.studies.study.study_case import Options
 
-    if (workers is not None) + (scheduler is not None) + (slurm is not None) > 1:
-        raise InputError("workers, scheduler and slurm exclude each other", "give one of them")
-    if workers is not None and workers < 1:
-        raise InputError("workers", f"should be 1 or more, got {workers}")
     keeper = TemporaryFolder() if folder is None else None
     place = keeper.path if keeper is not None else Path(str(folder))
     plan = _plan(source, place, force)
-    run = plan.maker.study.tables.run
-    where = Where(scheduler, None if slurm is None else Path(slurm), workers or run.workers, run.memory)
-    number, stopped = 0, ""
-    try:
-        with without_main():
-            stopped = study_case(plan, place, Options(where, retry, force, quiet=not progress, warn=warn), say if progress else silent)[
-                "stopped"
-            ]
-    except Interrupted as asked:  # the tables are written of the runs that have ended
-        number = asked.number
-    if number not in (0, signal.SIGINT):
-        signal.raise_signal(number)
-    return _made(place, keeper, finished=not number and not stopped, stopped=stopped)
+    where = plan.where(workers, scheduler, None if slurm is None else Path(slurm))
+    with without_main():
+        result = command(plan, place, Options(where, retry, force, quiet=not progress, warn=warn), said(progress))
+    returned(result)
+    return Study(place, keeper)
 
 
 def open_study(folder: str | os.PathLike[str]) -> Study:
@@ -259,21 +237,6 @@ def _plan(source: str | os.PathLike[str] | Mapping[str, Any], folder: Path, forc
     return plan_of(Path(source))
 
 
-def _made(folder: Path, keeper: TemporaryFolder | None, finished: bool, stopped: str) -> Study:
-    """The study that was made; tables, pictures and the page are written of one that is whole."""
-    found = Study(folder, keeper)
-    lines = [stopped] if stopped else []
-    if finished:
-        from reports.study.outputs import write_study
-
-        lines += write_study(folder)["warnings"]
-    else:
-        lines += found.warnings
-    for line in lines:
-        warnings.warn(line, RunWarning, stacklevel=3)
-    return found
-
-
 @contextmanager
 def without_main() -> Iterator[None]:
     """Hide the script that called from the processes that are started: they would import it, and so call again what it calls."""
@@ -288,19 +251,10 @@ def without_main() -> Iterator[None]:
             setattr(main, name, value)
 
 
-def say(line: str) -> None:
-    """A line on standard error, at once."""
-    print(line, file=sys.stderr, flush=True)
-
-
 def warn(lines: Iterable[str]) -> None:
     """What is doubtful of the runs before any of them is made."""
     for line in lines:
         warnings.warn(line, RunWarning, stacklevel=2)
-
-
-def silent(line: str) -> None:
-    """Say nothing."""
 
 
 def _table(rows: list[dict[str, Any]], columns: tuple[str, ...], index: str) -> DataFrame:

@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from masonry_cd.analysis.fragility.fits import Fits
-from masonry_cd.analysis.fragility.folder import Study
-from masonry_cd.analysis.fragility.sensitivity import Correlation
+from masonry_cd.analysis.fragility.findings import Findings
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.extras import require
 from masonry_cd.interface.plots import Page, shown
@@ -29,16 +28,12 @@ class StudyPlots(Sealed):
     """What ``study.plot`` offers. A picture that the design or the runs do not allow is refused, with the names of those that there are.
 
     Args:
-        study: the folder as it was read.
-        fits: the fragilities.
-        correlations: of what varied.
-        joints: what the runs did to the joints; None where that is not known.
+        found: what the runs say.
+        joints: what they did to the joints; None where that is not known.
     """
 
-    def __init__(
-        self, study: Study, fits: Callable[[], Fits], correlations: Callable[[], list[Correlation]], joints: Callable[[], JointStudy | None]
-    ) -> None:
-        self._study, self._fits, self._correlations, self._joints = study, fits, correlations, joints
+    def __init__(self, found: Findings, joints: Callable[[], JointStudy | None]) -> None:
+        self._found, self._study, self._joints = found, found.study, joints
 
     def fragility(self) -> Image:
         """The probability that each limit state is exceeded, over the intensity, with its band and what was counted."""
@@ -113,41 +108,35 @@ class StudyPlots(Sealed):
 
     def _diagram(self, name: str) -> Image:
         """One of the diagrams."""
-        from reports.study.outputs import diagrams
+        from reports.study.outputs import DIAGRAMS, diagrams
 
-        known = diagrams(self._study, self._fits(), self._correlations())
+        known = diagrams(self._found)
         if f"{name}.png" not in known:
             raise InputError(name, f"not of this study; it has {_names(known)}")
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / f"{name}.png"
-            known[path.name](path)
-            return _image(path)
+        return drawn(lambda path: DIAGRAMS[f"{name}.png"].draw(self._found, path))
 
     def _map(self, name: str) -> Image:
         """One of the maps of the joints."""
-        from dataclasses import replace
-
         found = self._joints()
         known = found.maps(every_level=True) if found is not None else {}
         if found is None or f"{name}.png" not in known:
             raise InputError(name, f"no joint of this study shows it; there are {_names(known)}")
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / f"{name}.png"
-            found.draw([replace(known[path.name], path=path)])
-            return _image(path)
+        return drawn(lambda path: found.draw([replace(known[f"{name}.png"], path=path)]))
 
 
-def _names(known: object) -> str:
+def _names(known: Iterable[str]) -> str:
     """Names of pictures, for a message."""
-    assert isinstance(known, dict)
     return ", ".join(name.removesuffix(".png") for name in known) or "none"
 
 
-def _image(path: Path) -> Image:
-    """A picture whose file may go."""
+def drawn(draw: Callable[[Path], object]) -> Image:
+    """A picture that is drawn into a file, which then goes."""
     require("a picture", "PIL")
     from PIL import Image as images
 
-    with images.open(path) as picture:
-        picture.load()
-        return picture.copy()
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "picture.png"
+        draw(path)
+        with images.open(path) as picture:
+            picture.load()
+            return picture.copy()

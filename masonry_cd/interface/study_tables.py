@@ -13,7 +13,8 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.scenes import scene
 from masonry_cd.interface.values import plain
 from masonry_cd.studies.study.folder import StudyFolder
-from masonry_cd.studies.study.study_case import Plan, plan_of_study, require_own
+from masonry_cd.studies.study.plan import Plan
+from masonry_cd.studies.study.study_case import plan_of_study, require_own
 from masonry_cd.studies.study.study_file import parse_study
 
 CALLED = "study"  # one made in Python, in messages

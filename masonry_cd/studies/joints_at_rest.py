@@ -9,7 +9,7 @@ its springs go by, so the share of the area that acts is the share of the normal
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,25 @@ CLOSED = 0.999  # share of the area from which on a joint counts as closed
 LISTED = 12  # joints that are named in words, those with the least left
 
 
-def joints_at_rest(machine: Stepper) -> list[dict[str, Any]]:
+class JointAtRest(NamedTuple):
+    """A joint, and what is left of it."""
+
+    joint: int
+    block_a: str
+    block_b: str
+    area: float  # [m2]
+    share_left: float  # of the area that acts
+    points_left: int
+    points: int
+
+    @property
+    def line(self) -> str:
+        """In words."""
+        state = "open" if self.share_left == 0.0 else f"{100 * self.share_left:.0f} % of its area left"
+        return f'  joint {self.joint}, "{self.block_a}" and "{self.block_b}": {state}, {self.points_left} of {self.points} contact points'
+
+
+def joints_at_rest(machine: Stepper) -> list[JointAtRest]:
     """Each joint of a stepper that has settled: its blocks, the share of its area that acts, and how many of its points do.
 
     Args:
@@ -44,29 +62,20 @@ def joints_at_rest(machine: Stepper) -> list[dict[str, Any]]:
         np.add.at(area, joint[acts], made.springs.area[acts])
         np.add.at(points, joint[acts], 1)
     share = np.minimum(1.0, area / joints.area)
-    return [
-        {
-            "joint": j,
-            "block_a": assembly.names[int(joints.block_a[j])],
-            "block_b": assembly.names[int(joints.block_b[j])],
-            "area": float(joints.area[j]),
-            "share_left": float(share[j]),
-            "points_left": int(points[j]),
-            "points": int(count[j]),
-        }
-        for j in range(joints.count)
-    ]
+    pairs = ((assembly.names[int(a)], assembly.names[int(b)]) for a, b in zip(joints.block_a, joints.block_b, strict=True))
+    numbers = zip(joints.area.tolist(), share.tolist(), points.tolist(), count.tolist(), strict=True)
+    return [JointAtRest(j, *pair, *four) for j, (pair, four) in enumerate(zip(pairs, numbers, strict=True))]
 
 
-def at_rest_summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def at_rest_summary(rows: Sequence[JointAtRest]) -> dict[str, Any]:
     """How many joints are open or partly so, and the share of the stiffness of all of them that is left, for JSON."""
-    area = sum(row["area"] for row in rows)
+    area = sum(row.area for row in rows)
     return {
         "joints": len(rows),
-        "open": sum(row["share_left"] == 0.0 for row in rows),
-        "partly": sum(0.0 < row["share_left"] < CLOSED for row in rows),
-        "share_left": sum(row["area"] * row["share_left"] for row in rows) / area if area else 1.0,
-        "not_closed": [row for row in rows if row["share_left"] < CLOSED],
+        "open": sum(row.share_left == 0.0 for row in rows),
+        "partly": sum(0.0 < row.share_left < CLOSED for row in rows),
+        "share_left": sum(row.area * row.share_left for row in rows) / area if area else 1.0,
+        "not_closed": [row._asdict() for row in rows if row.share_left < CLOSED],
     }
 
 
@@ -80,10 +89,7 @@ def at_rest_lines(found: dict[str, Any]) -> list[str]:
         "stiffness of all joints is left. The linear model takes all of it, so the run swings slower; for the frequencies of a structure "
         "that is not cracked give its joints cohesion, or add what presses them together"
     ]
-    worst = sorted(found["not_closed"], key=lambda row: (row["share_left"], row["joint"]))
-    for row in worst[:LISTED]:
-        state = "open" if row["share_left"] == 0.0 else f"{100 * row['share_left']:.0f} % of its area left"
-        points = f"{row['points_left']} of {row['points']} contact points"
-        lines.append(f'  joint {row["joint"]}, "{row["block_a"]}" and "{row["block_b"]}": {state}, {points}')
+    worst = sorted((JointAtRest(**row) for row in found["not_closed"]), key=lambda row: (row.share_left, row.joint))
+    lines += [row.line for row in worst[:LISTED]]
     more = len(worst) - LISTED
     return [*lines, *([f"  and {more} more, all in vibration.json"] if more > 0 else [])]

@@ -14,11 +14,11 @@ joints without compression are at work, and in a strong one opening and sliding:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from operator import itemgetter
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -29,7 +29,7 @@ from masonry_cd.app.folders import free_folder
 from masonry_cd.app.result import Result
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation import own_files
-from masonry_cd.foundation.csv_files import write_rows
+from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -46,6 +46,7 @@ CYCLES, JUDGED = 14, 4  # of the base in a sweep, and the last of them over whic
 SMALL = 1e-3  # acceleration of a small vibration, as a share of gravity
 RATIOS = np.union1d(np.linspace(0.3, 2.0, 18), np.linspace(0.85, 1.15, 13)).round(6)  # of a sweep, to the frequency of its mode
 MODES = 12  # of the linear model under a sweep, at least
+HEAD = ("free vibration of the run, and rigid blocks on the same elastic joints:", "  mode     run [Hz]   linear [Hz]   difference")
 OUTPUTS = ("vibration.json", "vibration.csv", "sweep.csv", "sweep.png")
 
 
@@ -74,6 +75,34 @@ class Companion:
     def coordinates(self, displacement: np.ndarray) -> np.ndarray:
         """Modal coordinates (n,) of displacements (B, 6)."""
         return np.einsum("nbi,bi->n", self.weighted, displacement)
+
+
+class ModeRow(NamedTuple):
+    """A mode: its frequencies in the run and in the linear model, and the share of the mass that it moves in each direction."""
+
+    mode: int
+    linear_hz: float
+    nscd_hz: float
+    difference_percent: float
+    mass_x: float
+    mass_y: float
+    mass_z: float
+
+    @property
+    def line(self) -> str:
+        """In words, below the head of the table."""
+        return f"  {self.mode:4d}  {self.nscd_hz:11.4f}  {self.linear_hz:12.4f}  {self.difference_percent:+9.2f} %"
+
+
+class SweepRow(NamedTuple):
+    """A frequency of the base: amplitudes of it and of a block relative to it, in the run and in the linear model."""
+
+    frequency_hz: float
+    base_amplitude_m: float
+    nscd_amplitude_m: float
+    linear_amplitude_m: float
+    nscd_ratio: float
+    linear_ratio: float
 
 
 def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: bool = False) -> Result[dict[str, Any]]:
@@ -105,19 +134,19 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
         assembly = replace(assembly, laws=assembly.laws.damped_at(float(companion.frequencies[0])))
         rows = free_vibration(assembly, scene.run, companion, asked.modes)
         rest = at_rest_summary(joints_at_rest(_at_rest(assembly, scene.run, scene.run.dt, np.zeros((2, 1, 3)))))
-        found: dict[str, Any] = {"title": scene.title, "modes": rows, "joints_at_rest": rest, "lines": _mode_lines(rows)}
-        found["warnings"] = at_rest_lines(rest)
+        found: dict[str, Any] = {"title": scene.title, "modes": [row._asdict() for row in rows], "joints_at_rest": rest}
+        found |= {"lines": [*HEAD, *(row.line for row in rows)], "warnings": at_rest_lines(rest)}
         if asked.sweep:
             swept = _swept(assembly, scene, companion, asked)
             found |= swept | {"lines": [*found["lines"], _sweep_line(swept)]}
     own_files.begin(folder, OUTPUTS)
     own_files.remove(folder, OUTPUTS)
     write_json(found, folder / "vibration.json")
-    write_rows(folder / "vibration.csv", rows)
+    write_csv(folder / "vibration.csv", ModeRow._fields, rows)
     if asked.sweep:
         from masonry_cd.studies.vibration_picture import sweep_picture
 
-        write_rows(folder / "sweep.csv", found["sweep"])
+        write_csv(folder / "sweep.csv", SweepRow._fields, (row.values() for row in found["sweep"]))
         sweep_picture(found, folder / "sweep.png")
     written = [folder / name for name in OUTPUTS if (folder / name).exists()]
     return Result(found, found["lines"], found["warnings"], written)
@@ -149,7 +178,7 @@ def linear_modes(assembly: Assembly, count: int) -> Companion:
     return Companion(np.asarray(found["frequencies"]), shapes, weighted, np.asarray(found["participation"]))
 
 
-def free_vibration(assembly: Assembly, settings: Run, companion: Companion, count: int) -> list[dict[str, float]]:
+def free_vibration(assembly: Assembly, settings: Run, companion: Companion, count: int) -> list[ModeRow]:
     """Frequencies of the run beside those of the linear modes, one row for each of the first ``count`` modes."""
     frequencies, gravity = companion.frequencies[:count], _gravity(settings)
     dt = min(settings.dt, 1.0 / (STEPS * float(frequencies[-1])))
@@ -163,21 +192,11 @@ def free_vibration(assembly: Assembly, settings: Run, companion: Companion, coun
     rows = []
     for k, (frequency, q) in enumerate(zip(frequencies, history.T, strict=True)):
         own = _peak(q, dt)
-        rows.append(
-            {
-                "mode": k + 1,
-                "linear_hz": float(frequency),
-                "nscd_hz": own,
-                "difference_percent": 100.0 * (own / float(frequency) - 1.0),
-                **{f"mass_{axis}": float(companion.participation[k, i]) for i, axis in enumerate("xyz")},
-            }
-        )
+        rows.append(ModeRow(k + 1, float(frequency), own, 100.0 * (own / float(frequency) - 1.0), *companion.participation[k].tolist()))
     return rows
 
 
-def sweep(
-    assembly: Assembly, settings: Run, companion: Companion, axis: int, velocity: float, frequencies: np.ndarray
-) -> list[dict[str, float]]:
+def sweep(assembly: Assembly, settings: Run, companion: Companion, axis: int, velocity: float, frequencies: np.ndarray) -> list[SweepRow]:
     """Amplitudes of the block that moves most in the first mode of a direction, relative to the base, by frequency of the base.
 
     Args:
@@ -203,17 +222,8 @@ def sweep(
         linear = _linear_response(assembly, companion, axis, block, shaking[:, 0, axis], dt)
         last = -round(JUDGED / (f * dt))
         own, reference = (float(np.abs(values[last:]).max()) for values in (history, linear))
-        base_amplitude = velocity / (2.0 * np.pi * f)
-        rows.append(
-            {
-                "frequency_hz": float(f),
-                "base_amplitude_m": float(base_amplitude),
-                "nscd_amplitude_m": own,
-                "linear_amplitude_m": reference,
-                "nscd_ratio": own / base_amplitude,
-                "linear_ratio": reference / base_amplitude,
-            }
-        )
+        base_amplitude = velocity / (2.0 * np.pi * float(f))
+        rows.append(SweepRow(float(f), base_amplitude, own, reference, own / base_amplitude, reference / base_amplitude))
     return rows
 
 
@@ -223,7 +233,7 @@ def _swept(assembly: Assembly, scene: Scene, companion: Companion, asked: Vibrat
     leading = int(companion.participation[:, axis].argmax())
     near = float(companion.frequencies[leading])
     velocity = asked.velocity or SMALL * _gravity(scene.run) / (2.0 * np.pi * near)
-    rows = sweep(assembly, scene.run, companion, axis, velocity, near * RATIOS)
+    rows = [row._asdict() for row in sweep(assembly, scene.run, companion, axis, velocity, near * RATIOS)]
     block = assembly.names[int(np.abs(companion.shapes[leading, :, axis]).argmax())]
     return {"sweep": rows, "direction": asked.sweep, "velocity": velocity, "block": block}
 
@@ -293,11 +303,3 @@ def _linear_response(assembly: Assembly, companion: Companion, axis: int, block:
         gain = weighted[:, axis].sum() * shape[block, axis]
         out += gain * lsim(([1.0], [1.0, 2.0 * damping * omega, omega**2]), push, time)[1]
     return out[1:]
-
-
-def _mode_lines(rows: Sequence[Mapping[str, float]]) -> list[str]:
-    """The modes in words."""
-    lines = ["free vibration of the run, and rigid blocks on the same elastic joints:", "  mode     run [Hz]   linear [Hz]   difference"]
-    return lines + [
-        f"  {row['mode']:4d}  {row['nscd_hz']:11.4f}  {row['linear_hz']:12.4f}  {row['difference_percent']:+9.2f} %" for row in rows
-    ]

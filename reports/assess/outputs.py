@@ -7,14 +7,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.analysis.assessment.assessment import DISPLACEMENT, FELT, FILE, GRADE, Assessment, Known, as_facts, read_assessment
+from masonry_cd.analysis.assessment.assessment import DISPLACEMENT, FELT, FILE, GRADE, Assessment, read_assessment
 from masonry_cd.analysis.assessment.verdict import between, lines_of, on_the_whole, place_of, shown, to_pin_down, verdict, warnings_of
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.foundation import own_files
+from masonry_cd.foundation.json_files import write_json
 from reports.assess.picture import PICTURE, tornado
 from reports.assess.tables import CSV, heads, rows_of, write_table
 from reports.page.document import Head, pictures, rows_of_many, write_document
-from reports.study.tables import write_json
+from reports.study.tables import DIGITS
 
 FILES = files_of("assess")
 PAGE = "assess.html"
@@ -42,18 +43,18 @@ def write_assessment(folder: Path) -> Assessment:
     own_files.remove(folder, (PICTURE,))
     drawn = []
     write_table(found, folder / CSV)
-    if found.base.done:
+    if found.base.row.done:
         tornado(found, folder / PICTURE)
         drawn = [folder / PICTURE]
     write_page(found, drawn, folder / PAGE)
-    write_json(folder / FILE, {"found": facts_of(found)} | as_facts(found))
+    write_json(folder / FILE, {"found": facts_of(found)} | found.as_dict(), DIGITS)
     return found
 
 
 def facts_of(found: Assessment) -> dict[str, Any]:
     """What follows from the runs, for assess.json."""
     whole = on_the_whole(found).as_dict()
-    if not found.base.done:
+    if not found.base.row.done:
         return {"verdict": None, "on_the_whole": whole, "lines": lines_of(found), "warnings": warnings_of(found)}
     return {
         "verdict": verdict(found),
@@ -62,20 +63,10 @@ def facts_of(found: Assessment) -> dict[str, Any]:
         "deciding": [one.name for one in found.deciding],
         "chance": {answer.key: list(found.chance(answer)) for answer in found.answers},
         "range": {answer.key: list(found.range(answer)) for answer in found.answers},
-        "bars": {one.name: _bars(found, one) for one in found.ranked},
+        "bars": found.bars(),
         "lines": lines_of(found),
         "warnings": warnings_of(found),
     }
-
-
-def _bars(found: Assessment, one: Known) -> dict[str, Any]:
-    """The bars of an assumption by answer."""
-    out = {}
-    for answer in found.answers:
-        bar = found.bar(one, answer)
-        chance = found.by_chance(answer, 1 + len(bar.values))
-        out[answer.key] = {"low": bar.low, "high": bar.high, "reference": bar.reference, "by_chance": chance, "shows": bar.shows}
-    return out
 
 
 def write_page(found: Assessment, drawn: Sequence[Path], path: Path) -> None:
@@ -102,7 +93,7 @@ def write_page(found: Assessment, drawn: Sequence[Path], path: Path) -> None:
 
 def _tiles(found: Assessment) -> list[tuple[str, object, str]]:
     """The numbers at the head."""
-    out: list[tuple[str, object, str]] = [("runs", len({one.row["run"] for one in found.members if one.done}), "")]
+    out: list[tuple[str, object, str]] = [("runs", len({one.run for one in found.members if one.row.done}), "")]
     for answer in found.answers:
         low, high = found.range(answer)
         out.append((f"{answer.name}, base case", f"{shown(answer, found.base.of(answer)) or 'none'} {answer.unit}".strip(), ""))
@@ -117,6 +108,6 @@ def _assumed(found: Assessment) -> list[tuple[str, str]]:
     rows += [(one.name, f"{one.base}; varied: {', '.join(one.levels)}") for one in found.ranked]
     rows += [(name, f"not varied: {why}") for name, why in found.left_out]
     rows += [("how it is judged", READ)]
-    failed = [place_of(one) for one in found.members if one.row and not one.done]
+    failed = [place_of(one) for one in found.members if one.row.status and not one.row.done]
     rows += [("no data", ", ".join(failed))] if failed else []
     return rows

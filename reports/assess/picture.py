@@ -31,7 +31,7 @@ def tornado(found: Assessment, path: Path) -> None:
     rows = -(-len(answers) // BESIDE)
     across = -(-len(answers) // rows)
     size = (1.8 + PANEL * across, 0.9 + rows * (ABOVE + ROW * (len(known) + 1)))
-    count = sum(one.done for one in found.ensemble)
+    count = sum(one.row.done for one in found.ensemble)
     chance = f"grey: {count} runs that differ by 1e-9 in amplitude, what chance does" if count > 1 else "limit analysis"
     facts = f"full: beyond chance and 5 % of the base case; hollow: no more than that; {chance}; line: base case"
     figure, panels = sheet(f"{found.title}: what the answer rests on", facts, len(answers), size, rows)

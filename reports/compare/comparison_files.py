@@ -15,6 +15,7 @@ from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.figures import blank
+from masonry_cd.foundation.text_tables import markdown as table
 from reports.compare.comparison import Comparison, Run
 from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
 from reports.drawing.palette import DARK, GRADES
@@ -40,11 +41,7 @@ def markdown(comparison: Comparison) -> str:
     cells = [comparison.header]
     for name, unit, values in comparison.rows:
         cells.append([name, "mm", *map(_millimetres, values)] if unit == "m" else [name, unit, *map(_short, values)])
-    cells = [[cell.replace("|", "\\|") for cell in row] for row in cells]
-    width = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
-    lines = ["| " + " | ".join(cell.ljust(w) for cell, w in zip(row, width, strict=True)) + " |" for row in cells]
-    rule = "|" + "|".join("-" * (w + 2) for w in width) + "|"
-    return "\n".join([lines[0], rule, *lines[1:]]) + "\n"
+    return table(cells)
 
 
 def _short(value: Any) -> str:

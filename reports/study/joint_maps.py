@@ -73,7 +73,7 @@ class JointStudy:
         Of levels these are a few, evenly spread, or every one.
         """
         study, runs, thresholds, count = self.study, self.runs, self.thresholds, len(self.runs.rows)
-        title, share, opened = str(study.asked["title"]), ColourClasses(SHARES, palette.SHARES, 100.0), runs.opened(thresholds)
+        title, share, opened = str(study.asked.title), ColourClasses(SHARES, palette.SHARES, 100.0), runs.opened(thresholds)
         over = f"over {count} runs, at rest · standard error {50.0 / np.sqrt(count):.2g} % at most"
         shares = (
             ("probability_opened.png", "how often joints opened", opened, f"opened by {length(thresholds.opened)} or more, or lost"),
@@ -88,8 +88,8 @@ class JointStudy:
         facts = f"half of {count} runs open a joint by more than this; a joint that is lost counts as wide open"
         words = f"{title}: median of the largest opening"
         out.append(JointValues(study.folder / "median_opening.png", words, facts, middle, scale, "median of the largest opening [mm]"))
-        level, name = study.numbers("level")[runs.rows], str(study.asked["measure"] or "level")
-        most = 0 if study.asked["design"] == "ida" else study.count if every_level else LEVELS
+        level, name = study.numbers("level")[runs.rows], str(study.asked.measure or "level")
+        most = 0 if study.asked.design == "ida" else study.count if every_level else LEVELS
         for one in _levels(level, most):
             here = level == one
             at = f"at {name} {with_unit(one, name)}"

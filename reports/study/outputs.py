@@ -6,30 +6,29 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.analysis.fragility import words
-from masonry_cd.analysis.fragility.fits import Fit, Fits, fit_study
-from masonry_cd.analysis.fragility.folder import FIRST, Study, read_study
+from masonry_cd.analysis.fragility.findings import Findings, findings_in
+from masonry_cd.analysis.fragility.fits import Fit
+from masonry_cd.analysis.fragility.folder import FIRST, Study
 from masonry_cd.analysis.fragility.measures import unit
-from masonry_cd.analysis.fragility.sensitivity import COLUMNS, Correlation, correlations
-from masonry_cd.analysis.fragility.verdict import verdict_of
-from masonry_cd.analysis.fragility.words import counts, first_fits, lines_of, quantities_of, spreads, warnings_of
+from masonry_cd.analysis.fragility.sensitivity import COLUMNS
 from masonry_cd.analysis.outputs import STUDY_PAGE, numbers_in
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import counted
 from reports.drawing.render import NoContext
 from reports.page.document import Badge, Head, pictures, rows_of_many, script_of, write_document
 from reports.study.joint_maps import draw_joint_maps
 from reports.study.pictures import METHODS, cloud_picture, fragility_picture, ida_picture, spread_picture, stripes_picture, tornado_picture
-from reports.study.tables import COLUMNS_OF_FITS, entry_of, row_of, write_json, write_openquake
+from reports.study.tables import COLUMNS_OF_FITS, DIGITS, entry_of, row_of, write_openquake
 
 PAGE = "study.html"
 ROWS = 3000  # of the table of runs; all are in runs.csv
@@ -57,134 +56,151 @@ FILES = tuple(name for name in files_of("study") if name not in MADE)
 MAPS = "probability_*.png"
 
 
-@dataclass(eq=False)
-class Written:
-    """What has been written, and what there is to say of it."""
+@dataclass(frozen=True)
+class StudyReport:
+    """What a study comes to, as summary.json has it."""
 
-    pictures: list[Path] = field(default_factory=list)
-    tables: list[Path] = field(default_factory=list)
-    lines: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-
-    def add(self, files: Sequence[Path], lines: Sequence[str], warnings: Sequence[str]) -> None:
-        """More of them."""
-        self.pictures += [path for path in files if path.suffix == ".png"]
-        self.tables += [path for path in files if path.suffix != ".png"]
-        self.lines += lines
-        self.warnings += warnings
+    verdict: Verdict
+    lines: Sequence[str]
+    warnings: Sequence[str]
+    files: Sequence[Path]  # tables, then pictures
 
 
-def write_study(folder: Path) -> dict[str, Any]:
+def write_study(folder: Path) -> StudyReport:
     """Fit, draw and write all that a study's design and its runs allow; what an earlier call wrote and this one does not is removed.
 
-    The folder holds study.json, runs.csv, and, for the maps, joints/ and reference/. What summary.json gets is returned.
+    The folder holds study.json, runs.csv, and, for the maps, joints/ and reference/.
 
     Raises:
         InputError: something in the folder is missing or broken.
     """
-    study = read_study(folder)
-    fits, rows = fit_study(study), correlations(study)
+    found = findings_in(folder)
     own_files.begin(folder, (*FILES, MAPS), lambda _: True)  # which study.json proves, read above
     own_files.remove(folder, (*FILES, MAPS))
-    out = Written(lines=lines_of(study, fits.fits, rows), warnings=[*warnings_of(study), *fits.warnings])
-    _write_tables(study, fits, rows, out)
-    for name, draw in diagrams(study, fits, rows).items():
-        draw(folder / name)
-        out.pictures.append(folder / name)
+    tables, warnings = _write_tables(found)
+    drawn = [folder / name for name in diagrams(found)]
+    for path in drawn:
+        DIAGRAMS[path.name].draw(found, path)
     try:
-        out.add(*draw_joint_maps(study))
+        maps, lines, more = draw_joint_maps(found.study)
     except NoContext as failure:
-        out.warnings.append(str(failure))
-    found = verdict_of(study, fits)
-    write_page(study, fits.fits, out, found)
-    summary = _summary(study, fits.fits, rows, out, found)
-    write_json(folder / "summary.json", summary)
-    return summary
+        maps, lines, more = [], [], [str(failure)]
+    files = sorted([*tables, *drawn, *maps], key=lambda path: path.suffix == ".png")
+    made = StudyReport(found.verdict, [*found.lines, *lines], [*found.warnings, *warnings, *more], files)
+    write_page(found, made)
+    write_json(folder / "summary.json", _summary(found, made), DIGITS)
+    return made
 
 
-def _write_tables(study: Study, fits: Fits, rows: Sequence[Correlation], out: Written) -> None:
-    """fragility.csv, .json and .xml, sensitivity.csv."""
+def _write_tables(found: Findings) -> tuple[list[Path], list[str]]:
+    """Write fragility.csv, .json and .xml, sensitivity.csv; those that there are, and warnings."""
+    study, fits, warnings = found.study, found.fits, list[str]()
     table, facts, nrml = (study.folder / f"fragility.{form}" for form in ("csv", "json", "xml"))
     sensitivity = study.folder / "sensitivity.csv"
-    if fits.fits:
-        write_csv(table, COLUMNS_OF_FITS, (row_of(fit).values() for fit in fits.fits), digits=6)
-        write_json(facts, {"format": 1, "fits": [entry_of(fit) for fit in fits.fits], "warnings": list(fits.warnings)})
-        out.warnings += write_openquake(nrml, str(study.asked["title"]), fits.fits)
-    if rows:
-        write_csv(sensitivity, COLUMNS, rows, digits=6)
-    out.tables += [path for path in (table, facts, nrml, sensitivity) if path.exists()]
+    if fits:
+        write_csv(table, COLUMNS_OF_FITS, (row_of(fit).values() for fit in fits), digits=6)
+        write_json(facts, {"format": 1, "fits": [entry_of(fit) for fit in fits], "warnings": found.all_fits.warnings}, DIGITS)
+        warnings = write_openquake(nrml, study.asked.title, found.first_fits)
+    if found.correlations:
+        write_csv(sensitivity, COLUMNS, found.correlations, digits=6)
+    return [path for path in (table, facts, nrml, sensitivity) if path.exists()], warnings
 
 
-def diagrams(study: Study, fits: Fits, rows: Sequence[Correlation]) -> dict[str, Callable[[Path], None]]:
-    """The diagrams that a study's design and its runs allow: of each its file's name, and what draws it there."""
-    title, quantities = str(study.asked["title"]), quantities_of(study)
-    levels = study.numbers("level")[study.done]
-    in_stripes = study.asked["design"] != "ida" and len(np.unique(levels[np.isfinite(levels)])) > 1
-    drawn = any(fit.runs for fit in fits.fits)
-    known: list[tuple[str, bool, Callable[[Path], None]]] = [
-        ("fragility.png", drawn, lambda path: fragility_picture([fit for fit in fits.fits if fit.runs], f"{title}: fragility", path)),
-        ("ida.png", bool(fits.curves and quantities), lambda path: ida_picture(study, fits.curves, path)),
-        ("cloud.png", bool(fits.clouds), lambda path: cloud_picture(study, fits.clouds, path)),
-        ("stripes.png", in_stripes and bool(quantities), lambda path: stripes_picture(study, path)),
-        ("spread.png", not drawn and not in_stripes and bool(quantities), lambda path: spread_picture(study, path)),
-        ("tornado.png", bool(rows), lambda path: tornado_picture(rows, title, path)),
-    ]
-    return {name: draw for name, allowed, draw in known if allowed}
+class Diagram(NamedTuple):
+    """A diagram: whether a study's design and its runs allow it, and what draws it."""
+
+    allowed: Callable[[Findings], bool]
+    draw: Callable[[Findings, Path], None]
 
 
-def _summary(study: Study, fits: Sequence[Fit], rows: Sequence[Correlation], out: Written, found: Verdict) -> dict[str, Any]:
+def _fitted(found: Findings) -> bool:
+    return any(fit.runs for fit in found.fits)
+
+
+def _in_stripes(found: Findings) -> bool:
+    levels = found.study.numbers("level")[found.study.done]
+    return found.study.asked.design != "ida" and len(np.unique(levels[np.isfinite(levels)])) > 1 and bool(found.quantities)
+
+
+DIAGRAMS = {
+    "fragility.png": Diagram(_fitted, fragility_picture),
+    "ida.png": Diagram(lambda found: bool(found.all_fits.curves and found.quantities), ida_picture),
+    "cloud.png": Diagram(lambda found: bool(found.all_fits.clouds), cloud_picture),
+    "stripes.png": Diagram(_in_stripes, stripes_picture),
+    "spread.png": Diagram(lambda found: not _fitted(found) and not _in_stripes(found) and bool(found.quantities), spread_picture),
+    "tornado.png": Diagram(lambda found: bool(found.correlations), tornado_picture),
+}
+
+
+def diagrams(found: Findings) -> list[str]:
+    """Names of the diagrams that a study's design and its runs allow."""
+    return [name for name, diagram in DIAGRAMS.items() if diagram.allowed(found)]
+
+
+def _summary(found: Findings, made: StudyReport) -> dict[str, Any]:
     """What summary.json holds."""
+    asked = found.study.asked
     return {
         "format": 1,
-        "verdict": found.as_dict(),
-        "title": study.asked["title"],
-        "design": study.asked["design"],
-        "measure": study.asked["measure"],
-        "runs": counts(study),
-        "records": len(study.motions),
-        "collapsed": int((study.collapsed & study.done).sum()),
-        "fragility": [row_of(fit) | dict(fit.betas.as_dict()) for fit in first_fits(fits)],
-        "spread": spreads(study),
-        "sensitivity": [row._asdict() for row in rows if row.kind == "varied"],
-        "files": [path.name for path in (*out.tables, *out.pictures)] + [PAGE],
-        "lines": out.lines,
-        "warnings": out.warnings,
+        "verdict": made.verdict.as_dict(),
+        "title": asked.title,
+        "design": asked.design,
+        "measure": asked.measure,
+        "runs": found.counts,
+        "records": len(found.study.motions),
+        "collapsed": found.fell,
+        "fragility": [row_of(fit) | dict(fit.betas.as_dict()) for fit in found.first_fits],
+        "spread": {column: spread._asdict() for column, spread in found.spreads.items()},
+        "sensitivity": [row._asdict() for row in found.correlations if row.kind == "varied"],
+        "files": [*(path.name for path in made.files), PAGE],
+        "lines": made.lines,
+        "warnings": made.warnings,
     }
 
 
-def write_page(study: Study, fits: Sequence[Fit], out: Written, found: Verdict) -> None:
+def write_page(found: Findings, made: StudyReport) -> None:
     """Write study.html: words first, then the pictures, the fits and the runs; a run whose page is kept is linked from its row."""
-    title = str(study.asked["title"])
-    asked = study.asked
+    study, fits, asked = found.study, found.fits, found.study.asked
     varied = [counted(len(study.motions), "record")] if study.motions else []
-    varied += [f"{asked['measure']} at {counted(len(asked['levels']), 'level')}"] if asked["measure"] and asked["levels"] else []
-    block = rows_of_many(asked["scene"], asked.get("program", ""), ", ".join([*varied, *study.varied]) or "nothing but chance")
+    varied += [f"{asked.measure} at {counted(len(asked.levels), 'level')}"] if asked.measure and asked.levels else []
+    block = rows_of_many(asked.scene, asked.program, ", ".join([*varied, *study.varied]) or "nothing but chance")
     notes = dict.fromkeys(fit.betas.note for fit in fits if fit.fitted and fit.betas.note)
+    numbers = [
+        ("runs done", found.counts["done"], ""),
+        ("records", len(study.motions), ""),
+        ("failed or timed out", found.lost, ""),
+        ("runs in which blocks fell", found.fell, ""),
+    ]
+    drawn = [path for path in made.files if path.suffix == ".png"]
     write_document(
         study.folder / PAGE,
         "study.html",
-        title=title,
-        page=Head(title, out.lines, out.warnings, _counts(study), block, found),
-        drawn=pictures({path: CAPTIONS.get(path.name, "How often each joint opened at this level.") for path in out.pictures}),
+        title=asked.title,
+        page=Head(asked.title, made.lines, made.warnings, numbers, block, made.verdict),
+        drawn=pictures({path: CAPTIONS.get(path.name, "How often each joint opened at this level.") for path in drawn}),
         measure=fits[0].measure if fits else "",
         fits=[_fit(fit) for fit in fits],
         on_beta="; ".join(notes),
         runs=_runs(study),
         printed=PRINTED,
-        settings=[*words.settings(study).items()],
+        settings=[*_settings(study).items()],
         script=script_of("reports.study", "study.js"),
     )
 
 
-def _counts(study: Study) -> list[tuple[str, object, str]]:
-    """The counts."""
-    found = words.counts(study)
-    return [
-        ("runs done", found["done"], ""),
-        ("records", len(study.motions), ""),
-        ("failed or timed out", (found["failed"] or 0) + (found["timeout"] or 0), ""),
-        ("runs in which blocks fell", int((study.collapsed & study.done).sum()), ""),
-    ]
+def _settings(study: Study) -> dict[str, str]:
+    """What was asked."""
+    asked = study.asked
+    return {
+        "design": asked.design,
+        "scene": asked.scene,
+        "seed": str(asked.seed),
+        "intensity measure": asked.measure or "none",
+        "levels": ", ".join(f"{level:g}" for level in asked.levels) if asked.levels else "none",
+        "varied": ", ".join(study.varied) or "nothing in the scene",
+        "records": str(len(study.motions)) if study.motions else "none",
+        **{f"limit state {limit.name}": limit.in_words() for limit in study.limit_states},
+    }
 
 
 def _fit(fit: Fit) -> list[str]:
@@ -205,7 +221,7 @@ def _fit(fit: Fit) -> list[str]:
 
 def _runs(study: Study) -> dict[str, Any]:
     """The table of runs: its columns, its first rows, which are numbers, and how many rows there are."""
-    shown = [*FIRST[:4], *study.varied, *([study.asked["measure"]] if study.asked["measure"] else [])]
+    shown = [*FIRST[:4], *study.varied, *([study.asked.measure] if study.asked.measure else [])]
     shown += [name for name in RESULTS if name in study.columns] + ["status", "reason"]
     shown = [name for name in dict.fromkeys(shown) if any(_raw(study, name, k) for k in range(study.count))]
     rows = [[_cell(study, name, k) for name in shown] for k in range(min(study.count, ROWS))]

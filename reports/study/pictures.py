@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.fragility.bootstrap import bands
-from masonry_cd.analysis.fragility.fits import CloudFit, Fit
+from masonry_cd.analysis.fragility.findings import PANELS, Findings, quantity
+from masonry_cd.analysis.fragility.fits import ORDER, Fit
 from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.fragility import by_level
 from masonry_cd.analysis.fragility.ida import QUANTILES, Curve, demand_quantiles, quantiles
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.fragility.measures import label, with_unit
 from masonry_cd.analysis.fragility.sensitivity import Correlation
-from masonry_cd.analysis.fragility.words import ORDER, PANELS, quantities_of, quantity
 from reports.drawing.figure import FAINT, INK, plain_axes, save
 from reports.drawing.plots import MARKERS, PALE, colour, halo, legend, limit_line, logarithmic, sheet
 
@@ -39,8 +39,9 @@ KINDS = {"varied": "what varied", "intensity": "intensity measure"}
 LABELLED = 2  # limit states whose points have their counts written to them
 
 
-def fragility_picture(fits: Sequence[Fit], title: str, path: Path) -> None:
+def fragility_picture(found: Findings, path: Path) -> None:
     """Draw the fragilities of all limit states over one measure."""
+    fits, title = [fit for fit in found.fits if fit.runs], f"{found.study.asked.title}: fragility"
     limits = list(dict.fromkeys(fit.limit for fit in fits))
     points = next((words for method, words in POINTS.items() if method in {fit.method for fit in fits}), EIGHTHS)
     tall = 5.4 + 0.23 * sum(fit.fitted for fit in fits)
@@ -115,11 +116,11 @@ def _largest_shown(study: Study, column: str, values: np.ndarray) -> float:
     return 1.1 * shown or 1.0
 
 
-def ida_picture(study: Study, curves: Sequence[Curve], path: Path) -> None:
+def ida_picture(found: Findings, path: Path) -> None:
     """Draw the curves of the records, intensity upwards, and their 16, 50 and 84 % quantiles."""
-    columns, measure = quantities_of(study), str(study.asked["measure"])
+    study, curves, columns, measure = found.study, found.all_fits.curves, found.quantities, str(found.study.asked.measure)
     facts = f"{len(curves)} curves; a bar at the end: blocks fell in the next run"
-    figure, panels = sheet(f"{study.asked['title']}: incremental dynamic analysis", facts, len(columns))
+    figure, panels = sheet(f"{study.asked.title}: incremental dynamic analysis", facts, len(columns))
     for axes, column in zip(panels, columns, strict=True):
         words, factor = quantity(column)
         values = study.numbers(column)
@@ -157,11 +158,11 @@ def _ida_curve(axes: Any, curve: Curve, values: np.ndarray, collapsed: np.ndarra
         axes.plot(min(x[-1], most), at, "|", color="#8b9299", markersize=7, zorder=3)
 
 
-def cloud_picture(study: Study, clouds: Sequence[CloudFit], path: Path) -> None:
+def cloud_picture(found: Findings, path: Path) -> None:
     """Draw the runs in logarithms, their regression with its scatter and band, and what is known from one side only."""
-    shown = list(clouds)[:PANELS]
+    study, shown = found.study, found.all_fits.clouds[:PANELS]
     facts = "line: regression, pale: its scatter of one standard deviation, darker: 95 % band by the bootstrap over records"
-    figure, panels = sheet(f"{study.asked['title']}: cloud", facts, len(shown))
+    figure, panels = sheet(f"{study.asked.title}: cloud", facts, len(shown))
     for axes, fit in zip(panels, shown, strict=True):
         words, factor = quantity(fit.column)
         cloud, x = fit.cloud, np.exp(fit.cloud.measure)
@@ -197,14 +198,14 @@ def cloud_picture(study: Study, clouds: Sequence[CloudFit], path: Path) -> None:
     save(figure, path)
 
 
-def stripes_picture(study: Study, path: Path) -> None:
+def stripes_picture(found: Findings, path: Path) -> None:
     """Draw each run at its level, the median and the 16 to 84 % of each stripe, and how many collapsed."""
-    columns, level = quantities_of(study), study.numbers("level")
+    study, columns, level = found.study, found.quantities, found.study.numbers("level")
     rows = study.done & np.isfinite(level)
     levels = np.unique(level[rows])
     near = float(np.diff(levels).min()) if len(levels) > 1 else float(levels[0])
     facts = "a dot per run that stands; bars: 16, 50 and 84 % of all runs of a level; above: share in which blocks fell"
-    figure, panels = sheet(f"{study.asked['title']}: stripes", facts, len(columns))
+    figure, panels = sheet(f"{study.asked.title}: stripes", facts, len(columns))
     for axes, column in zip(panels, columns, strict=True):
         words, factor = quantity(column)
         values = study.numbers(column)
@@ -229,7 +230,7 @@ def stripes_picture(study: Study, path: Path) -> None:
             limit_line(axes, limit, k, factor, across=True)
         logarithmic(axes.yaxis)
         axes.set_xlim(max(0.0, levels[0] - near), levels[-1] + near)
-        plain_axes(axes, words, label(str(study.asked["measure"])) if study.asked["measure"] else "level")
+        plain_axes(axes, words, label(str(study.asked.measure)) if study.asked.measure else "level")
     save(figure, path)
 
 
@@ -242,12 +243,10 @@ def _bars(axes: Any, at: float, half: float, three: Sequence[float]) -> None:
         axes.plot([at, at], [three[0], three[2]], color=INK, linewidth=0.9, zorder=3.5)
 
 
-def spread_picture(study: Study, path: Path) -> None:
+def spread_picture(found: Findings, path: Path) -> None:
     """Draw how each quantity is distributed over the runs: their share up to a value, the median and the quartiles."""
-    columns = quantities_of(study)
-    figure, panels = sheet(
-        f"{study.asked['title']}: spread over the runs", "share of the runs up to a value; marks: quartiles", len(columns)
-    )
+    study, columns = found.study, found.quantities
+    figure, panels = sheet(f"{study.asked.title}: spread over the runs", "share of the runs up to a value; marks: quartiles", len(columns))
     for k, (axes, column) in enumerate(zip(panels, columns, strict=True)):
         words, factor = quantity(column)
         values = study.numbers(column)
@@ -268,8 +267,9 @@ def spread_picture(study: Study, path: Path) -> None:
     save(figure, path)
 
 
-def tornado_picture(rows: Sequence[Correlation], title: str, path: Path) -> None:
+def tornado_picture(found: Findings, path: Path) -> None:
     """Draw the rank correlations, a panel per quantity, the strongest on top."""
+    rows, title = found.correlations, found.study.asked.title
     columns = list(dict.fromkeys(row.quantity for row in rows))[:PANELS]
     groups = [[row for row in rows if row.quantity == column][:BARS] for column in columns]
     tall = 2.3 + 0.34 * max(len(group) for group in groups)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""The tables of a study: fragility.csv, fragility.json, sensitivity.csv, and the fragility model that OpenQuake reads.
 
-Numbers have six digits, so that a processor that rounds otherwise writes the same file. OpenQuake reads NRML 0.5, a continuous lognormal
+OpenQuake reads NRML 0.5, a continuous lognormal
 ``fragilityModel`` (reference manual of the OpenQuake Engine, fragility models). Its parameters are mean and standard deviation of the
 intensity at which a limit state is exceeded, not of its logarithm:
 
@@ -10,10 +10,9 @@ intensity at which a limit state is exceeded, not of its logarithm:
 
 from __future__ import annotations
 
-import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as Xml
@@ -22,10 +21,10 @@ import numpy as np
 
 from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.measures import openquake, unit
-from masonry_cd.analysis.fragility.words import first_fits
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import one_line
 
+DIGITS = 6  # of numbers, so that a processor that rounds otherwise writes the same file
 SPACE = "http://openquake.org/xmlns/nrml/0.5"
 COLUMNS_OF_FITS = (
     "limit_state", "measure", "method", "theta", "beta", "theta_low", "theta_high", "beta_low", "beta_high", "runs", "exceeded",
@@ -36,23 +35,6 @@ def row_of(fit: Fit) -> dict[str, Any]:
     """A fit as a row of fragility.csv."""
     numbers = (fit.theta, fit.beta, *fit.theta_band, *fit.beta_band)
     return dict(zip(COLUMNS_OF_FITS, (fit.limit.name, fit.measure, fit.method, *numbers, fit.runs, fit.exceeded), strict=True))
-
-
-def write_json(path: Path, found: Mapping[str, Any]) -> None:
-    """Write a file of JSON; what is no finite number becomes null."""
-    with replacing(path) as part:
-        part.write_text(json.dumps(plain(found), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
-
-
-def plain(value: Any) -> Any:
-    """A value as JSON can hold it, floats with six digits."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(one) for one in value]
-    if isinstance(value, float):
-        return float(f"{value:.6g}") if math.isfinite(value) else None
-    return value
 
 
 def entry_of(fit: Fit) -> dict[str, Any]:
@@ -78,7 +60,7 @@ def mean_and_stddev(theta: float, beta: float) -> tuple[float, float]:
 
 def write_openquake(path: Path, title: str, fits: Sequence[Fit]) -> list[str]:
     """Write fragility.xml where there are fits and OpenQuake has their measure, in the order in which they are reached; return warnings."""
-    chosen = sorted((fit for fit in first_fits(fits) if fit.beta > 0), key=lambda fit: fit.theta)
+    chosen = sorted((fit for fit in fits if fit.beta > 0), key=lambda fit: fit.theta)
     if not chosen:
         return []
     imt = openquake(chosen[0].measure)

@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from made_assessment import KNOWN, LEVELS, made, row_of, written
+from made_assessment import KNOWN, LEVELS, made, row, written
 
-from masonry_cd.analysis.assessment.assessment import ANSWERS, LEVEL, Known, Member, as_facts, read_assessment
+from masonry_cd.analysis.assessment.assessment import ANSWERS, LEVEL, Known, Member, read_assessment
 from masonry_cd.analysis.assessment.verdict import lines_of, on_the_whole, to_pin_down, verdict, warnings_of
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.errors import InputError
 
 DISPLACEMENT = ANSWERS[0]
@@ -40,8 +41,8 @@ def test_runs_that_differ_by_chance_alone_do_not_show_in_19_of_20_cases() -> Non
     for _ in range(cases):
         levels = {key: float(value) for key, value in zip(LEVELS, random.normal(100.0, 20.0, len(LEVELS)), strict=True)}
         found = made(levels, chance=0.0)
-        members = [row_of(float(value)) for value in random.normal(100.0, 20.0, 8)]
-        rows = [type(one)(one.kind, one.values, members[k]) if k < 8 else one for k, one in enumerate(found.members)]
+        members = [row(float(value)) for value in random.normal(100.0, 20.0, 8)]
+        rows = [replace(one, row=members[k]) if k < 8 else one for k, one in enumerate(found.members)]
         found = type(found)(found.title, found.scene, found.assumptions, (), tuple(rows))
         shown += found.bar(KNOWN[0], DISPLACEMENT).shows
     assert 0.02 < shown / cases < 0.09
@@ -56,19 +57,19 @@ def test_a_time_step_that_decides_is_a_warning_and_nothing_to_pin_down() -> None
 
 def test_levels_coarser_than_the_base_case_are_shown_and_decide_nothing(tmp_path: Path) -> None:
     points = Known("joint points", "9", ("5", "15"), "", True, ("5",))
-    base, rows = made(), ((one, row_of(value)) for one, value in (("5", 900.0), ("15", 101.0)))
-    members = (*base.members, *(Member(LEVEL, {"joint points": name}, row) for name, row in rows))
+    base, rows = made(), ((one, row(value)) for one, value in (("5", 900.0), ("15", 101.0)))
+    members = (*base.members, *(Member(LEVEL, {"joint points": name}, one) for name, one in rows))
     found = type(base)(base.title, base.scene, (*base.assumptions, points), (), members)
     assert points not in found.deciding and found.range(DISPLACEMENT) == base.range(DISPLACEMENT)
     assert found.level("joint points", "5") in found.members
     assert read_assessment(written(tmp_path, found)).assumptions == found.assumptions
 
 
-FAILED = {"status": "failed", "reason": "blocks overlap", "run": "x", "seconds": 0.1}
+FAILED = RunRow("failed", "blocks overlap", 0.1)
 
 
 def test_runs_without_data_and_runs_that_missed_are_named() -> None:
-    found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row_of(120.0, steps_missed=3)})
+    found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row(120.0, steps_missed=3)})
     said = warnings_of(found)
     assert "friction 0.4: no data: blocks overlap" in said
     assert "1 run missed the tolerance in some steps (marked *): joint stiffness E 3.3 GPa" in said
@@ -81,17 +82,17 @@ def test_an_assumption_all_of_whose_runs_failed_is_no_idle_one() -> None:
 
 
 def test_a_run_that_is_not_graded_has_no_part_in_the_range_of_grades() -> None:
-    unreliable = row_of(240.0, grade_number=None, grade="not graded")
+    unreliable = row(240.0, grade_number=None, grade="not graded")
     found = made({("joint stiffness", "E 700 MPa"): unreliable, ("damping", "0 %"): 120.0, ("damping", "5 %"): 120.0})
     assert verdict(found).startswith("D2 in all runs that have a grade; ")
     assert any("1 run cannot be relied on and is not graded: joint stiffness E 700 MPa" in line for line in warnings_of(found))
 
 
 def test_what_a_run_cannot_be_relied_on_for_is_said() -> None:
-    found = made({("joint stiffness", "E 700 MPa"): row_of(240.0, grade_number=None, grade="not graded", doubt="12 mm of false slip")})
+    found = made({("joint stiffness", "E 700 MPa"): row(240.0, grade_number=None, grade="not graded", doubt="12 mm of false slip")})
     assert any(line.endswith("is not graded: joint stiffness E 700 MPa (12 mm of false slip)") for line in warnings_of(found))
     first, *others = made().members
-    base = type(first)(first.kind, first.values, {**first.row, "grade": "not graded", "grade_number": None, "doubt": "9 steps missed"})
+    base = replace(first, row=row(100.0, grade="not graded", grade_number=None, doubt="9 steps missed"))
     whole = on_the_whole(type(made())("Made", "made.toml", KNOWN, (), (base, *others)))
     assert whole.why.startswith("the base case cannot be relied on (9 steps missed); ")
 
@@ -107,7 +108,7 @@ def test_where_an_assumption_decides_no_single_grade_stands_first() -> None:
 
 def test_without_a_base_case_there_is_no_verdict() -> None:
     first, *others = made().members
-    broken = type(first)(first.kind, first.values, FAILED)
+    broken = replace(first, row=FAILED)
     found = type(made())("Made", "made.toml", KNOWN, (), (broken, *others))
     assert lines_of(found) == ["Made: no verdict, the base case is no data: blocks overlap"]
 
@@ -121,19 +122,19 @@ def test_a_pair_that_is_more_than_its_parts_is_named() -> None:
 
 
 def test_the_load_factor_of_a_scene_that_is_not_shaken() -> None:
-    def only(factor: float) -> dict[str, Any]:
-        return {"status": "done", "reason": "", "load_factor": factor, "seconds": 0.1}
+    def only(factor: float) -> RunRow:
+        return RunRow("done", seconds=0.1, numbers={"load_factor": factor})
 
     found = made({key: only(0.3 if key[0] == "friction" else 0.2) for key in LEVELS})
     first, *others = (one for one in found.members if one.kind != "ensemble")
-    found = type(found)(found.title, found.scene, found.assumptions, (), (type(first)(first.kind, {}, only(0.2)), *others))
+    found = type(found)(found.title, found.scene, found.assumptions, (), (replace(first, row=only(0.2)), *others))
     expected = "load factor between 0.2 and 0.3; friction decides; joint stiffness, damping, time step and tolerance do not"
     assert verdict(found) == expected
 
 
 def test_it_is_read_as_it_was_written(tmp_path: Path) -> None:
     found = read_assessment(written(tmp_path, made()))
-    assert as_facts(found) == as_facts(made())
+    assert found.as_dict() == made().as_dict()
     with pytest.raises(InputError, match="no assessment was made there"):
         read_assessment(tmp_path / "nothing")
     (tmp_path / "assess.json").write_text('{"title": 1}', encoding="utf-8")

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from datasets import contents
+from masonry_cd.studies.accuracy_case import accuracy_case
 from models import stepper, still, wall
 
 from masonry_cd.app.case import prepare
@@ -21,7 +22,6 @@ from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
-from masonry_cd.studies.accuracy_case import accuracy_case
 
 TICKS, TICK, FRAME = 992, 1e-2 / 32, 32
 SCENE = """

@@ -24,7 +24,7 @@ from masonry_cd.io import checkpoint
 from masonry_cd.io.problem_files import read_problem
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from masonry_cd.studies.accuracy_case import accuracy_case
+from masonry_cd.studies.accuracy.command import Asked, accuracy
 from masonry_cd.studies.study.study_file import read_study
 from structures.kinds import file as block_file
 from structures.kinds import solid
@@ -44,7 +44,7 @@ READ: dict[str, Callable[[Path], object]] = {
     "problem.hdf5": read_problem,
     "result.h5": Results.open,
     "checkpoint.npz": checkpoint.load,
-    "accuracy.toml": lambda path: accuracy_case(path, {}, [], path.parent, print),
+    "accuracy.toml": lambda path: accuracy(path, path.parent, Asked(), print),
     "study.json": lambda path: study_folder.read_study(path.parent),
     "summary.json": lambda path: read_summary(path.parent),
     "modes.csv": read_measured,

@@ -142,14 +142,6 @@ def test_what_is_wrong_is_one_line(tables: dict[str, Any], words: str, tmp_path:
     assert not (tmp_path / "out").exists()
 
 
-def test_the_folder_of_another_study_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(folder)
-    before = (folder / "out" / "study.toml").read_text()
-    with pytest.raises(mc.InputError, match="holds another study, of another design"):
-        mc.study(GRID_TABLES | {"design": "sample", "samples": 2}, "out")
-    assert (folder / "out" / "study.toml").read_text() == before
-
-
 def test_ways_to_run_exclude_each_other(folder: Path) -> None:
     with pytest.raises(mc.InputError, match="workers, scheduler and slurm exclude each other"):
         mc.study(folder / "study.toml", workers=1, scheduler="tcp://nowhere:1")
@@ -161,6 +153,8 @@ def test_ways_to_run_exclude_each_other(folder: Path) -> None:
 
 
 def test_tables_have_types_and_units(made: mc.Study) -> None:
+    assert repr(made) == '<Study "Column": stripes, 60 runs>' and str(made) == "\n".join(made.lines)
+    assert made._repr_html_().startswith(f"<b>{made.lines[0]}")
     assert made.runs.shape[0] == 60
     assert made.runs["collapsed_blocks"].dtype == np.int64
     assert made.runs.attrs["units"]["PGA"] == "m/s²"
@@ -177,14 +171,6 @@ def test_tables_have_types_and_units(made: mc.Study) -> None:
     assert set(made.sensitivity.index) == {"material.friction", "PGA", "PGV"}
 
 
-def test_it_shows_itself(made: mc.Study) -> None:
-    assert repr(made) == '<Study "Column": stripes, 60 runs>'
-    assert str(made).splitlines()[0].startswith("Column: 60 runs done under 12 records")
-    shown = made._repr_html_()
-    assert shown.startswith("<b>Column: 60 runs done")
-    assert "collapse: median PGA" in shown
-
-
 def test_pictures_are_drawn_and_the_folder_stays_as_it_is(made: mc.Study) -> None:
     before = sorted(path.name for path in made.folder.iterdir())
     for picture in (made.plot.fragility(), made.plot.stripes(), made.plot.tornado(), made.plot.probability("lost")):
@@ -192,6 +178,7 @@ def test_pictures_are_drawn_and_the_folder_stays_as_it_is(made: mc.Study) -> Non
         assert len(picture.getcolors(1 << 24)) > 50
     assert made.plot.probability(level=4.0).size == made.plot.median_opening().size
     assert sorted(path.name for path in made.folder.iterdir()) == before
+    assert made.plot.page().path == made.folder / "study.html"
 
 
 def test_pictures_that_there_are_not_are_refused(made: mc.Study) -> None:
@@ -201,12 +188,6 @@ def test_pictures_that_there_are_not_are_refused(made: mc.Study) -> None:
         made.plot.probability("openend")
     with pytest.raises(mc.InputError, match=r"probability_opened_at_2\.5: .*; there are probability_opened, .*, probability_opened_at_2, "):
         made.plot.probability(level=2.5)
-
-
-def test_the_page_is_written_and_shown(made: mc.Study) -> None:
-    page = made.plot.page()
-    assert page.path == made.folder / "study.html"
-    assert "<iframe srcdoc=" in page._repr_html_()
 
 
 def test_runs_are_opened_where_they_were_kept(folder: Path, made: mc.Study) -> None:

@@ -27,8 +27,8 @@ WEIGHT = 0.5 * 2000.0 * 9.81  # [N]
 
 def plots_of(folder: Path, *runs: str) -> StudyPlots:
     """The plots of a study in a folder, as if these had been its runs."""
-    study = cast(Any, SimpleNamespace(folder=folder, text=lambda column: list(runs)))
-    return StudyPlots(study, cast(Any, None), cast(Any, None), cast(Any, None))
+    study = SimpleNamespace(folder=folder, text=lambda column: list(runs))
+    return StudyPlots(cast(Any, SimpleNamespace(study=study)), lambda: None)
 
 
 @pytest.fixture(scope="module")

@@ -5,19 +5,21 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
-from made_assessment import made, row_of, written
+from made_assessment import made, row, written
 from PIL import Image
 
+from masonry_cd.analysis.run_row import RunRow
 from reports.assess.outputs import FILES, write_assessment
 from reports.assess.tables import text_table
 
-FAILED = {"status": "failed", "reason": "blocks <overlap>", "run": "x", "seconds": 0.1}
+FAILED = RunRow("failed", "blocks <overlap>", 0.1)
 
 
 def test_all_files_are_written_and_say_the_same(tmp_path: Path) -> None:
-    found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row_of(120.0, steps_missed=3)})
+    found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row(120.0, steps_missed=3)})
     write_assessment(written(tmp_path, found))
     assert {file.name for file in tmp_path.glob("[!.]*")} == set(FILES)
     facts = json.loads((tmp_path / "assess.json").read_text(encoding="utf-8"))
@@ -38,12 +40,12 @@ def test_all_files_are_written_and_say_the_same(tmp_path: Path) -> None:
 
 
 def test_the_table_for_people_shows_chance_in_one_row_and_marks_what_missed() -> None:
-    found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row_of(120.0, steps_missed=3)})
+    found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row(120.0, steps_missed=3)})
     lines = text_table(found).splitlines()
     assert sum(line.startswith("ensemble") for line in lines) == 1
     assert any("95.8 to 104" in line for line in lines)
     assert any("E 3.3 GPa" in line and "* 3 steps missed" in line for line in lines)
-    alone = made({("friction", "0.4"): row_of(101.0, steps_missed=1)})
+    alone = made({("friction", "0.4"): row(101.0, steps_missed=1)})
     assert any("* 1 step missed" in line for line in text_table(alone).splitlines())
     assert any("0.4" in line and "failed: blocks <overlap>" in line for line in lines)
 
@@ -51,7 +53,7 @@ def test_the_table_for_people_shows_chance_in_one_row_and_marks_what_missed() ->
 def test_without_a_base_case_the_page_says_so_and_has_no_picture(tmp_path: Path) -> None:
     found = made()
     first, *others = found.members
-    broken = type(found)(found.title, found.scene, found.assumptions, (), (type(first)(first.kind, {}, FAILED), *others))
+    broken = type(found)(found.title, found.scene, found.assumptions, (), (replace(first, row=FAILED), *others))
     write_assessment(written(tmp_path, broken))
     assert not (tmp_path / "assess.png").exists()
     assert "No verdict" in (tmp_path / "assess.html").read_text(encoding="utf-8")

@@ -11,38 +11,42 @@ import numpy as np
 import pytest
 from block_files import cuboid
 from places import EXAMPLES
-from studied import SCENE
-from typer.testing import CliRunner
+from studied import SCENE, row_names, write_scene
+from typer.testing import CliRunner, Result
 
+from masonry_cd.analysis.run_row import DONE, RunRow
+from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
-from masonry_cd.studies.accuracy_ensemble import (
+from masonry_cd.studies.accuracy.ensemble import (
+    COLUMNS,
     MEASURES,
+    EnsemblePlan,
     EnsembleRow,
     Setting,
     chance,
     good_enough,
-    members_of,
-    run_member,
+    lines_of,
+    member_cells,
     settings_of,
     spreads_of,
 )
-from masonry_cd.studies.accuracy_ensemble_case import KEPT, OUTPUTS, lines_of
+from masonry_cd.studies.study.task import Task, run_task
 
 
-def masonry_cd(*words: object):
+def masonry_cd(*words: object) -> Result:
     return CliRunner().invoke(app, [str(word) for word in words])
 
 
-def members(values: np.ndarray, seconds: float) -> tuple[dict[str, object], ...]:
+def members(values: np.ndarray, seconds: float) -> tuple[RunRow, ...]:
     """Runs whose measures are all the same number."""
-    rest = {"grade": "D1", "collapsed_blocks": 0, "steps": 100, "steps_missed": 0, "error_max": 1e-6, "seconds": seconds}
-    return tuple(dict.fromkeys(MEASURES, float(value)) | rest for value in values)
+    rest = {"grade": "D1", "collapsed_blocks": 0, "steps": 100, "steps_missed": 0, "error_max": 1e-6}
+    columns = [COLUMNS[key] for key in MEASURES]
+    return tuple(RunRow(DONE, numbers=rest | dict.fromkeys(columns, float(v)), timing={"processor": seconds}) for v in values)
 
 
 def row(values: np.ndarray, finest: np.ndarray, seconds: float, tolerance: float) -> EnsembleRow:
-    best = members(finest, 8.0)
     own = members(values, seconds)
-    return EnsembleRow(Setting("auto", 4e-3, tolerance), own, spreads_of(own, best), finest=values is finest)
+    return EnsembleRow(Setting("auto", 4e-3, tolerance), own, spreads_of(own, members(finest, 8.0)), finest=values is finest)
 
 
 def test_a_bias_is_unlikely_and_equal_samples_are_certain():
@@ -53,12 +57,22 @@ def test_a_bias_is_unlikely_and_equal_samples_are_certain():
     assert chance(first, second + 3.0) < 1e-3
 
 
-def test_members_differ_by_their_amplitude():
-    asked = members_of(EXAMPLES / "arch.toml", ["run.duration=0.1"], Setting("admm", 2e-3, 1e-6), 3)
-    assert [member.factor for member in asked] == pytest.approx([1.0, 1.0 + 1e-9, 1.0 + 2e-9], rel=1e-14)
-    still, strong = (run_member(asked[0]._replace(factor=factor)) for factor in (0.0, 20.0))
-    assert still["displacement_max"] < 1e-6 < strong["displacement_max"]
-    assert still["steps"] == 50
+def test_members_differ_by_their_amplitude_and_keep_their_setting(tmp_path: Path):
+    """Runs of one length: what would end them at rest is taken out."""
+    write_scene(tmp_path, SCENE.replace("tolerance = 1e-6", "longest = 5.0\nuntil_still = true"))
+    settings = settings_of(("nlgs",), (1e-2, 5e-3), (1e-6,))
+    plan = EnsemblePlan(read_scene(tmp_path / "scene.toml"), settings, 3)
+    scenes = [plan.maker.tables(run.asked) for run in plan.runs]
+    assert [tables["run"]["dt"] for tables in scenes] == [1e-2, 5e-3] * 3
+    assert [tables["loads"][0]["amplitude"] for tables in scenes[::2]] == pytest.approx(
+        [0.4, 0.4 * (1 + 1e-9), 0.4 * (1 + 2e-9)], rel=1e-14
+    )
+    assert len({tables["loads"][0]["amplitude"] for tables in scenes}) == 3
+    found = member_cells(run_task(Task("a", scenes[0], 60.0)).row)
+    assert (found["steps"], found["steps_missed"], found["collapsed_blocks"]) == (50, 0, 0)
+    assert found["displacement_max"] == pytest.approx(found["sliding_max"], rel=1e-3)
+    assert found["sliding_max"] > 1e-3 > found["opening_max"]
+    assert found["seconds"] > 0.0 and found["drift"] >= 0.0
 
 
 def test_the_finest_setting_comes_last_once():
@@ -78,11 +92,7 @@ def test_the_cheapest_setting_without_a_bias_is_good_enough():
     assert [one.biased for one in rows] == [True, False, False]
     assert not rows[0].spreads["opening_max"].within
     assert good_enough(rows) is rows[1]
-    lines = lines_of("A scene", rows)
-    assert "tolerance 0.001: a bias shows, largest displacement +2" in lines[2]
-    assert lines[-1].startswith(
-        "good enough: auto, dt 4 ms, tolerance 1e-05: no bias shows, 4.0 s of the processor a run, where the finest"
-    )
+    assert str(rows[1].setting) in lines_of("A scene", rows)[-1]
     assert "only the finest" in lines_of("A scene", [rows[0], rows[2]])[-1]
 
 
@@ -94,69 +104,34 @@ def test_a_difference_that_matters_to_nobody_is_no_bias():
     assert [close.biased, off.biased] == [False, True]
 
 
-@pytest.mark.slow(reason="starts two workers")
-def test_the_command_writes_a_row_per_setting_and_one_per_run(tmp_path: Path):
-    words = ("--ensemble", 4, "--workers", 2, "--duration", 0.05, "--tolerances", "1e-8,1e-4")
-    done = masonry_cd("accuracy", EXAMPLES / "arch.toml", "-o", tmp_path, *words)
+@pytest.mark.slow(reason="starts workers several times")
+def test_a_row_per_setting_and_one_per_run_which_are_kept(tmp_path: Path):
+    """With more members the new ones are made; another scene is refused."""
+    out = tmp_path / "out"
+
+    def measured(count: int, *more: object) -> Result:
+        words = ("--ensemble", count, "--workers", 2, "--duration", 0.05, "--tolerances", "1e-8,1e-4", *more)
+        return masonry_cd("accuracy", EXAMPLES / "arch.toml", "-o", out, *words)
+
+    def table(name: str) -> list[dict[str, str]]:
+        with (out / name).open(encoding="utf-8") as file:
+            return [{key: value for key, value in row.items() if key != "seconds"} for row in csv.DictReader(file)]
+
+    done = measured(4)
     assert done.exit_code == 0, done.output
-    assert {path.name for path in tmp_path.glob("[!.]*")} == {*OUTPUTS, KEPT}
-    with (tmp_path / "accuracy.csv").open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows, whole, kept = table("accuracy.csv"), table("members.csv"), row_names(out)
     assert [(float(row["tolerance"]), row["finest"]) for row in rows] == [(1e-4, "False"), (1e-8, "True")]
     assert all(row["grades"] == "4 D0" for row in rows)
     assert all(rows[1][f"{key}_chance"] == "1" for key in MEASURES)
-    with (tmp_path / "members.csv").open(encoding="utf-8") as file:
-        assert len(list(csv.DictReader(file))) == 8
-    found = json.loads((tmp_path / "accuracy.json").read_text(encoding="utf-8"))
-    assert found["lines"][-1].startswith("good enough: ")
-    assert found["lines"][-1] in done.output
-    assert (tmp_path / "accuracy.png").read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.slow(reason="starts workers several times")
-def test_runs_that_have_ended_are_kept(tmp_path: Path):
-    """After a kill in the middle of a line the missing runs are made, with more members the new ones; another scene is refused."""
-
-    def measured(members: int, *more: object):
-        words = ("--ensemble", members, "--duration", 0.05, "--tolerances", "1e-4", *more)
-        return masonry_cd("accuracy", EXAMPLES / "arch.toml", "-o", tmp_path, *words)
-
-    def numbers() -> list[dict[str, str]]:
-        with (tmp_path / "members.csv").open(encoding="utf-8") as file:
-            return [{key: value for key, value in row.items() if key != "seconds"} for row in csv.DictReader(file)]
-
-    assert "0 of 4 runs left" in measured(4).stderr
-    whole, kept = numbers(), tmp_path / KEPT
-    lines = kept.read_text().splitlines(keepends=True)
-    assert len(lines) == 5
-    kept.write_text("".join(lines[:3]) + lines[3][:20])
-    again = measured(4)
-    assert [line.partition(";")[2] for line in again.stderr.splitlines()] == [" 1 of 4 runs left", " 0 of 4 runs left"]
-    assert numbers() == whole
-    assert len(measured(5).stderr.splitlines()) == 1
-    assert numbers()[:4] == whole and len(numbers()) == 5
+    assert len(whole) == len(kept) == 8
+    found = json.loads((out / "accuracy.json").read_text(encoding="utf-8"))
+    assert found["lines"][-1].startswith("good enough: ") and found["lines"][-1] in done.output
+    assert (out / "accuracy.png").read_bytes().startswith(b"\x89PNG")
+    assert "10 runs, 2 of them to be made" in measured(5).stderr
+    assert {name: row_names(out)[name] for name in kept} == kept
+    assert [row for row in table("members.csv") if row["member"] != "4"] == whole
     other = measured(5, "--set", "material.friction=0.7")
-    assert other.exit_code == 2 and "of another scene, or of one that was changed" in other.stderr
-    assert len(measured(5, "--set", "material.friction=0.7", "--force").stderr.splitlines()) == 5
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--ensemble", 3), "--ensemble: 3 members show no bias, however large; at least 4 do"),
-        (("--ensemble", 4, "--repeats", 4), "--ensemble and --repeats exclude each other"),
-        (("--workers", 2), "--workers: is for --ensemble"),
-        (("--ensemble", 4, "--dts", "0.2"), "--dts: 0.2 should be between 0 and 0.1"),
-        (("--ensemble", 4, "--solvers", "nlgz"), '--solvers: "nlgz" is unknown'),
-        (("--ensemble", 4, "--set", "run.dt=auto"), "run.dt"),
-    ],
-)
-def test_bad_options_are_one_line(words: tuple[object, ...], message: str, tmp_path: Path):
-    done = masonry_cd("accuracy", EXAMPLES / "arch.toml", "-o", tmp_path / "out", *words)
-    assert done.exit_code == 2
-    assert message in done.stderr
-    assert len(done.stderr.splitlines()) == 1
-    assert not (tmp_path / "out").exists()
+    assert other.exit_code == 2 and "of another scene" in other.stderr
 
 
 def test_blocks_that_are_wrong_are_reported_before_anything_is_written(tmp_path: Path):
@@ -168,9 +143,3 @@ def test_blocks_that_are_wrong_are_reported_before_anything_is_written(tmp_path:
     assert (done.exit_code, len(done.stderr.splitlines())) == (2, 1)
     assert 'block "b"' in done.stderr and "open" in done.stderr
     assert not (tmp_path / "out").exists()
-
-
-def test_a_problem_has_no_ensemble(tmp_path: Path):
-    (tmp_path / "problem.npz").write_bytes(b"")
-    done = masonry_cd("accuracy", tmp_path / "problem.npz", "-o", tmp_path / "out", "--ensemble", 4)
-    assert (done.exit_code, "ensembles are of a scene" in done.stderr) == (2, True)

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner, Result
 
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.app.case import structure_of
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.app.scene_text import dump_toml
@@ -236,10 +237,10 @@ def test_a_run_answers_with_residual_opening_and_grade(tmp_path: Path) -> None:
     )
     outcome = assess_task(Task("a", plan.maker.tables(plan.runs[0].asked), 60.0))
     row = outcome.row
-    assert row["status"] == "done"
-    assert row["grade"] == "D0"
-    assert row["residual_opening"] <= row["max_opening"]
-    assert row["load_factor"] == pytest.approx(0.3 / 1.5, rel=1e-3)  # thickness over height: it overturns
+    assert row.done
+    assert row.number("grade") == "D0"
+    assert row.number("residual_opening") <= row.number("max_opening")
+    assert row.number("load_factor") == pytest.approx(0.3 / 1.5, rel=1e-3)  # thickness over height: it overturns
     assert "limit" not in plan.maker.tables(plan.runs[1].asked)  # of the ensemble: statics does not change
 
 
@@ -249,12 +250,12 @@ def test_joints_that_do_not_settle_take_the_weight_at_once_and_the_row_says_so(m
     def run(task: Task) -> Outcome:
         asked.append(task.tables["run"].get("settle", True))
         reason = 'run.settle: block "b" does not come to rest under its weight' if asked[-1] else ""
-        return Outcome(task.name, {"status": "failed" if reason else "done", "reason": reason, "seconds": 1.0})
+        return Outcome(task.name, RunRow("failed" if reason else "done", reason, 1.0))
 
     monkeypatch.setattr("masonry_cd.studies.assess.task.run_task", run)
     row = assess_task(Task("a", {"run": {"dt": 1e-3}}, 60.0)).row
     assert asked == [True, False]
-    assert (row["status"], row["remark"]) == ("done", "weight at once")
+    assert (row.status, row.remark) == ("done", "weight at once")
 
 
 # --- the command ----------------------------------------------------------------------------------------------------------------------
@@ -308,6 +309,13 @@ def test_what_is_wrong_is_one_line_and_nothing_is_written(tmp_path: Path, change
     assert not (tmp_path / "out" / "assess.json").exists()
 
 
+def test_a_scene_without_steps_is_refused_by_its_key() -> None:
+    tables = {key: value for key, value in (WALL | STATIC).items() if key != "run"}
+    with pytest.raises(InputError) as refused:
+        AssessPlan(parse_scene(dump_toml(tables), Path("wall.toml"), called="wall"))
+    assert "run: missing" in str(refused.value)
+
+
 def test_a_scene_that_leaves_all_out_is_refused() -> None:
     every = ["joint stiffness", "friction", "block size", "bond", "damping", "time step", "tolerance"]
     with pytest.raises(InputError, match="nothing is left to vary"):
@@ -325,7 +333,7 @@ def test_a_scene_that_leaves_all_out_is_refused() -> None:
 def test_values_that_are_likely_in_another_unit_draw_their_line_before_any_run_is_made(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], said: list[str]
 ) -> None:
-    monkeypatch.setattr("masonry_cd.studies.study.study_case._Made.execute", lambda *_: None)
+    monkeypatch.setattr("masonry_cd.studies.study.study_case._Making.execute", lambda *_: None)
     doubtful = WALL | {"material": {"density": 2.0, "friction": 0.5}, "assess": {"young": [2600, 3e9]}} | changes
     result = command(tmp_path, doubtful, "-q")
     shown = [line.partition("warning: ")[2] for line in result.stderr.splitlines() if "quiet_checks" in line]

@@ -11,7 +11,7 @@ import pytest
 from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.app.scene_text import dump_toml
-from masonry_cd.studies.assess.assess_case import check_statics
+from masonry_cd.studies.assess.command import check_statics
 from masonry_cd.studies.assess.plan import AssessPlan
 from masonry_cd.studies.study.checks import scene_of_run
 

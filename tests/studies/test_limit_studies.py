@@ -46,10 +46,11 @@ def test_factors_and_verdicts_stand_over_what_varies(tmp_path: Path) -> None:
     """With a friction of 0.2 it slides, with 0.5 it leans at 1/3; a0* = alpha g / 1.35 against ag / 2."""
     plan = plan_of(study_in(tmp_path))
     rows = {run.name: run_task(Task(run.name, plan.maker.tables(run.asked), 60.0, asks="limit")).row for run in plan.runs}
-    assert {row["status"] for row in rows.values()} == {"done"}, rows
-    with write_limits(tmp_path, plan.runs, plan.maker, rows).open() as file:
+    assert all(row.done for row in rows.values()), rows
+    write_limits(tmp_path, plan, rows)
+    with (tmp_path / LIMITS).open() as file:
         table = list(csv.DictReader(file))
-    assert (tmp_path / LIMITS).exists() and len(table) == 4
+    assert len(table) == 4
     for row in table:
         friction, ag = float(row["material.friction"]), float(row["limit.check.ag"])
         factor = min(friction, 1.0 / 3.0)
@@ -57,14 +58,14 @@ def test_factors_and_verdicts_stand_over_what_varies(tmp_path: Path) -> None:
         assert float(row["associated"]) == pytest.approx(factor, rel=1e-4) and float(row["least"]) == pytest.approx(factor, rel=1e-4)
         assert float(row["ratio"]) == pytest.approx(ratio, rel=1e-3)
         assert row["verdict"] == ("satisfied" if ratio > 1.06 else "NOT satisfied") and int(row["agreeing"]) == 2
-    lines = limit_lines(plan.runs, plan.maker, rows)
+    lines = limit_lines(plan, rows)
     assert len(lines) == 4 and all("verdict" in line and "material.friction = " in line for line in lines)
 
 
 def test_a_failed_analysis_is_a_row_with_its_reason(tmp_path: Path) -> None:
     plan = plan_of(study_in(tmp_path, STUDY.replace('"limit.check.ag" = [1.0, 8.0]', '"limit.push" = ["w"]')))
     row = run_task(Task("a", plan.maker.tables(plan.runs[0].asked), 60.0, asks="limit")).row
-    assert row["status"] == "failed" and "limit.push" in row["reason"]
+    assert row.status == "failed" and "limit.push" in row.reason
 
 
 @pytest.mark.parametrize(("more", "words"), [

@@ -6,13 +6,14 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 import studied
 from studied import GRID, rows_without_seconds, write_study
 from typer.testing import CliRunner
 
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.cli.app import app
 from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, connected
 from masonry_cd.studies.study.engine import Engine
@@ -38,13 +39,13 @@ def scheduler(request: pytest.FixtureRequest) -> Iterator[str]:
         yield cluster.scheduler_address
 
 
-def executed(client: Client, folder: Path, function: Callable[[Task], Outcome], names: str) -> dict[str, dict[str, Any]]:
+def executed(client: Client, folder: Path, function: Callable[[Task], Outcome], names: str) -> dict[str, RunRow]:
     """The rows of tasks that stand in for runs, by name, each of which may take two seconds."""
     (folder / "rows").mkdir(exist_ok=True)
-    rows: dict[str, dict[str, Any]] = {}
+    rows: dict[str, RunRow] = {}
 
     def ended(run: Planned, outcome: Outcome) -> list[Planned]:
-        rows[run.name] = dict(outcome.row)
+        rows[run.name] = outcome.row
         return []
 
     def task(run: Planned) -> Task:
@@ -59,8 +60,8 @@ def test_a_run_that_hangs_is_a_row(scheduler: str, tmp_path: Path) -> None:
 
     with Client(scheduler, set_as_default=False) as client:
         rows = executed(client, tmp_path, studied.waits_for_ever, "abcdef")
-    assert {name: row["status"] for name, row in rows.items()} == dict.fromkeys("acdf", "done") | dict.fromkeys("be", "timeout")
-    assert {rows[name]["reason"] for name in "be"} == {REASON}
+    assert {name: row.status for name, row in rows.items()} == dict.fromkeys("acdf", "done") | dict.fromkeys("be", "timeout")
+    assert {rows[name].reason for name in "be"} == {REASON}
     traces = {file.stem: file.read_text() for file in (tmp_path / "rows").iterdir()}
     assert traces.keys() == {"b", "e"}  # what the others had written is gone
     assert all("Timeout" in trace and studied.waits_for_ever.__name__ in trace for trace in traces.values())
@@ -69,7 +70,7 @@ def test_a_run_that_hangs_is_a_row(scheduler: str, tmp_path: Path) -> None:
 def test_the_workers_of_this_machine_go_on_after_a_hang(tmp_path: Path) -> None:
     with connected(Where(workers=1, longest=2.0)) as (client, _):
         rows = executed(client, tmp_path, studied.waits_for_ever, "abc")
-    assert {name: row["status"] for name, row in rows.items()} == {"a": "done", "b": "timeout", "c": "done"}
+    assert {name: row.status for name, row in rows.items()} == {"a": "done", "b": "timeout", "c": "done"}
 
 
 def test_a_set_up_that_hangs_is_a_row_of_the_table(scheduler: str, tmp_path: Path) -> None:

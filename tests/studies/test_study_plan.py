@@ -11,12 +11,14 @@ from scipy.stats import lognorm, norm, truncnorm
 from studied import GRID, RECORDS, SCENE, STEP, changed, wave, write_records, write_scene, write_study
 
 from loads.signal.baseline import correct, integrate
+from masonry_cd.analysis.fragility.limits import LimitTable
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.checks import bound_doubts, scene_of_run
 from masonry_cd.studies.study.designs.ida import next_level
 from masonry_cd.studies.study.plan import Plan
 from masonry_cd.studies.study.study_case import plan_of
-from masonry_cd.studies.study.study_file import IdaTable, LimitState
+from masonry_cd.studies.study.study_file import IdaTable
 from masonry_cd.studies.study.varied import Correlation, Distribution, Varied
 
 FRICTION = '[vary]\n"material.friction" = {distribution = "lognormal", median = 0.4, beta = 0.15}\n'
@@ -326,7 +328,7 @@ def test_the_runs_of_an_ida_do_not_depend_on_the_order_in_which_they_end(tmp_pat
             run = waiting.pop(take)
             assert run.asked.level is not None
             sliding = 1.0 if run.asked.level >= capacity[run.asked.motion] else 0.0
-            waiting += plan.after(run, {"status": "done", "max_sliding": sliding})
+            waiting += plan.after(run, RunRow("done", numbers={"max_sliding": sliding}))
         assert len({run.asked.values["material.friction"] for run in plan.runs}) == 3  # one of each motion
         return [run.name for run in plan.ordered()]
 
@@ -409,5 +411,5 @@ def test_a_component_that_is_missing(tmp_path: Path) -> None:
     ("quantity", "above", "said"), [("max_opening", 5.0, "5 mm"), ("max_opening", 0.005, ""), ("collapsed_blocks", 5, "")]
 )
 def test_a_bound_of_a_limit_state_in_mm_draws_a_line(quantity: str, above: float, said: str) -> None:
-    found = bound_doubts({"cracked": LimitState(quantity=quantity, above=above)})
+    found = bound_doubts({"cracked": LimitTable(quantity=quantity, above=above)})
     assert [line.startswith("limit_states.cracked.above") and said in line for line in found] == [True] * bool(said)

@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from masonry_cd.cli.study import tell_end
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.studies.study.progress import StudyProgress
+from masonry_cd.studies.study.study_case import Made
 
 
-def row(seconds: float, worker: str = "a", status: str = "done", **timing: float) -> dict:
-    return {"status": status, "seconds": seconds, "worker": worker, "timing": timing}
+def row(seconds: float, worker: str = "a", status: str = "done", reason: str = "", **timing: float) -> RunRow:
+    return RunRow(status, reason, seconds, worker, timing=timing)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -46,9 +47,8 @@ def test_the_line_counts_what_is_done_running_and_failed() -> None:
     assert progress.line(0, 0).endswith("waiting for workers")
 
 
-def test_reasons_that_are_not_named_at_the_end_are_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    reasons = {f"reason {k}": 9 - k for k in range(8)}
-    tell_end({"done": 0, "runs": 44, "failed": 44, "timeout": 0, "reasons": reasons}, tmp_path, quiet=True)
-    lines = capsys.readouterr().err.splitlines()
-    assert [line.rpartition(": ")[2] for line in lines[:5]] == [f"reason {k}" for k in range(5)]
-    assert lines[5:] == [f"masonry-cd: warning: 9 of 44 runs without data, for 3 other reasons: see {tmp_path / 'runs.csv'}"]
+def test_reasons_that_are_not_named_at_the_end_are_counted(tmp_path: Path) -> None:
+    rows = {f"{k} {n}": row(1.0, status="failed", reason=f"reason {k}") for k in range(8) for n in range(9 - k)}
+    *named, others = Made(44, rows).warnings(tmp_path / "runs.csv")
+    assert [line.rpartition(": ")[2] for line in named] == [f"reason {k}" for k in range(5)]
+    assert "9 of 44" in others and str(tmp_path / "runs.csv") in others

@@ -52,7 +52,7 @@ def test_a_scheduler_that_is_lost_ends_the_study_in_a_line_and_the_next_call_goe
         own = [line for line in said.splitlines() if line.startswith("masonry-cd: ")]
         again = f"masonry-cd study {path} -o {tmp_path / 'out'} --scheduler {address}"
         assert own == [
-            "masonry-cd: error: the scheduler does not answer any more; finished runs are kept",
+            "masonry-cd: warning: the scheduler does not answer any more; finished runs are kept",
             f"masonry-cd: go on with: {again}",
         ]
         assert "Traceback" not in said

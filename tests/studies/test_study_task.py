@@ -26,6 +26,6 @@ def test_runs_of_other_structures_share_none(several: bool) -> None:
     """Structures are kept from run to run, by all tables that they are made of."""
     heights = (1.0, 1.5, 1.0)
     outcomes = [run_task(Task(f"run{k}", tables(height, several), 60.0)) for k, height in enumerate(heights)]
-    assert [outcome.row["status"] for outcome in outcomes] == ["done"] * 3, outcomes
+    assert [outcome.row.status for outcome in outcomes] == ["done"] * 3, outcomes
     joints = [0 if outcome.joints is None else len(outcome.joints["opening"]) for outcome in outcomes]
     assert joints[0] == joints[2] < joints[1]

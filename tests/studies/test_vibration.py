@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.materials import JointLaw, Material
-from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
+from masonry_cd.studies.joints_at_rest import JointAtRest, at_rest_lines, at_rest_summary, joints_at_rest
 from masonry_cd.studies.vibration import free_vibration, linear_modes, sweep, vibration
 
 RUN = Run(dt=1e-3, duration=1.0, tolerance=1e-9)
@@ -27,8 +26,8 @@ def test_a_dry_tower_swings_at_the_frequencies_of_its_joints():
     """In all directions and about its axis; without cohesion, its weight presses the joints together."""
     assembly = Assembly.from_blocks(tower(4), Material(friction=0.6, joints={"default": JointLaw(normal_stiffness=1e9)}))
     rows = free_vibration(assembly, RUN, linear_modes(assembly, 6), 6)
-    assert [row["nscd_hz"] for row in rows] == pytest.approx([row["linear_hz"] for row in rows], rel=5e-3)
-    assert rows[0]["linear_hz"] < 0.5 * rows[2]["linear_hz"]
+    assert [row.nscd_hz for row in rows] == pytest.approx([row.linear_hz for row in rows], rel=5e-3)
+    assert rows[0].linear_hz < 0.5 * rows[2].linear_hz
 
 
 def test_a_mortar_wall_swings_like_a_bonded_one_and_a_dry_one_softer():
@@ -39,13 +38,13 @@ def test_a_mortar_wall_swings_like_a_bonded_one_and_a_dry_one_softer():
             wall(2, 3), Material(friction=0.6, joints={"default": JointLaw(normal_stiffness=1e9, cohesion=cohesion)})
         )
         rows = free_vibration(assembly, RUN, linear_modes(assembly, 3), 3)
-        frequencies.append([row["nscd_hz"] for row in rows])
-    linear = [row["linear_hz"] for row in rows]
+        frequencies.append([row.nscd_hz for row in rows])
+    linear = [row.linear_hz for row in rows]
     assert frequencies[0] == pytest.approx(linear, rel=5e-3)
     assert frequencies[1][2] < 0.99 * linear[2]
 
 
-def at_rest(blocks: list[Block], cohesion: float = 0.0) -> list[dict[str, Any]]:
+def at_rest(blocks: list[Block], cohesion: float = 0.0) -> list[JointAtRest]:
     """What is left of the joints of blocks that have settled."""
     law = {"default": JointLaw(normal_stiffness=1e9, cohesion=cohesion)}
     machine = stepper(blocks, 2, acceleration=gravity(2), joints=law, tolerance=1e-9, solver="auto")
@@ -55,12 +54,12 @@ def at_rest(blocks: list[Block], cohesion: float = 0.0) -> list[dict[str, Any]]:
 
 def test_head_joints_of_a_dry_wall_are_open_at_rest_and_those_of_mortar_are_not():
     rows = at_rest(wall(2, 3))
-    head = [row["block_a"][:2] == row["block_b"][:2] for row in rows]  # of one course
-    assert [row["share_left"] for row in rows] == pytest.approx([0.0 if upright else 1.0 for upright in head])
+    head = [row.block_a[:2] == row.block_b[:2] for row in rows]  # of one course
+    assert [row.share_left for row in rows] == pytest.approx([0.0 if upright else 1.0 for upright in head])
     found = at_rest_summary(rows)
     assert (found["open"], found["partly"]) == (sum(head), 0)
     assert found["share_left"] == pytest.approx(
-        1.0 - sum(r["area"] for r, up in zip(rows, head, strict=True) if up) / sum(r["area"] for r in rows)
+        1.0 - sum(r.area for r, up in zip(rows, head, strict=True) if up) / sum(r.area for r in rows)
     )
     first, *named = at_rest_lines(found)
     assert f"{sum(head)} of {len(rows)} joints are open and 0 are only partly in contact" in first
@@ -72,10 +71,10 @@ def test_a_joint_whose_load_leaves_the_middle_third_gapes_and_keeps_a_part_of_it
     """A beam that rests on 0.7 of its 1 m: its weight passes 0.15 m from the middle of the joint, beyond a sixth of 0.7 m."""
     support = box("support", (-0.2, 0.0, -0.2), (0.5, 0.3, 0.0), fixed=True)
     (row,) = at_rest([support, box("beam", (-0.2, 0.0, 0.0), (0.8, 0.3, 0.2))])
-    assert 0.5 < row["share_left"] < 0.999
-    assert 0 < row["points_left"] < row["points"]
+    assert 0.5 < row.share_left < 0.999
+    assert 0 < row.points_left < row.points
     shorter = box("beam", (-0.2, 0.0, 0.0), (0.55, 0.3, 0.2))  # its weight passes within the middle third
-    assert at_rest([support, shorter])[0]["share_left"] == pytest.approx(1.0)
+    assert at_rest([support, shorter])[0].share_left == pytest.approx(1.0)
 
 
 def test_a_small_sweep_follows_the_linear_model_and_a_strong_one_does_not():
@@ -84,11 +83,11 @@ def test_a_small_sweep_follows_the_linear_model_and_a_strong_one_does_not():
     first = companion.frequencies[0]
     small = 1e-3 * 9.81 / (2 * np.pi * first)
     rows = sweep(assembly, RUN, companion, 0, small, first * np.array([0.5, 1.0, 1.5]))
-    own, linear = (np.array([row[key] for row in rows]) for key in ("nscd_ratio", "linear_ratio"))
+    own, linear = (np.array([getattr(row, key) for row in rows]) for key in ("nscd_ratio", "linear_ratio"))
     assert own == pytest.approx(linear, rel=0.05)
     assert own.argmax() == 1 and own[1] > 5 * own[0]
     strong = sweep(assembly, RUN, companion, 0, 300 * small, first * np.array([1.0]))[0]
-    assert strong["nscd_ratio"] < 0.8 * strong["linear_ratio"]
+    assert strong.nscd_ratio < 0.8 * strong.linear_ratio
 
 
 def test_rigid_joints_are_refused():

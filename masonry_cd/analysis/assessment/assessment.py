@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,11 +21,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.analysis.outputs import ANSWER, numbers_in
+from masonry_cd.analysis.run_row import RunRow, row_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
 
 FILE = "assess.json"
 BASE, ENSEMBLE, LEVEL, PAIR = "base", "ensemble", "level", "pair"
+BESIDE = ("kind", "values", "run", "member")  # keys of a run in the file that are no part of its row
 UNSETTLED = "weight at once"  # remark on a run whose joints would not settle under their weight before it
 LEAST = 3  # members of an ensemble that is one
 CONFIDENCE = 0.95  # of the test against chance
@@ -51,26 +53,28 @@ DISPLACEMENT, GRADE, FACTOR = (
 
 @dataclass(frozen=True)
 class Member:
-    """A run: its place in the assessment, and its row; an empty row where it is still to be made."""
+    """A run: its place in the assessment, and its row; an empty one where it is still to be made."""
 
     kind: str  # base | ensemble | level | pair
     values: Mapping[str, str]  # levels by assumption
-    row: Mapping[str, Any]
-
-    @property
-    def done(self) -> bool:
-        """Whether it is data."""
-        return self.row.get("status") == "done"
+    row: RunRow
+    run: str = ""  # its name
+    number: int = 0  # of a member of the ensemble
 
     @property
     def missed(self) -> bool:
         """Whether steps missed the tolerance."""
-        return bool(self.row.get("steps_missed"))
+        return bool(self.row.number("steps_missed"))
 
     def of(self, answer: Answer) -> float:
         """An answer; nan where there is none."""
-        value = self.row.get(answer.key) if self.done else None
+        value = self.row.number(answer.key) if self.row.done else None
         return float("nan") if value is None else float(value)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        row = replace(self.row, parts={}).as_dict() | {"run": self.run, "member": self.number} if self.row.status else {}
+        return {"kind": self.kind, "values": dict(self.values), **row}
 
 
 @dataclass(frozen=True)
@@ -165,6 +169,15 @@ class Assessment:
         shows = bar.length > self.by_chance(answer, len(every)) and bar.length >= felt and bar.length > 0.0
         return Bar(bar.low, bar.high, at, values, shows)
 
+    def bars(self) -> dict[str, dict[str, dict[str, Any]]]:
+        """The bars by assumption, the weightiest first, and by answer, with what chance alone spans."""
+        return {one.name: {answer.key: self._bar_as_dict(one, answer) for answer in self.answers} for one in self.ranked}
+
+    def _bar_as_dict(self, one: Known, answer: Answer) -> dict[str, Any]:
+        bar = self.bar(one, answer)
+        chance = self.by_chance(answer, 1 + len(bar.values))
+        return {"low": bar.low, "high": bar.high, "reference": bar.reference, "by_chance": chance, "shows": bar.shows}
+
     def share(self, assumption: Known, answer: Answer) -> float:
         """The length of a bar over the range of all single runs."""
         low, high = self.range(answer, (BASE, ENSEMBLE, LEVEL))
@@ -201,22 +214,21 @@ class Assessment:
                 found.append((pair, float(beyond)))
         return sorted(found, key=lambda one: -abs(one[1]))
 
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "title": self.title,
+            "scene": self.scene,
+            "program": self.program,
+            "assumptions": [vars(one) for one in self.assumptions],
+            "left_out": [{"assumption": name, "why": why} for name, why in self.left_out],
+            "members": [one.as_dict() for one in self.members],
+        }
+
     @staticmethod
     def _of(members: Sequence[Member], answer: Answer) -> np.ndarray:
         values = np.array([one.of(answer) for one in members])
         return values[np.isfinite(values)]
-
-
-def as_facts(found: Assessment) -> dict[str, Any]:
-    """The fields as JSON has them."""
-    return {
-        "title": found.title,
-        "scene": found.scene,
-        "program": found.program,
-        "assumptions": [dict(vars(one), levels=list(one.levels)) for one in found.assumptions],
-        "left_out": [{"assumption": name, "why": why} for name, why in found.left_out],
-        "members": [{"kind": one.kind, "values": dict(one.values), **one.row} for one in found.members],
-    }
 
 
 def read_assessment(folder: Path) -> Assessment:
@@ -233,10 +245,11 @@ def read_assessment(folder: Path) -> Assessment:
         known = tuple(
             Known(**{**one, "levels": tuple(one["levels"]), "coarser": tuple(one.get("coarser", ()))}) for one in facts["assumptions"]
         )
-        members = [dict(one) for one in facts["members"]]
-        made = tuple(Member(one.pop("kind"), one.pop("values"), one) for one in members)
+        members = tuple(
+            Member(one["kind"], one["values"], row_of(one, BESIDE), one.get("run", ""), one.get("member", 0)) for one in facts["members"]
+        )
         left = tuple((one["assumption"], one["why"]) for one in facts["left_out"])
-        return Assessment(facts["title"], facts["scene"], known, left, made, facts.get("program", ""))
+        return Assessment(facts["title"], facts["scene"], known, left, members, facts.get("program", ""))
     except (ValueError, KeyError, TypeError, OSError) as fault:
         raise InputError(file, f"is no assessment: {fault}") from None
 

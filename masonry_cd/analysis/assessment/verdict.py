@@ -20,46 +20,48 @@ NAMED = 3  # answers that a line names, and pairs
 
 def lines_of(found: Assessment) -> list[str]:
     """The closing lines, the verdict first."""
-    if not found.base.done:
-        return [f"{found.title}: no verdict, the base case is no data: {found.base.row.get('reason', 'it was not run')}"]
+    if not found.base.row.done:
+        return [f"{found.title}: no verdict, the base case is no data: {_why(found.base)}"]
     out = [f"{found.title}: {verdict(found)}"]
     out += [_pin_line(found, one, place) for place, one in enumerate(to_pin_down(found), 1)]
-    out += [f"ensemble of {len(_done(found.ensemble))}: {_spreads(found)}"] if len(found.ensemble) > 1 else []
+    out += [f"ensemble of {sum(one.row.done for one in found.ensemble)}: {_spreads(found)}"] if len(found.ensemble) > 1 else []
     out += _pair_lines(found)
     return out + [f"not varied: {name}: {why}" for name, why in found.left_out]
 
 
 def verdict(found: Assessment) -> str:
     """``between D2 and D4; joint stiffness decides; time step and tolerance do not``."""
+    return "; ".join([_range(found), *_deciding(found)])
+
+
+def _deciding(found: Assessment) -> list[str]:
+    """Which assumptions decide, which count as well, which do not, and of which nothing is known."""
     deciding = found.deciding
     first = [one for one in deciding if found.weight(one) >= MOST * found.weight(deciding[0])]
     then = [one for one in deciding if one not in first]
-    idle = [one for one in found.assumptions if one not in deciding and found.tested(one)]
-    parts = [_range(found)]
-    if first:
-        parts.append(f"{_named(first)} {'decides' if len(first) == 1 else 'decide'}")
-    else:
-        parts.append("no assumption shows beyond chance" if len(found.ensemble) > 1 else "no assumption changes it")
-    if then:
-        parts.append(f"{_named(then)} {'counts' if len(then) == 1 else 'count'} as well")
-    if idle and first:
-        parts.append(f"{_named(idle)} {'does' if len(idle) == 1 else 'do'} not")
+    idle = [one for one in found.assumptions if one not in deciding and found.tested(one)] if first else []
     unknown = [one for one in found.assumptions if not found.tested(one)]
-    if unknown:
-        parts.append(f"nothing is known of {_named(unknown)}")
-    return "; ".join(parts)
+    none = "no assumption shows beyond chance" if len(found.ensemble) > 1 else "no assumption changes it"
+    said = (
+        (first, f"{_named(first)} {'decides' if len(first) == 1 else 'decide'}"),
+        (not first, none),
+        (then, f"{_named(then)} {'counts' if len(then) == 1 else 'count'} as well"),
+        (idle, f"{_named(idle)} {'does' if len(idle) == 1 else 'do'} not"),
+        (unknown, f"nothing is known of {_named(unknown)}"),
+    )
+    return [words for there, words in said if there]
 
 
 def on_the_whole(found: Assessment) -> Verdict:
     """What all runs come to: no grade of one run where an assumption decides, nor where a setting of the computation does."""
-    if not found.base.done:
-        return Verdict("", "", "", UNKNOWN, "no verdict, the base case is no data", str(found.base.row.get("reason", "it was not run")))
-    _, *others = verdict(found).split("; ")
+    if not found.base.row.done:
+        return Verdict("", "", "", UNKNOWN, "no verdict, the base case is no data", _why(found.base))
+    others = _deciding(found)
     numerical = [one for one in found.deciding if one.numerical]
-    if found.base.row.get("grade") == NOT_GRADED or numerical:
+    if found.base.row.number("grade") == NOT_GRADED or numerical:
         words = "do not rely on these runs before they are mended"
         reason = [f"{_named(numerical)} {'changes' if len(numerical) == 1 else 'change'} the answers"] if numerical else []
-        reason += [f"the base case cannot be relied on{_doubt(found.base)}"] if found.base.row.get("grade") == NOT_GRADED else []
+        reason += [f"the base case cannot be relied on{_doubt(found.base)}"] if found.base.row.number("grade") == NOT_GRADED else []
         return Verdict(_range(found), "", "", DOUBTFUL, words, "; ".join([*reason, *others]))
     if found.deciding:
         return Verdict(_range(found), "", "", LOOK, "what is assumed decides, no single run is the answer", "; ".join(others))
@@ -75,37 +77,32 @@ def to_pin_down(found: Assessment) -> list[Known]:
 
 def warnings_of(found: Assessment) -> list[str]:
     """On the runs."""
-    if not found.base.done:
+    if not found.base.row.done:
         return []
-    out = [f"{place_of(one)}: no data: {one.row.get('reason', 'it was not run')}" for one in found.members if one.row and not one.done]
-    waiting = sum(not one.row for one in found.members)
+    out = [f"{place_of(one)}: no data: {_why(one)}" for one in found.members if one.row.status and not one.row.done]
+    waiting = sum(not one.row.status for one in found.members)
     out += [f"{waiting} of {len(found.members)} runs are still to be made"] if waiting else []
-    out += [
-        f"{place_of(one)}: no load factor: {one.row['limit_reason']}" for one in found.members if one.done and one.row.get("limit_reason")
-    ]
-    missed = [one for one in found.members if one.missed]
-    if missed:
-        out.append(
-            f"{counted(len(missed), 'run')} missed the tolerance in some steps (marked *): {', '.join(place_of(one) for one in missed)}"
-        )
-    ungraded = [one for one in found.members if one.done and "grade" in one.row and one.row.get("grade_number") is None]
-    if ungraded:
-        first, *others = ungraded
-        named = [f"{place_of(first)}{_doubt(first)}", *(place_of(one) for one in others)]
-        are = "is" if len(ungraded) == 1 else "are"
-        out.append(f"{counted(len(ungraded), 'run')} cannot be relied on and {are} not graded: {', '.join(named)}")
-    cut = [one for one in found.members if one.done and one.row.get("provisional")]
-    if cut:
-        said = "run.until_still = true has them go on" if found.base in cut else _some(cut)
-        out.append(f"{counted(len(cut), 'run')} ended while blocks still moved, so that what remains, and grades, are provisional: {said}")
-    short = [one for one in found.members if one.done and one.row.get("loads_acted", 1.0) < ENOUGH]
-    if short:
-        out.append(f"{counted(len(short), 'run')} ended before {100 * ENOUGH:g} % of a load had acted: {_some(short)}")
-    at_once = [one for one in found.members if one.done and one.row.get("remark") == UNSETTLED]
-    if at_once:
-        out.append(
-            f"{counted(len(at_once), 'run')} began with the weight coming upon the joints at once, as they did not settle: {_some(at_once)}"
-        )
+    out += [f"{place_of(one)}: no load factor: {one.row.limit_reason}" for one in found.members if one.row.done and one.row.limit_reason]
+    done = [one for one in found.members if one.row.done]
+    ungraded = [one for one in done if "grade" in one.row.numbers and one.row.number("grade_number") is None]
+    cut = [one for one in done if one.row.number("provisional")]
+    on = "run.until_still = true has them go on" if found.base in cut else ""
+    groups = (
+        ([one for one in done if one.missed], "missed the tolerance in some steps (marked *)", ""),
+        (ungraded, f"cannot be relied on and {'is' if len(ungraded) == 1 else 'are'} not graded", ""),
+        (cut, "ended while blocks still moved, so that what remains, and grades, are provisional", on),
+        (
+            [one for one in done if one.row.numbers.get("loads_acted", 1.0) < ENOUGH],
+            f"ended before {100 * ENOUGH:g} % of a load had acted",
+            "",
+        ),
+        (
+            [one for one in done if one.row.remark == UNSETTLED],
+            "began with the weight coming upon the joints at once, as they did not settle",
+            "",
+        ),
+    )
+    out += [f"{counted(len(some), 'run')} {what}: {remedy or _some(some)}" for some, what, remedy in groups if some]
     numerical = [one.name for one in found.deciding if one.numerical]
     if numerical:
         out.append(f"{' and '.join(numerical)} change the answers: make them finer until they do not, before anything else is concluded")
@@ -117,7 +114,7 @@ def place_of(member: Member) -> str:
     if member.kind == BASE:
         return "base case"
     if member.kind == ENSEMBLE:
-        return f"ensemble {member.row.get('member') or ''}".strip()
+        return f"ensemble {member.number or ''}".strip()
     return ", ".join(f"{name} {level}" for name, level in member.values.items())
 
 
@@ -144,7 +141,7 @@ def _range(found: Assessment) -> str:
     parts = []
     if np.isfinite(found.range(GRADE)[0]):
         low, high = (NAMES[int(value)] for value in found.range(GRADE))
-        some = " that have a grade" if any(one.done and one.row.get("grade") == NOT_GRADED for one in found.members) else ""
+        some = " that have a grade" if any(one.row.done and one.row.number("grade") == NOT_GRADED for one in found.members) else ""
         parts.append(f"{low} in all runs{some}" if low == high else f"between {low} and {high}")
     if FACTOR in found.answers:
         low, high = (shown(FACTOR, value) for value in found.range(FACTOR))
@@ -155,9 +152,14 @@ def _range(found: Assessment) -> str:
     return ", ".join(parts)
 
 
+def _why(member: Member) -> str:
+    """Why a run is no data."""
+    return member.row.reason if member.row.status else "it was not run"
+
+
 def _doubt(member: Member) -> str:
     """`` (the error of the contact forces adds up to 12 mm of slip ...)``; nothing of runs that earlier versions made."""
-    return f" ({member.row['doubt']})" if member.row.get("doubt") else ""
+    return f" ({member.row.doubt})" if member.row.doubt else ""
 
 
 def _pin_line(found: Assessment, one: Known, place: int) -> str:
@@ -194,17 +196,13 @@ def _pair_lines(found: Assessment) -> list[str]:
 
 def _named(known: Sequence[Known]) -> str:
     """Names with commas and an "and"."""
-    names = [one.name for one in known]
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    return " and ".join(filter(None, [", ".join(one.name for one in known[:-1]), *(one.name for one in known[-1:])]))
 
 
 def _some(members: Sequence[Member]) -> str:
-    names = [place_of(one) for one in members]
-    return ", ".join(names[:NAMED]) + (" ..." if len(names) > NAMED else "")
-
-
-def _done(members: Sequence[Member]) -> list[Member]:
-    return [one for one in members if one.done]
+    """The first of some runs, with what one of them cannot be relied on for."""
+    names = [f"{place_of(one)}{_doubt(one) if k == 0 else ''}" for k, one in enumerate(members[:NAMED])]
+    return ", ".join(names) + (" ..." if len(members) > NAMED else "")
 
 
 def heading(member: Member) -> tuple[str, str]:
@@ -212,7 +210,7 @@ def heading(member: Member) -> tuple[str, str]:
     if member.kind == BASE:
         return "base case", ""
     if member.kind == ENSEMBLE:
-        return "ensemble", f"1 + {member.row.get('member') or '?'}e-9"
+        return "ensemble", f"1 + {member.number or '?'}e-9"
     if member.kind == LEVEL:
         return next(iter(member.values.items()))
     return " & ".join(member.values), " & ".join(member.values.values())

@@ -20,6 +20,7 @@ from masonry_cd.analysis.fragility.measures import with_unit
 
 NEAR = 0.02  # a level is the run's own intensity where the two differ by less than this
 SAME = 1e-6
+ORDER = ("mle", "ida", "cloud", "probit")  # the first of these methods that a limit state has speaks for it
 FEW_EVENTS = 5  # runs that exceed, or that do not
 
 
@@ -119,7 +120,7 @@ class Sample:
     def of(cls, study: Study, rows: np.ndarray, intensity: np.ndarray) -> Sample:
         """Runs ``rows`` (N,) with intensities (N,), and their bootstrap."""
         own = np.unique(study.clusters[rows], return_inverse=True)[1].reshape(-1)
-        return cls(study, rows, intensity, replicates(own, study.asked["seed"]))
+        return cls(study, rows, intensity, replicates(own, study.asked.seed))
 
     def values(self, limit: LimitState) -> np.ndarray:
         """(N,) the quantity of a limit state."""
@@ -144,11 +145,11 @@ class Sample:
 
 def fit_study(study: Study) -> Fits:
     """All fits that the design of a study and its data allow."""
-    measure = study.asked["measure"]
+    measure = study.asked.measure
     if measure is None or not study.limit_states or not study.done.any():
         return Fits()
     own, level = study.numbers(measure), study.numbers("level")
-    if study.asked["design"] == "ida":
+    if study.asked.design == "ida":
         return _ida(study, measure, np.where(np.isfinite(own), own, level))
     fits: list[Fit] = []
     clouds: tuple[CloudFit, ...] = ()

@@ -11,20 +11,61 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import ConfigDict, Field
 
-from masonry_cd.analysis.fragility.limits import LimitState, read_limit_states
+from masonry_cd.analysis.fragility.limits import LimitState, LimitTable, limit_states_of
+from masonry_cd.analysis.run_row import STATES
 from masonry_cd.foundation.csv_files import unguarded
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.fields import Table
 from masonry_cd.foundation.files import read_bytes, read_text
 
+FILE, TABLE = "study.json", "runs.csv"
+FORMAT = 1
 FIRST = ("run", "motion", "level", "seed", "status", "reason", "seconds")  # columns before what varied
 RESULTS = "max_opening"  # the column with which the results begin; between what varied and it lie the intensity measures
 TEXT = ("run", "motion", "status", "reason", "grade")  # columns of words; all others are of numbers where they can be
-STATES = ("done", "failed", "timeout")
-KEYS = ("title", "design", "seed", "scene", "measure", "levels", "varied", "limit_states", "runs")
+
+
+class StudyFacts(Table):
+    """study.json: what was asked of a study."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, use_attribute_docstrings=True)
+    format: Annotated[int, Field(strict=True, ge=FORMAT, le=FORMAT)] = FORMAT
+    """Of these keys."""
+    program: str = ""
+    """Version that wrote it."""
+    title: str
+    """Of pictures and closing lines."""
+    design: str
+    """Which runs there are."""
+    seed: Annotated[int, Field(strict=True, ge=0)]
+    """Of everything that is drawn."""
+    scene: str
+    """Name of its file."""
+    measure: str | None
+    """Intensity measure; None where there is none."""
+    levels: list[float] | None
+    """Of it, where the design has some."""
+    varied: list[str]
+    """Keys of the scene."""
+    limit_states: dict[str, LimitTable]
+    """By name."""
+    keep: str = "none"
+    """What is kept of each run."""
+    plan: str = ""
+    """Digest of the runs' names."""
+    runs: int | None
+    """Planned; None as long as others may follow from them."""
+    identity: dict[str, str] = Field(default_factory=dict)
+    """What makes a study this one, by what it is: digests."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return self.model_dump() | {"limit_states": {name: one.model_dump(exclude_none=True) for name, one in self.limit_states.items()}}
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +81,7 @@ class Study:
     """
 
     folder: Path
-    asked: Mapping[str, Any]
+    asked: StudyFacts
     limit_states: tuple[LimitState, ...]
     columns: Mapping[str, np.ndarray | list[str]]
     measures: tuple[str, ...]
@@ -81,7 +122,7 @@ class Study:
     @property
     def varied(self) -> tuple[str, ...]:
         """Keys of the scene that vary."""
-        return tuple(self.asked["varied"])
+        return tuple(self.asked.varied)
 
     def text(self, name: str) -> list[str]:
         """A column of words."""
@@ -114,45 +155,45 @@ def read_study(folder: Path) -> Study:
     Raises:
         InputError: study.json or runs.csv is missing, broken, or the two do not belong together.
     """
-    asked = _read_asked(folder / "study.json")
-    header, rows = _read_rows(folder / "runs.csv", asked)
+    asked = read_facts(folder)
+    header, rows = _read_rows(folder / TABLE, asked)
     columns = {name: _column(name, [row[k] for row in rows]) for k, name in enumerate(header)}
     states = columns["status"]
     for k, word in enumerate(states):
         if word not in STATES:
-            raise InputError(f"{folder / 'runs.csv'}, line {k + 2}", f'status: "{word}" is none of {", ".join(STATES)}')
-    begin, end = len(FIRST) + len(asked["varied"]), header.index(RESULTS)
-    measures = tuple(header[begin:end])
-    if rows and asked["measure"] is not None and asked["measure"] not in measures:
-        raise InputError(folder / "study.json", f'measure: runs.csv has no column "{asked["measure"]}"')
-    limits = read_limit_states(asked["limit_states"], header, folder / "study.json")
+            raise InputError(f"{folder / TABLE}, line {k + 2}", f'status: "{word}" is none of {", ".join(STATES)}')
+    measures = tuple(header[len(FIRST) + len(asked.varied) : header.index(RESULTS)])
+    if rows and asked.measure is not None and asked.measure not in measures:
+        raise InputError(folder / FILE, f'measure: {TABLE} has no column "{asked.measure}"')
+    try:
+        limits = limit_states_of(asked.limit_states, header)
+    except InputError as error:
+        raise error.under(str(folder / FILE)) from None
     return Study(folder, asked, limits, columns, measures)
 
 
-def _read_asked(path: Path) -> dict[str, Any]:
-    """What study.json holds."""
+def read_facts(folder: Path) -> StudyFacts:
+    """What study.json of a folder holds.
+
+    Raises:
+        InputError: it is not there, cut off, or not of the format that this version reads; names the key.
+    """
+    path = folder / FILE
     try:
-        asked = json.loads(read_text(path))
+        found = json.loads(read_text(path))
     except FileNotFoundError:
-        raise InputError(path.parent, f"no study: it has no {path.name}") from None
+        raise InputError(folder, f"no study: it has no {FILE}") from None
     except (OSError, ValueError) as failure:
         raise InputError(path, f"cannot be read: {failure}") from None
-    if not isinstance(asked, dict) or asked.get("format") != 1:
-        raise InputError(path, "not the format 1 that this version reads")
-    lacking = next((key for key in KEYS if key not in asked), None)
-    if lacking:
-        raise InputError(path, f"{lacking}: missing")
-    seed, varied = asked["seed"], asked["varied"]
-    if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
-        raise InputError(path, f"seed: must be a whole number from 0 on, got {seed!r}")
-    if not isinstance(varied, list) or not all(isinstance(name, str) for name in varied):
-        raise InputError(path, "varied: must be a list of names")
-    if not isinstance(asked["limit_states"], dict):
-        raise InputError(path, "limit_states: must be a table")
-    return asked
+    if not isinstance(found, dict):
+        raise InputError(path, "not a study, or damaged")
+    try:
+        return parse_table(StudyFacts, found, "")
+    except InputError as error:
+        raise error.each(lambda fault: fault._replace(source=str(path))) from None
 
 
-def _read_rows(path: Path, asked: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
+def _read_rows(path: Path, asked: StudyFacts) -> tuple[list[str], list[list[str]]]:
     """Header and rows of runs.csv."""
     try:
         lines = list(csv.reader(io.StringIO(read_bytes(path).decode("utf-8"), newline="")))
@@ -161,7 +202,7 @@ def _read_rows(path: Path, asked: Mapping[str, Any]) -> tuple[list[str], list[li
     except (OSError, ValueError, csv.Error) as failure:
         raise InputError(path, f"cannot be read: {failure}") from None
     header, rows = (lines[0], lines[1:]) if lines else ([], [])
-    wanted = [*FIRST, *asked["varied"]]
+    wanted = [*FIRST, *asked.varied]
     if header[: len(wanted)] != wanted or RESULTS not in header or len(set(header)) < len(header):
         raise InputError(f"{path}, line 1", f"not the columns of this study: {', '.join(wanted)}, ..., {RESULTS}, ...")
     for k, row in enumerate(rows):

@@ -9,16 +9,48 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from masonry_cd.analysis.damage.grades import NAMES
+from masonry_cd.analysis.outputs import STUDY, numbers_in
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.foundation.fields import is_number
+from masonry_cd.foundation.fields import Number, Table
 
+QUANTITIES = tuple(key for key, number in numbers_in(STUDY).items() if number.judges)
+OF_PARTS = (".grade_number", ".drift")
 WHOLE_NUMBERS = ("collapsed_blocks", "steps_missed", "steps")  # counts: they have no logarithm worth a regression
+
+
+class LimitTable(Table):
+    """A limit state: exceeded where a quantity of a run is above a value."""
+
+    quantity: str
+    """Column of runs.csv."""
+    above: Number | None = None
+    """Exceeded above this."""
+    at_least: str | None = None
+    """Of the quantity "grade": from this one on, "D3"."""
+    least_demand: Annotated[Number, Field(gt=0)] | None = None
+    """Smallest value that the regression of a cloud takes in: of runs with less it only knows that they have less."""
+
+    @model_validator(mode="after")
+    def _one(self) -> LimitTable:
+        if self.quantity not in QUANTITIES and not self.quantity.endswith(OF_PARTS):
+            raise ValueError(f'quantity: unknown "{self.quantity}"{suggest(self.quantity, QUANTITIES)}; one of {", ".join(QUANTITIES)}')
+        graded = self.quantity == "grade"
+        if graded and self.at_least not in NAMES:
+            raise ValueError(f"at_least: should be a grade, {', '.join(NAMES[1:])}")
+        if not graded and (self.above is None or self.at_least is not None):
+            raise ValueError("above: missing" if self.above is None else 'at_least: belongs to quantity = "grade"')
+        if graded and self.above is not None:
+            raise ValueError('above: a grade is compared by at_least = "D3"')
+        if self.least_demand is not None and (self.above is None or self.least_demand >= self.above):
+            raise ValueError("least_demand: should lie below the value of above")
+        return self
 
 
 @dataclass(frozen=True)
@@ -43,9 +75,24 @@ class LimitState:
     word: str
     least: float = 0.0
 
+    @classmethod
+    def of(cls, name: str, table: LimitTable) -> LimitState:
+        """That of a table."""
+        if table.at_least is not None:
+            return cls(name, table.quantity, "grade_number", float(NAMES.index(table.at_least)), True, table.at_least)
+        assert table.above is not None
+        return cls(name, table.quantity, table.quantity, table.above, False, f"{table.above:g}", table.least_demand or 0.0)
+
     def exceeded(self, values: np.ndarray) -> np.ndarray:
         """(N,) bool of the values (N,) of its column; nan exceeds nothing."""
         return values >= self.bound if self.equal else values > self.bound
+
+    def exceeded_by(self, row: RunRow) -> bool | None:
+        """Whether a run exceeded it; None of one that is no data, or whose grade is asked for and which is not graded."""
+        value = row.number(self.column)
+        if not row.done or (value is None and self.equal):
+            return None
+        return value is not None and bool(self.exceeded(np.array(value)))
 
     @property
     def continuous(self) -> bool:
@@ -57,31 +104,16 @@ class LimitState:
         return f"{self.quantity} {'≥' if self.equal else '>'} {self.word}"
 
 
-def read_limit_states(table: Mapping[str, Any], header: Sequence[str], path: Path) -> tuple[LimitState, ...]:
-    """The limit states of a study.
+def limit_states_of(tables: Mapping[str, LimitTable], header: Sequence[str]) -> tuple[LimitState, ...]:
+    """The limit states of a study whose table of runs has some columns.
 
     Raises:
-        InputError: a limit state without a quantity that runs.csv has, or without a bound.
+        InputError: a limit state of a quantity that it does not have.
     """
-    return tuple(_limit_state(name, given, header, f"{path}: limit_states.{name}") for name, given in table.items())
-
-
-def _limit_state(name: str, given: Any, header: Sequence[str], where: str) -> LimitState:
-    """One of them."""
-    if not isinstance(given, Mapping) or not isinstance(given.get("quantity"), str):
-        raise InputError(where, "quantity: missing")
-    quantity = given["quantity"]
-    column = f"{quantity}_number" if quantity.split(".")[-1] == "grade" else quantity
-    if column not in header:
-        raise InputError(where, f'quantity: runs.csv has no column "{column}"{suggest(column, header)}')
-    found = [key for key in ("above", "at_least") if given.get(key) is not None]
-    if len(found) != 1:
-        raise InputError(where, "needs either above or at_least")
-    value, equal = given[found[0]], found[0] == "at_least"
-    bound = NAMES.index(value) if value in NAMES else value
-    if not is_number(bound) and not isinstance(bound, float):
-        raise InputError(f"{where}.{found[0]}", f"must be a number, or a grade {NAMES[0]} to {NAMES[-1]}, got {value!r}")
-    least = given.get("least_demand")
-    if least is not None and not (is_number(least) and 0.0 < least < bound):
-        raise InputError(f"{where}.least_demand", f"must lie between 0 and the bound {bound:g}, got {least!r}")
-    return LimitState(name, quantity, column, float(bound), equal, str(value) if value in NAMES else f"{value:g}", float(least or 0.0))
+    found = tuple(LimitState.of(name, table) for name, table in tables.items())
+    for limit in found:
+        if limit.column not in header:
+            raise InputError(
+                f"limit_states.{limit.name}.quantity", f'runs.csv has no column "{limit.column}"{suggest(limit.column, header)}'
+            )
+    return found

@@ -56,7 +56,7 @@ def _one(study: Study, name: str, kind: str, quantity: str) -> Correlation | Non
     if len(rows) < LEAST or np.ptp(x) == 0 or np.ptp(y) == 0:
         return None
     rho = _pearson(rankdata(x), rankdata(y))
-    low, high = band(_replicated(x, y, np.unique(study.clusters[rows], return_inverse=True)[1].reshape(-1), study.asked["seed"]))
+    low, high = band(_replicated(x, y, np.unique(study.clusters[rows], return_inverse=True)[1].reshape(-1), study.asked.seed))
     return Correlation(name, kind, quantity, rho, low, high, p_value(rho, len(rows)), _partial(study, name, rows, x, y), len(rows))
 
 
@@ -69,7 +69,7 @@ def p_value(rho: float, count: int) -> float:
 
 def _partial(study: Study, name: str, rows: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
     """The correlation of the ranks once those of the study's measure have been taken out of both."""
-    measure = study.asked["measure"]
+    measure = study.asked.measure
     z = study.numbers(measure)[rows] if measure and measure != name else np.zeros(len(rows))
     if not np.isfinite(z).all() or np.ptp(z) == 0:
         return np.nan

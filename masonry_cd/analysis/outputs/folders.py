@@ -72,6 +72,17 @@ FOLDERS: dict[str, dict[str, str]] = {
         "tornado.png": "what matters",
         "median_opening.png": "the opening of every joint that half of the runs exceed",
     },
+    "accuracy": {
+        "accuracy.csv": "every setting: its error or its quartiles, and its cost",
+        "accuracy.md": "that table to read, and what it says",
+        "accuracy.png": "the work-precision diagram",
+        "accuracy.json": "of an ensemble: every setting, and what they say",
+        "members.csv": "of an ensemble: every run",
+    },
+    "validate": {
+        "table.json": "what was measured, and what is computed",
+        "curves.svg": "the curves of both",
+    },
     "compare": {
         "comparison.csv": "the runs side by side, all digits",
         "comparison.md": "that table to read",

@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from masonry_cd.analysis.assessment.assessment import Known
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.case import make_structures
 from masonry_cd.app.scene import Scene
@@ -67,6 +68,12 @@ class Assumption:
     levels: tuple[Level, ...]
     reference: str = ""  # of its levels, that which the others are compared with; empty: the base case
     statics: bool = False  # whether a limit analysis depends on it
+
+    @property
+    def known(self) -> Known:
+        """What an assessment says of it."""
+        levels, coarser = (tuple(one.name for one in self.levels if one.coarser or not only) for only in (False, True))
+        return Known(self.name, self.base, levels, self.reference, self.name in NUMERICAL, coarser)
 
 
 @dataclass(frozen=True)

@@ -5,28 +5,23 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations, product
 from typing import Any
 
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, LEVEL, PAIR
 from masonry_cd.app.doubts import assess_doubts
-from masonry_cd.app.scene import Scene, scene_of
-from masonry_cd.app.scene_text import dump_toml, is_within, keys_of
-from masonry_cd.app.scene_units import scene_in_si
+from masonry_cd.app.scene import Scene
+from masonry_cd.app.scene_text import is_within, keys_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
 from masonry_cd.studies.assess.assumptions import DAMPING, POINTS, STIFFNESS, Assumption, Level, assumptions_of
-from masonry_cd.studies.study.perturb import perturb
+from masonry_cd.studies.study.of_scene import SIZE, space_of, tables_of
 from masonry_cd.studies.study.plan import Maker, Plan, Planned
 from masonry_cd.studies.study.space import Asked, Space
-from masonry_cd.studies.study.study_file import EnsembleTable, RunTable, Study, StudyTables
-from masonry_cd.studies.study.varied import Varied
+from masonry_cd.studies.study.study_file import Study
 
 DESIGN = "assess"
-SIZE = 1e-9  # by which amplitudes of neighbouring members of the ensemble differ, relative; [m/s] of velocities in their place
-TIMEOUT = 6 * 3600.0  # of a run [s]: small blocks and half a time step take several times as long as the base case
-OWN_DRAW = ("velocities", "friction")  # what members differ by, instead of loads that have no size
 
 
 @dataclass(frozen=True)
@@ -45,9 +40,8 @@ class Part:
 class AssessMaker(Maker):
     """Makes the scenes of an assessment's runs."""
 
-    def __init__(self, study: Study, space: Space, known: Sequence[Assumption], shakes: bool) -> None:
+    def __init__(self, study: Study, space: Space, known: Sequence[Assumption]) -> None:
         super().__init__(study, space)
-        self.shakes = shakes
         self._levels = {(one.name, level.name): (one, level) for one in known for level in one.levels}
 
     def tables(self, asked: Asked) -> dict[str, Any]:
@@ -89,19 +83,16 @@ class AssessPlan(Plan):
     """
 
     def __init__(self, scene: Scene, all_pairs: bool = False) -> None:
-        tables = _tables_of(scene)
+        tables = tables_of(scene) | {"quiet_checks": []}
+        if isinstance(tables.get("limit"), Mapping):
+            tables["limit"] = {key: value for key, value in tables["limit"].items() if key != "curve"}
         self.shakes = not scene.limit or _is_shaken(scene)
         self.known, self.left_out = assumptions_of(scene, tables, self.shakes)
         if not self.known:
             raise InputError(scene.origin.of("assess"), "assess.leave_out: nothing is left to vary")
-        study = _study(scene, tables)
-        space = Space(study.tables, None, study.varied)
-        super().__init__(study, space)
-        self.maker: AssessMaker = AssessMaker(study, space, self.known, self.shakes)
-        self.design = DESIGN
         self.doubtful = assess_doubts(scene)
         self.parts = list(self._parts(scene.assess.members, all_pairs))
-        self.runs = [self.maker.planned(_asked(part)) for part in self.parts]
+        super().__init__(AssessMaker(*space_of(scene, tables), self.known), map(_asked, self.parts), DESIGN)
 
     def _parts(self, members: int, all_pairs: bool) -> Iterator[Part]:
         """The runs, the base case first."""
@@ -116,10 +107,6 @@ class AssessPlan(Plan):
                     if not (first.name == STIFFNESS and second.name in (DAMPING, POINTS) and levels[0].name == RIGID):
                         yield Part(PAIR, ((first, levels[0]), (second, levels[1])))
 
-    def shuffled(self, runs: Sequence[Planned]) -> list[Planned]:
-        """The longest first, so that no core waits for another at the end."""
-        return sorted(runs, key=lambda run: -run.weight)
-
 
 def ends_of(assumption: Assumption) -> tuple[Level, ...]:
     """The two outer levels of an assumption that are no coarser than the base case, or its only one."""
@@ -130,34 +117,6 @@ def ends_of(assumption: Assumption) -> tuple[Level, ...]:
 def _asked(part: Part) -> Asked:
     """A run as the engine knows it."""
     return Asked(member=part.member or None, change=SIZE * part.member, values=part.values())
-
-
-def _tables_of(scene: Scene) -> dict[str, Any]:
-    """The tables of a scene as numbers, without what no run of an assessment needs."""
-    with scene.locating():
-        tables = scene_in_si(scene.tables)
-    tables.pop("assess", None)
-    tables["quiet_checks"] = []
-    if isinstance(tables.get("limit"), Mapping):
-        tables["limit"] = {key: value for key, value in tables["limit"].items() if key != "curve"}
-    return tables
-
-
-def _study(scene: Scene, tables: dict[str, Any]) -> Study:
-    """The study that an assessment is to the engine."""
-    own = replace(scene_of(tables, scene.text, scene.path, scene.origin), quiet_checks=scene.quiet_checks)
-    ensemble, run = EnsembleTable(perturb=_perturbs(tables), size=SIZE), RunTable(timeout=TIMEOUT)
-    top = StudyTables(scene=tables, design="ensemble", title=scene.title, ensemble=ensemble, run=run)
-    return Study(scene.path, dump_toml(tables), top, own, tables, scene.path.name, Varied({}, {}, []), scene.origin)
-
-
-def _perturbs(tables: dict[str, Any]) -> Any:
-    """What the members of the ensemble differ by: the loads where they have a size, else first velocities, else friction."""
-    try:
-        perturb(copy.deepcopy(tables), "loads", SIZE)
-    except InputError:
-        return OWN_DRAW["first_velocities" in tables["run"]]
-    return "loads"
 
 
 def _is_shaken(scene: Scene) -> bool:

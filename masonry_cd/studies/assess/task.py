@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import Any
 
 from masonry_cd.analysis.assessment.assessment import UNSETTLED
+from masonry_cd.analysis.run_row import DONE, FAILED, RunRow
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.task import Outcome, Task, run_task
 
@@ -17,33 +17,34 @@ SETTLE = "run.settle:"  # in the reason of a run whose joints do not come to res
 def assess_task(task: Task) -> Outcome:
     """The steps, and the load factor where the scene asks for one."""
     outcome = replace(_stepped(task), joints=None)
-    if outcome.row["status"] != "done" or not task.tables.get("limit"):
+    row = outcome.row
+    if not row.done or not task.tables.get("limit"):
         return outcome
-    found = _statics(task)
-    return replace(outcome, row={**outcome.row, **found, "seconds": outcome.row["seconds"] + found["limit_seconds"]})
+    factor, reason, seconds = _statics(task)
+    numbers = {**row.numbers, "load_factor": factor}
+    row = replace(row, numbers=numbers, limit_reason=reason, limit_seconds=seconds, seconds=row.seconds + seconds)
+    return replace(outcome, row=row)
 
 
 def _stepped(task: Task) -> Outcome:
     """The steps; of joints that do not settle under the weight without it having settled, and the row says so."""
     outcome = run_task(task)
-    if SETTLE not in outcome.row["reason"]:
+    if SETTLE not in outcome.row.reason:
         return outcome
     tables = {**task.tables, "run": {**task.tables["run"], "settle": False}}
     again = run_task(replace(task, tables=tables))
-    return replace(again, row={**again.row, "remark": UNSETTLED})
+    return replace(again, row=replace(again.row, remark=UNSETTLED))
 
 
 def limit_task(task: Task) -> Outcome:
     """The load factor alone."""
-    found = _statics(task)
-    status = "done" if found["load_factor"] is not None else "failed"
-    return Outcome(
-        task.name, {"status": status, "reason": found.pop("limit_reason"), "seconds": found["limit_seconds"], "worker": "", **found}
-    )
+    factor, reason, seconds = _statics(task)
+    status = FAILED if factor is None else DONE
+    return Outcome(task.name, RunRow(status, reason, seconds, numbers={"load_factor": factor}, limit_seconds=seconds))
 
 
-def _statics(task: Task) -> dict[str, Any]:
-    """The load factor of a scene, or why there is none."""
+def _statics(task: Task) -> tuple[float | None, str, float]:
+    """The load factor of a scene, or why there is none, and the seconds that it took."""
     from masonry_cd.app.limit_case import case_of
     from masonry_cd.studies.study.checks import scene_of_run
 
@@ -52,12 +53,11 @@ def _statics(task: Task) -> dict[str, Any]:
     try:
         analysis = case_of(scene_of_run(dict(task.tables))).analysis
         if not analysis.stands:
-            factor = 0.0
-            reason = "it does not stand under its dead loads"
+            factor, reason = 0.0, "it does not stand under its dead loads"
         elif analysis.problem.moves_support:
             reason = "supports that move have no load factor"
         else:
             factor = 0.0 if analysis.bears_nothing else analysis.governing.factor
     except InputError as error:
         reason = str(error)
-    return {"load_factor": factor, "limit_reason": reason, "limit_seconds": time.perf_counter() - begin}
+    return factor, reason, time.perf_counter() - begin

@@ -60,6 +60,19 @@ class Case:
     compute: Callable[[Path, Callable[[str], object]], Found]  # in a folder, saying how far it is
 
 
+def elastic(law: Mapping[str, Any] | None) -> dict[str, Any]:
+    """The keys of ``[material]`` for joints of a law; none for rigid ones."""
+    return {"joints": {"default": dict(law)}} if law else {}
+
+
+def threshold(falls: Callable[[float], bool], low: float, high: float, halvings: int) -> float:
+    """The load between those under which a structure stands and those under which it falls, by halving a range."""
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if falls(middle) else (middle, high)
+    return 0.5 * (low + high)
+
+
 def scene_in(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -> Scene:
     """Write a scene and its blocks into a folder, and read it."""
     folder.mkdir(parents=True, exist_ok=True)

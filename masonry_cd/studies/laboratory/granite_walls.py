@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.studies.laboratory.case import Found, Row, pushed
+from masonry_cd.studies.laboratory.case import Found, Row
 from masonry_cd.studies.laboratory.shear_walls import ShearWall
 
 HEIGHT, LEVER = 1.2, 1.325  # [m]
@@ -55,47 +55,27 @@ class Kind:
         return ShearWall(self.courses, HEIGHT / self.courses, self.unit, 2.0 * (LEVER - HEIGHT), FRICTION)
 
 
-SAWN = Kind(
-    "dry",
-    8,
-    0.2,
-    (
-        Tested(
-            0.5, 3287, (39.0, 43.3, 37.8, 40.9, 38.0, 42.1, 36.0, 40.1), (2.10, 3.04, 0.68, 0.83, 2.76, 3.13, 3.12, 3.40),
-            (9.3, 14.7, 6.5, 6.3, 11.5, 12.4, 20.5, 14.8),
-        ),
-        Tested(
-            0.875, 4068, (61.8, 69.0, 64.5, 71.3, 64.3, 71.2), (1.97, 3.09, 2.65, 3.40, 2.65, 3.41), (16.3, 17.7, 14.1, 14.9, 17.4, 16.7)
-        ),
-        Tested(
-            1.25, 4722, (88.7, 95.7, 87.1, 94.7, 86.5, 92.6), (2.91, 2.42, 1.66, 1.71, 2.37, 2.43), (12.9, 17.2, 13.8, 18.6, 15.2, 15.7)
-        ),
-    ),
-)  # fmt: skip
-IRREGULAR = Kind(
-    "irregular",
-    6,
-    0.2,
-    (
-        Tested(0.5, 3840, (36.8, 40.0, 38.6, 42.1), (2.15, 2.45, 1.27, 2.92), (12.2, 12.7, 8.6, 8.5)),
-        Tested(
-            0.875, 3864, (44.9, 59.2, 58.9, 61.0, 63.8, 69.6), (0.74, 1.99, 2.36, 0.82, 1.87, 2.18), (14.1, 5.6, 11.6, 14.6, 10.8, 10.6)
-        ),
-        Tested(1.25, 3911, (81.3, 80.3, 86.5, 92.3), (1.54, 1.68, 1.21, 1.47), (11.6, 14.3, 14.1, 18.7)),
-    ),
-)  # fmt: skip
-RUBBLE = Kind(
-    "rubble",
-    9,
-    1.0 / 6.0,
-    (
-        Tested(0.5, 2329, (36.3, 40.4, 38.2, 41.3), (0.87, 0.89, 1.08, 3.14), (7.4, 10.2, 7.8, 10.0)),
-        Tested(0.875, 2393, (64.8, 65.9, 62.3, 56.5), (1.21, 1.11, 1.11, 1.58), (9.5, 12.7, 11.4, 8.9)),
-        Tested(
-            1.25, 2496, (59.9, 67.4, 69.8, 80.4, 63.9, 73.8), (0.47, 0.49, 0.40, 0.84, 0.69, 0.64), (15.6, 17.3, 17.6, 18.6, 12.0, 14.8)
-        ),
-    ),
-)  # fmt: skip
+TESTS = """\
+dry | 0.5 3287 | 39 43.3 37.8 40.9 38 42.1 36 40.1 | 2.1 3.04 0.68 0.83 2.76 3.13 3.12 3.4 | 9.3 14.7 6.5 6.3 11.5 12.4 20.5 14.8
+dry | 0.875 4068 | 61.8 69 64.5 71.3 64.3 71.2 | 1.97 3.09 2.65 3.4 2.65 3.41 | 16.3 17.7 14.1 14.9 17.4 16.7
+dry | 1.25 4722 | 88.7 95.7 87.1 94.7 86.5 92.6 | 2.91 2.42 1.66 1.71 2.37 2.43 | 12.9 17.2 13.8 18.6 15.2 15.7
+irregular | 0.5 3840 | 36.8 40 38.6 42.1 | 2.15 2.45 1.27 2.92 | 12.2 12.7 8.6 8.5
+irregular | 0.875 3864 | 44.9 59.2 58.9 61 63.8 69.6 | 0.74 1.99 2.36 0.82 1.87 2.18 | 14.1 5.6 11.6 14.6 10.8 10.6
+irregular | 1.25 3911 | 81.3 80.3 86.5 92.3 | 1.54 1.68 1.21 1.47 | 11.6 14.3 14.1 18.7
+rubble | 0.5 2329 | 36.3 40.4 38.2 41.3 | 0.87 0.89 1.08 3.14 | 7.4 10.2 7.8 10
+rubble | 0.875 2393 | 64.8 65.9 62.3 56.5 | 1.21 1.11 1.11 1.58 | 9.5 12.7 11.4 8.9
+rubble | 1.25 2496 | 59.9 67.4 69.8 80.4 63.9 73.8 | 0.47 0.49 0.4 0.84 0.69 0.64 | 15.6 17.3 17.6 18.6 12 14.8
+"""  # kind, stress [MPa] and E [MPa], peaks [kN], drifts at these [%], stiffness of the bilinear curves [kN/mm]
+
+
+def _kind(name: str, courses: int, unit: float) -> Kind:
+    """A kind with its lines of the table."""
+    rows = [line.split(" | ")[1:] for line in TESTS.splitlines() if line.startswith(f"{name} ")]
+    numbers = ([tuple(map(float, cells.split())) for cells in row] for row in rows)
+    return Kind(name, courses, unit, tuple(Tested(stress, young, *rest) for (stress, young), *rest in numbers))
+
+
+SAWN, IRREGULAR, RUBBLE = _kind("dry", 8, 0.2), _kind("irregular", 6, 0.2), _kind("rubble", 9, 1.0 / 6.0)
 
 
 def compare(kinds: Sequence[Kind], folder: Path, say: Callable[[str], object]) -> Found:
@@ -105,11 +85,9 @@ def compare(kinds: Sequence[Kind], folder: Path, say: Callable[[str], object]) -
         wall = kind.wall()
         for test in kind.tests:
             name = f"{kind.name}, {test.stress:g} MPa"
-            rigid = wall.limit_force(folder / f"{kind.name}_limit_{test.stress:g}", f"Granite wall, {name}", test.stress)
-            scene = wall.scene(f"Granite wall, {name}", test.stress, 1e6 * test.young, [REACH])
-            curve = pushed(folder / f"{kind.name}_push_{test.stress:g}", wall.blocks(), scene)
+            asked = (test.stress, 1e6 * test.young, REACH)
+            rigid, curve = wall.tested(folder, f"{kind.name}_*_{test.stress:g}", f"Granite wall, {name}", asked, say)
             u, f = curve.envelope()
-            say(f"{name}: limit {1e-3 * rigid:.1f} kN, push {1e-3 * f.max():.1f} kN, inertia {100 * curve.inertia_share:.2g} %")
             walls, bilinear = len(test.peaks) // 2, curve.numbers()["bilinear"]
             peak, stiffness = float(np.mean(test.peaks)), float(np.mean(test.stiffness))
             found.rows.append(Row(f"{name}: peak, mean of {walls} walls both ways", "kN", peak, 1e-3 * rigid, 1e-3 * float(f.max())))

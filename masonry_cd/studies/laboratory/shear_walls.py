@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.pushover import PushCurve
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import limit_factor
+from masonry_cd.studies.laboratory.case import elastic, limit_factor, pushed
 from structures.geometry.prism import box
 
 
@@ -44,13 +45,11 @@ class ShearWall:
     def scene(self, title: str, stress: float, young: float | None, targets: Sequence[float]) -> dict[str, Any]:
         """A push through targets [m] under a vertical stress [MPa]; joints of E [Pa] over the height of a course, or rigid ones."""
         force = 1e6 * stress * self.length * self.thick
-        material: dict[str, Any] = {"density": self.density, "friction": self.friction}
-        if young is not None:
-            stiffness = young / self.course
-            material["joints"] = {"default": {"normal_stiffness": stiffness, "tangential_stiffness": 0.4 * stiffness, "damping": 0.1}}
+        stiffness = 0.0 if young is None else young / self.course
+        law = {"normal_stiffness": stiffness, "tangential_stiffness": 0.4 * stiffness, "damping": 0.1} if stiffness else {}
         return {
             "title": title,
-            "material": material,
+            "material": {"density": self.density, "friction": self.friction, **elastic(law)},
             "loads": [
                 {"kind": "point", "block": "beam", "force": [0.0, 0.0, -force], "ramp": 0.3},
                 {
@@ -61,6 +60,17 @@ class ShearWall:
             "run": {"dt": 1e-3, "tolerance": 1e-5},
             "quiet_checks": ["loads[0].force"],
         }  # fmt: skip
+
+    def tested(
+        self, folder: Path, name: str, title: str, test: tuple[float, float, float], say: Callable[[str], object]
+    ) -> tuple[float, PushCurve]:
+        """The limit force [N], and the push on elastic joints, of a ``test`` at a stress [MPa], with E [Pa], to a reach [m]."""
+        stress, young, reach = test
+        rigid = self.limit_force(folder / name.replace("*", "limit"), title, stress)
+        curve = pushed(folder / name.replace("*", "push"), self.blocks(), self.scene(title, stress, young, [reach]))
+        most, inertia = 1e-3 * curve.envelope()[1].max(), 100 * curve.inertia_share
+        say(f"{title}: limit {1e-3 * rigid:.1f} kN, push {most:.1f} kN, inertia {inertia:.2g} %")
+        return rigid, curve
 
     def limit_force(self, folder: Path, title: str, stress: float) -> float:
         """The least horizontal force on the beam by limit analysis, rigid and without dilation where it is found [N]."""

@@ -3,16 +3,15 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from masonry_cd.app.result import Result, Say
 from masonry_cd.foundation import own_files
-from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.json_files import write_json
 from masonry_cd.studies.laboratory.case import Case, Found, Row
 from masonry_cd.studies.laboratory.cases import CASES
 from reports.drawing.figure import save
@@ -20,14 +19,6 @@ from reports.laboratory import curves_figure
 
 TABLE, FIGURE = "table.json", "curves.svg"
 DRAWN = 300  # points of a curve: figures of the page stay small
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What was written, and the table in words."""
-
-    lines: list[str]
-    written: list[Path]
 
 
 def case_named(name: str) -> Case:
@@ -41,7 +32,7 @@ def case_named(name: str) -> Case:
     return CASES[name]
 
 
-def validate(name: str, folder: Path, say: Callable[[str], object]) -> Outcome:
+def validate(name: str, folder: Path, say: Say) -> Result[Found]:
     """Repeat a case.
 
     Raises:
@@ -51,12 +42,11 @@ def validate(name: str, folder: Path, say: Callable[[str], object]) -> Outcome:
     own_files.begin(folder, (TABLE, FIGURE))
     found = case.compute(folder, say)
     table, figure = folder / TABLE, folder / FIGURE
-    with replacing(table) as part:
-        part.write_text(json.dumps([row._asdict() for row in found.rows], indent=1) + "\n", encoding="utf-8")
+    write_json(table, [row._asdict() for row in found.rows])
     across, up = found.axes
     drawn = curves_figure(_thinned(found.computed), found.measured, case.title, ((across, 1.0), (up, 1.0)), found.points)
     save(drawn, figure)
-    return Outcome([case.title, f"source: {case.source}", *table_lines(found)], [table, figure])
+    return Result(found, [case.title, f"source: {case.source}", *table_lines(found)], written=[table, figure])
 
 
 def table_lines(found: Found) -> list[str]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.fragility.limits import LimitTable
 from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.ranges import RANGES
 from masonry_cd.app.scene import Origin, Scene, scene_of
@@ -14,7 +15,7 @@ from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.studies.study.plan import Maker, Plan
 from masonry_cd.studies.study.space import Asked, Space
-from masonry_cd.studies.study.study_file import LimitState, Study
+from masonry_cd.studies.study.study_file import Study
 from masonry_cd.studies.study.study_units import ROTATE, UNITS
 
 MOST_TRIED = 20  # values of a list for which structures are built
@@ -74,7 +75,7 @@ def check_first(plan: Plan) -> tuple[str, ...]:
     return (*bound_doubts(study.tables.limit_states), *made)
 
 
-def bound_doubts(states: Mapping[str, LimitState]) -> list[str]:
+def bound_doubts(states: Mapping[str, LimitTable]) -> list[str]:
     """A line on each bound of a limit state that is likely in another unit."""
     usual, out = RANGES["bound"], []
     for name, state in states.items():

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
+from masonry_cd.analysis.run_row import FAILED, RunRow
 from masonry_cd.foundation.errors import one_line
 from masonry_cd.foundation.quantities import in_words
 from masonry_cd.studies.study.clusters import DEATHS
@@ -115,7 +116,7 @@ class Engine:
             if future.status in ("cancelled", "lost") or not self._alive():
                 raise ClusterLost(GONE) from None
             reason = one_line(f"{type(error).__name__}: {error}")
-        return Outcome(run.name, {"status": "failed", "reason": reason, "seconds": 0.0, "worker": ""})
+        return Outcome(run.name, RunRow(FAILED, reason))
 
     def _count(self) -> None:
         """Count the threads of the cluster now and then: workers may come and go."""

@@ -18,12 +18,12 @@ import shutil
 from collections.abc import Callable, Iterable, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from masonry_cd import __version__
+from masonry_cd.analysis.fragility.folder import FILE, StudyFacts, read_facts
 from masonry_cd.analysis.outputs.folders import files_of
+from masonry_cd.analysis.run_row import RunRow, row_of
 from masonry_cd.app.folders import names_of_run
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
@@ -34,10 +34,10 @@ from masonry_cd.studies.study.study_file import Study
 from masonry_cd.studies.study.task import ROWS, SCENE, Outcome
 from masonry_cd.studies.study.watchdog import SUFFIX as HANG
 
-NAME, TEXT = "study.json", "study.toml"
+NAME, TEXT = FILE, "study.toml"
 JOINTS, REFERENCE, RUNS = "joints", "reference", "runs"
 KEPT = (ROWS, JOINTS, REFERENCE, RUNS)  # its folders
-FORMAT = 1
+ABOUT = ("run", "motion", "level", "member", "values")  # keys of a row's file that say what was asked
 
 
 class StudyFolder:
@@ -56,15 +56,14 @@ class StudyFolder:
         Raises:
             InputError: names what differs.
         """
-        file = self.path / NAME
-        if not file.exists():
+        if not (self.path / NAME).exists():
             if any((self.path / name).exists() for name in (ROWS, "result.h5")):
                 raise InputError(self.path, f"holds results, and no {NAME} says of which study; choose another folder, or --force")
             return
         try:
-            then = json.loads(read_text(file))["identity"]
-        except (OSError, ValueError, KeyError, TypeError):
-            raise InputError(file, "not that of a study, or damaged; choose another folder, or --force") from None
+            then = read_facts(self.path).identity
+        except InputError as error:
+            raise InputError(error.place, f"{error.faults[0].text}; choose another folder, or --force") from None
         for name, digest in identity.items():
             if then.get(name) != digest:
                 raise InputError(self.path, f"holds another study, of another {name}; choose another folder, or --force to begin anew")
@@ -91,7 +90,7 @@ class StudyFolder:
 
     def _names(self) -> tuple[str, ...]:
         """All files beside the folders that a study or an assessment may write."""
-        return (*files_of("study"), *files_of("assess"), NAME, TEXT, "probability_*.png")
+        return (*files_of("study"), *files_of("assess"), *files_of("accuracy"), NAME, TEXT, "probability_*.png")
 
     def clear(self) -> None:
         """Take away what a former study left; :meth:`require_own` has looked before."""
@@ -99,7 +98,7 @@ class StudyFolder:
             shutil.rmtree(self.path / name, ignore_errors=True)
         (self.path / NAME).unlink(missing_ok=True)
 
-    def begin(self, study: Study, plan: Mapping[str, Any]) -> None:
+    def begin(self, study: Study, facts: StudyFacts) -> None:
         """Write what the study is."""
         old = is_study(self.path)
         self.hold()
@@ -111,21 +110,17 @@ class StudyFolder:
             shutil.rmtree(part, ignore_errors=True)
         with replacing(self.path / TEXT) as part:
             part.write_text(study.text, encoding="utf-8")
-        self.describe(plan)
+        self.describe(facts)
 
-    def describe(self, plan: Mapping[str, Any]) -> None:
+    def describe(self, facts: StudyFacts) -> None:
         """Write study.json."""
         with replacing(self.path / NAME) as part:
-            part.write_text(json.dumps({"format": FORMAT, "program": __version__, **plan}, indent=1, default=str) + "\n", encoding="utf-8")
+            part.write_text(json.dumps(facts.as_dict(), indent=1, default=str) + "\n", encoding="utf-8")
 
-    def finished(self, retry: bool) -> dict[str, dict[str, Any]]:
+    def finished(self, retry: bool) -> dict[str, RunRow]:
         """The rows of runs that have ended; with ``retry`` those that are done alone."""
-        found = {}
-        for file in (self.path / ROWS).glob("*.json"):
-            row = _read_row(file)
-            if row is not None and (row["status"] == "done" or not retry):
-                found[file.stem] = row
-        return found
+        found = {file.stem: _read_row(file) for file in (self.path / ROWS).glob("*.json")}
+        return {name: row for name, row in found.items() if row.status and (row.done or not retry)}
 
     def forget_hangs(self, runs: Iterable[Planned]) -> None:
         """Take away what says that runs hung, before they are made again."""
@@ -142,9 +137,9 @@ class StudyFolder:
         if outcome.reference is not None:
             self.write_reference(run.name, outcome.reference)
         asked = run.asked
-        about = {"run": run.name, "motion": asked.motion, "level": asked.level, "member": asked.member, "values": dict(asked.values)}
+        about = dict(zip(ABOUT, (run.name, asked.motion, asked.level, asked.member, dict(asked.values)), strict=True))
         with replacing(self.path / ROWS / f"{run.name}.json") as part:
-            part.write_text(json.dumps({**about, **outcome.row}, default=str) + "\n", encoding="utf-8")
+            part.write_text(json.dumps({**about, **outcome.row.as_dict()}, default=str) + "\n", encoding="utf-8")
 
     def has_reference(self, name: str) -> bool:
         """Whether the reference is the result of a run."""
@@ -193,10 +188,9 @@ def digest_of(value: object) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-def _read_row(file: Path) -> dict[str, Any] | None:
-    """A row; None where it is damaged: its run is made again."""
+def _read_row(file: Path) -> RunRow:
+    """A row; an empty one where it is damaged: its run is made again."""
     try:
-        row = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    return row if isinstance(row, dict) and row.get("status") in ("done", "failed", "timeout") else None
+        return row_of(json.loads(file.read_text(encoding="utf-8")), ABOUT)
+    except (OSError, ValueError, TypeError, AttributeError):
+        return RunRow()

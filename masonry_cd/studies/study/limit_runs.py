@@ -7,13 +7,13 @@ agreement and spread, and of a check by a code the one verdict with demand, capa
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.studies.study.plan import Maker, Planned
+from masonry_cd.studies.study.plan import Plan
+from masonry_cd.studies.study.table import Rows
 
 LIMITS = "limits.csv"
 COLUMNS = (
@@ -52,24 +52,22 @@ def limit_row(scene: Scene) -> dict[str, Any]:
     return found
 
 
-def write_limits(folder: Path, runs: Sequence[Planned], maker: Maker, rows: Mapping[str, Mapping[str, Any]]) -> Path:
+def write_limits(folder: Path, plan: Plan, rows: Rows) -> None:
     """Write limits.csv, of the analyses that have ended."""
-    varied = list(maker.space.varied.columns)
-    cells = []
-    for run in runs:
+    varied, cells = plan.maker.space.varied.columns, []
+    for run in plan.ordered():
         if run.name in rows:
-            row, values = rows[run.name], dict(run.asked.values)
-            made = row.get("limit") or {}
-            cells.append([run.name, *map(values.get, varied), row["status"], *map(made.get, COLUMNS), row["reason"]])
+            row, values = rows[run.name], run.asked.values
+            made = row.limit or {}
+            cells.append([run.name, *map(values.get, varied), row.status, *map(made.get, COLUMNS), row.reason])
     write_csv(folder / LIMITS, ("run", *varied, "status", *COLUMNS, "reason"), (map(_text, line) for line in cells))
-    return folder / LIMITS
 
 
-def limit_lines(runs: Sequence[Planned], maker: Maker, rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def limit_lines(plan: Plan, rows: Rows) -> list[str]:
     """The table in words, a line for each analysis that is done."""
     out = []
-    for run in runs:
-        made = rows.get(run.name, {}).get("limit")
+    for run in plan.ordered():
+        made = rows[run.name].limit if run.name in rows else None
         if made:
             of = ", ".join(f"{key} = {_text(value)}" for key, value in run.asked.values.items()) or "the scene as it is"
             out.append(f"{of}: " + ", ".join(f"{key} {_text(made[key])}" for key in SHOWN if made[key] is not None))

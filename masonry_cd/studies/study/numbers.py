@@ -21,8 +21,8 @@ from reports.damage import damage_settings
 QUANTITIES = tuple(numbers_in(STUDY))
 
 
-def of_run(results_file: Path, summary: Mapping[str, Any], scene: Scene) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The numbers of a run that is done, and its joints' arrays.
+def of_run(results_file: Path, summary: Mapping[str, Any], scene: Scene) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """The numbers of a run that is done, those of its parts, and its joints' arrays.
 
     Args:
         results_file: result.h5 of the run.
@@ -30,21 +30,21 @@ def of_run(results_file: Path, summary: Mapping[str, Any], scene: Scene) -> tupl
         scene: whose ``[report]`` says what counts as damage.
 
     Returns:
-        numbers by the columns of ``QUANTITIES``, with ``parts``, {name: {"grade_number", "drift"}}; and
+        numbers by the columns of ``QUANTITIES``, with the residual drift; by part {"grade_number", "drift"}; and
         opening, sliding (J,) float32 [m], the largest over the run, lost (J,) bool, and ``shape``, a digest of the joints at rest.
     """
     with Results.open(results_file) as results:
         run = Measured(results, damage_settings(scene.report), summary)
-        found, table = values_in(STUDY, run), run.table
+        found, table = values_in(STUDY, run) | {"residual_drift": finite(run.whole["residual_drift"])}, run.table
         arrays = {
             "opening": table.max_opening.astype(np.float32),
             "sliding": table.max_sliding.astype(np.float32),
             "lost": table.state == "separated",
             "shape": _digest(results.joints),
         }
-        parts = run.damage.parts[:-1]
-    found["parts"] = {row["part"]: {"grade_number": grade_number(row["grade"]), "drift": finite(row["max_drift"])} for row in parts}
-    return found, arrays
+        rows = run.damage.parts[:-1]
+    parts = {row["part"]: {"grade_number": grade_number(row["grade"]), "drift": finite(row["max_drift"])} for row in rows}
+    return found, parts, arrays
 
 
 def _digest(joints: Joints) -> int:

@@ -10,15 +10,18 @@ import copy
 import hashlib
 import json
 import random
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.fragility.limits import LimitState
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.app.inputs import file_digests
 from masonry_cd.app.scene_text import assign
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extensions import Extensions
+from masonry_cd.studies.study.clusters import Where
 from masonry_cd.studies.study.designs import ida
 from masonry_cd.studies.study.perturb import perturb, set_in_motion
 from masonry_cd.studies.study.space import Asked, Space
@@ -136,31 +139,57 @@ class Maker:
 
 
 class Plan:
-    """The runs of a study: those known from the first, and those that follow from others that are done."""
+    """The runs of a study: those known from the first, and those that follow from others that are done.
 
-    def __init__(self, study: Study, space: Space) -> None:
-        self.maker = Maker(study, space)
-        self.runs: list[Planned] = [self.maker.planned(asked) for asked in DESIGNS[study.tables.design](space)]
-        self.design: str = study.tables.design
-        self._study = study
+    Args:
+        maker: of their scenes.
+        asked: the runs, of a ``design`` of its own; those of the study's design when not given. The longest are then made first, so that
+            no core waits for another at the end.
+        design: what the folder calls it.
+    """
+
+    def __init__(self, maker: Maker, asked: Iterable[Asked] | None = None, design: str = "") -> None:
+        self.maker, self._study = maker, maker.study
+        self.design = design or maker.study.tables.design
+        self.runs: list[Planned] = [maker.planned(one) for one in (DESIGNS[self.design](maker.space) if asked is None else asked)]
+        self._longest_first = asked is not None
         self._found: dict[tuple[str, str], dict[float, bool | None]] = {}  # by motion and what varies: collapsed, by level
+
+    def where(self, workers: int | None = None, scheduler: str | None = None, slurm: Path | None = None) -> Where:
+        """Where the runs are made: as asked, or else as the study says.
+
+        Raises:
+            InputError: more than one place is asked for, or no worker.
+        """
+        if (workers is not None) + (scheduler is not None) + (slurm is not None) > 1:
+            raise InputError("workers, scheduler and slurm exclude each other", "give one of them")
+        if workers is not None and workers < 1:
+            raise InputError("workers", f"should be 1 or more, got {workers}")
+        run = self._study.tables.run
+        return Where(scheduler, slurm, workers or run.workers, run.memory, run.timeout + run.grace)
+
+    @property
+    def line(self) -> str:
+        """How many runs there are, in words."""
+        more = ", and those that follow" if self.adapts else ""
+        return f"{self._study.title}: {len(self.runs)} runs{more}, design {self.design}"
 
     @property
     def adapts(self) -> bool:
         """Whether runs follow from others."""
         return self._study.tables.ida is not None
 
-    def after(self, planned: Planned, row: Mapping[str, Any]) -> Iterator[Planned]:
+    def after(self, planned: Planned, row: RunRow) -> Iterator[Planned]:
         """The runs that follow from one that has ended; they become part of the plan."""
         table = self._study.tables.ida
         if table is None:
             return
         asked = planned.asked
-        state = self._study.tables.limit_states[table.limit_state]
+        state = LimitState.of(table.limit_state, self._study.tables.limit_states[table.limit_state])
         key = (asked.motion, repr(sorted(asked.values.items())))
         found = self._found.setdefault(key, {})
         assert asked.level is not None
-        found[asked.level] = state.exceeded(row) if row["status"] == "done" else None
+        found[asked.level] = state.exceeded_by(row)
         level = ida.next_level(table, found)
         if level is not None:
             following = self.maker.planned(Asked(asked.motion, level, values=asked.values))
@@ -169,6 +198,8 @@ class Plan:
 
     def shuffled(self, runs: Sequence[Planned]) -> list[Planned]:
         """Runs in the order in which they are made: a random one, so that those that are done stand for the others."""
+        if self._longest_first:
+            return sorted(runs, key=lambda run: -run.weight)
         made = list(runs)
         random.Random(self.maker.study.tables.seed).shuffle(made)
         return made

@@ -10,10 +10,10 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Mapping
 from contextlib import suppress
-from typing import Any, TextIO
+from typing import TextIO
 
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.app.progress import PLAIN
 from masonry_cd.foundation.quantities import in_words
 
@@ -46,15 +46,15 @@ class StudyProgress:
         self.total += 1
         self._left += weight
 
-    def ended(self, weight: float, row: Mapping[str, Any]) -> None:
+    def ended(self, weight: float, row: RunRow) -> None:
         """A run has ended: its row. What the first one of a worker took to set up, as loading the kernels, does not come again."""
         self.finished += 1
-        self.failed += row["status"] != "done"
+        self.failed += not row.done
         self._left -= weight
-        first = row["worker"] not in self._workers
-        self._workers.add(row["worker"])
+        first = row.worker not in self._workers
+        self._workers.add(row.worker)
         self._made += weight
-        self._cost += float(row["seconds"]) - (float(row.get("timing", {}).get("set_up", 0.0)) if first else 0.0)
+        self._cost += row.seconds - (row.timing.get("set_up", 0.0) if first else 0.0)
 
     def seconds_left(self, threads: int) -> float | None:
         """For the runs that are left [s]; None before the first has ended."""

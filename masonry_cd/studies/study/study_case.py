@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command ``masonry-cd study``: a study file is checked, its missing runs are made, its tables are written."""
+"""Makes the missing runs of a plan and writes what their rows say: a study's, an assessment's, an ensemble's."""
 
 from __future__ import annotations
 
@@ -9,25 +9,28 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from masonry_cd import __version__
+from masonry_cd.analysis.fragility.folder import StudyFacts
+from masonry_cd.analysis.run_row import STATES
 from masonry_cd.app.progress import Interrupt, Interrupted
+from masonry_cd.app.result import Result, Say
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.io.lock import locked
-from masonry_cd.studies.study.checks import check_first, check_varied
+from masonry_cd.studies.study.checks import check_varied
 from masonry_cd.studies.study.clusters import Where, connected
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.folder import NAME, StudyFolder, digest_of
-from masonry_cd.studies.study.limit_runs import limit_lines, write_limits
 from masonry_cd.studies.study.plan import Maker, Plan, Planned
 from masonry_cd.studies.study.progress import StudyProgress
 from masonry_cd.studies.study.records import find_records
 from masonry_cd.studies.study.space import Space
 from masonry_cd.studies.study.study_file import Study, read_study
-from masonry_cd.studies.study.table import write_table
+from masonry_cd.studies.study.table import Rows
 from masonry_cd.studies.study.task import Outcome, Task, run_task
 
-Say = Callable[[str], None]
-Rows = dict[str, dict[str, Any]]  # of the runs that have ended, by name
+REASONS = 5  # named at the end; the others are counted
+KEPT = "finished runs are kept"
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,53 @@ class Options:
     resume: bool = False  # refuse a folder that holds no study
     quiet: bool = False
     warn: Callable[[Sequence[str]], object] = lambda _: None  # called with what is doubtful of the first run, before any is made
+
+
+@dataclass(frozen=True)
+class Ways:
+    """What is done with runs; by default nothing but to make them."""
+
+    write: Callable[[Path, Plan, Rows], object]  # what is written of the runs that have ended
+    function: Callable[[Task], Outcome] = run_task  # a run, on a worker
+    check: Callable[[Plan], Sequence[str]] = (
+        lambda _: ()
+    )  # refuses what is wrong with all runs before they begin, and says what is doubtful
+    maps: bool = False  # whether the results of the first run are kept, for maps of its joints
+
+
+@dataclass(frozen=True)
+class Made:
+    """What the runs of a plan have come to."""
+
+    runs: int  # planned
+    rows: Rows  # of those that have ended
+    stopped: str = ""  # why there are not more
+    signal: int = 0  # that ended it
+
+    def count(self, status: str) -> int:
+        """How many ended so."""
+        return sum(row.status == status for row in self.rows.values())
+
+    @property
+    def line(self) -> str:
+        """How many ended in which way."""
+        done, failed, timeout = (self.count(status) for status in STATES)
+        return f"{done} of {self.runs} runs done, {failed} failed, {timeout} ran out of time"
+
+    def warnings(self, table: Path) -> list[str]:
+        """Why runs are no data, the commonest reasons; the others are counted, and stand in a ``table``."""
+        reasons = Counter(row.reason for row in self.rows.values() if not row.done).most_common()
+        lost = sum(count for _, count in reasons)
+        out = [f"{count} of {lost} runs without data: {reason}" for reason, count in reasons[:REASONS]]
+        if others := reasons[REASONS:]:
+            more = sum(count for _, count in others)
+            out.append(f"{more} of {lost} runs without data, for {len(others)} other reasons: see {table}")
+        return out
+
+    def ended_early(self, lines: Sequence[str] = (), warnings: Sequence[str] = ()) -> Result[None]:
+        """The result of a command whose runs are not all made; the same command makes the others."""
+        said = f"{self.stopped}; {KEPT}"
+        return Result(None, lines, [*warnings, said], stopped=self.stopped, signal=self.signal, resumable=True)
 
 
 def plan_of(path: Path) -> Plan:
@@ -60,42 +110,24 @@ def plan_of_study(study: Study) -> Plan:
     space = Space(study.tables, find_records(study), study.varied)
     check_varied(study, space)
     with study.locating():
-        return Plan(study, space)
+        return Plan(Maker(study, space))
 
 
-@dataclass(frozen=True)
-class Ways:
-    """What a study does with its runs; by default what the command ``study`` does."""
-
-    function: Callable[[Task], Outcome] = run_task  # a run, on a worker
-    write: Callable[[Path, list[Planned], Maker, Rows], object] = write_table  # what is written of the runs that have ended
-    check: Callable[[Plan], Sequence[str]] = check_first  # refuses what is wrong with all runs before they begin, and says what is doubtful
-    maps: bool = True  # whether the results of the first run are kept, for maps of its joints
-    lines: Callable[[list[Planned], Maker, Rows], list[str]] = lambda *_: []  # what is said of them in the end
-
-
-WAYS = {"run": Ways(), "limit": Ways(write=write_limits, check=lambda _: (), maps=False, lines=limit_lines)}
-
-
-def study_case(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways | None = None) -> dict[str, Any]:
-    """Make a study.
+def make_runs(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways) -> Made:
+    """Make the runs of a plan that are missing in a folder.
 
     Args:
-        plan: from :func:`plan_of`.
+        plan: from :func:`plan_of`, or of another command.
         folder: for the results, made if need be; runs that have ended there are not made again.
         options: where and how.
         say: called with lines on what is done.
-        ways: what a run is, and what is written of it; as the study file asks when not given.
-
-    Returns:
-        ``done``, ``failed``, ``timeout``, ``runs``: counts; ``stopped`` why the study ended early, "" when it did not.
+        ways: what a run is, and what is written of it.
 
     Raises:
         InputError: a bad study; the folder of another one; a scheduler that does not answer. Nothing is lost.
-        Interrupted: by a signal; rows of finished runs are kept, and the tables are written of them.
     """
     require("a study", "distributed", "dask", "pyarrow", "matplotlib")
-    study, here = plan.maker.study, StudyFolder(folder)
+    here = StudyFolder(folder)
     if options.resume and not (folder / NAME).exists():
         raise InputError("--resume", f"{folder} holds no study")
     if options.force:
@@ -105,8 +137,8 @@ def study_case(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways 
     with locked(folder):
         if options.force:
             here.clear()
-        here.begin(study, _resolved(plan))
-        return _Made(plan, here, options, say, ways or WAYS[study.tables.asks]).make()
+        here.begin(plan.maker.study, _facts(plan))
+        return _Making(plan, here, options, say, ways).make()
 
 
 def require_own(plan: Plan, folder: Path) -> None:
@@ -118,32 +150,32 @@ def require_own(plan: Plan, folder: Path) -> None:
     StudyFolder(folder).require_same(_identity(plan))
 
 
-class _Made:
+class _Making:
     """A study on its way."""
 
     def __init__(self, plan: Plan, folder: StudyFolder, options: Options, say: Say, ways: Ways) -> None:
         self.plan, self.folder, self.options, self.say, self.ways = plan, folder, options, say, ways
         self.rows = folder.finished(options.retry)
-        self.stopped = ""
+        self.stopped, self.signal = "", 0
 
-    def make(self) -> dict[str, Any]:
-        """Make the missing runs and write the tables."""
+    def make(self) -> Made:
+        """Make the missing runs and write what they say."""
         missing, known = self._missing()
-        self.say(
-            f"{self.plan.maker.study.title}: {len(known)} runs{' so far' if self.plan.adapts else ''}, {len(missing)} of them to be made"
-        )
+        more = " so far" if self.plan.adapts else ""
+        self.say(f"{self.plan.maker.study.title}: {len(known)} runs{more}, {len(missing)} of them to be made")
         if missing:
             self.options.warn(self.ways.check(self.plan))
             self.folder.forget_hangs(missing)
             try:
                 self.execute(missing, len(known))
             except Interrupted as asked:
-                self.stopped = str(asked)
-                self._close()
-                raise
+                self.stopped, self.signal = str(asked), asked.number
         if not self.stopped and self.ways.maps:
             self._complete_reference()
-        return self._close()
+        runs = self.plan.ordered()
+        self.ways.write(self.folder.path, self.plan, self.rows)
+        self.folder.describe(_facts(self.plan, None if self.stopped else len(runs)))
+        return Made(len(runs), {run.name: self.rows[run.name] for run in runs if run.name in self.rows}, self.stopped, self.signal)
 
     def _missing(self) -> tuple[list[Planned], set[str]]:
         """The runs to be made, each once, in the order of the plan's choice; and the names of all that are known."""
@@ -163,8 +195,7 @@ class _Made:
         """Make runs until there are none left, or a signal comes."""
         tables = self.plan.maker.study.tables
         progress = StudyProgress(known, known - len(missing), sum(run.weight for run in missing), self.options.quiet)
-        said = "ending; finished runs are kept"
-        with Interrupt(said=said) as interrupt, connected(self.options.where) as (client, words):
+        with Interrupt(said=f"ending; {KEPT}") as interrupt, connected(self.options.where) as (client, words):
             self.say(words)
 
             def look(running: int, threads: int) -> None:
@@ -193,7 +224,7 @@ class _Made:
     def _add(self, run: Planned, outcome: Outcome) -> None:
         """Keep what a run came to."""
         self.folder.add(run, outcome)
-        self.rows[run.name] = dict(outcome.row)
+        self.rows[run.name] = outcome.row
 
     def _task(self, run: Planned, tables: Any, reference: bool) -> Task:
         """What a worker is asked."""
@@ -203,27 +234,12 @@ class _Made:
 
     def _complete_reference(self) -> None:
         """Have the first run of the plan that is done as the reference; it is made again where another one was the first."""
-        first = next((run for run in self.plan.ordered() if self.rows[run.name]["status"] == "done"), None)
-        if first is None or not self.ways.maps or self.folder.has_reference(first.name):
+        first = next((run for run in self.plan.ordered() if self.rows[run.name].done), None)
+        if first is None or self.folder.has_reference(first.name):
             return
         outcome = run_task(replace(self._task(first, self.plan.maker.study.tables, True), keep="none"))
         if outcome.reference is not None:
             self.folder.write_reference(first.name, outcome.reference)
-
-    def _close(self) -> dict[str, Any]:
-        """Write the tables and study.json; what came out."""
-        runs = self.plan.ordered()
-        self.ways.write(self.folder.path, runs, self.plan.maker, self.rows)
-        self.folder.describe(_resolved(self.plan, None if self.stopped else len(runs)))
-        ended = [self.rows[run.name] for run in runs if run.name in self.rows]
-        counts = {status: sum(row["status"] == status for row in ended) for status in ("done", "failed", "timeout")}
-        lines = self.ways.lines(runs, self.plan.maker, self.rows)
-        return {"runs": len(runs), **counts, "stopped": self.stopped, "reasons": _reasons(ended), "limits": lines}
-
-
-def _reasons(rows: Iterable[dict[str, Any]]) -> dict[str, int]:
-    """Why runs are no data, and how many each."""
-    return Counter(row["reason"] for row in rows if row["status"] != "done")
 
 
 def _identity(plan: Plan) -> dict[str, str]:
@@ -242,22 +258,23 @@ def _identity(plan: Plan) -> dict[str, str]:
     }
 
 
-def _resolved(plan: Plan, runs: int | None = None) -> dict[str, Any]:
+def _facts(plan: Plan, runs: int | None = None) -> StudyFacts:
     """study.json, for the statistics."""
     study = plan.maker.study
     tables, intensity = study.tables, study.tables.intensity
     measured = intensity is not None or (tables.records is not None and tables.records.folder is not None)
-    return {
-        "title": study.title,
-        "design": plan.design,
-        "seed": tables.seed,
-        "scene": study.scene_name,
-        "measure": (intensity.measure if intensity is not None else "PGA") if measured else None,
-        "levels": None if intensity is None else intensity.levels,
-        "varied": study.varied.columns,
-        "limit_states": {name: state.model_dump(exclude_none=True) for name, state in tables.limit_states.items()},
-        "keep": tables.run.keep,
-        "plan": digest_of([run.name for run in plan.ordered()]),
-        "runs": runs if plan.adapts else len(plan.runs),
-        "identity": _identity(plan),
-    }
+    return StudyFacts(
+        program=__version__,
+        title=study.title,
+        design=plan.design,
+        seed=tables.seed,
+        scene=study.scene_name,
+        measure=(intensity.measure if intensity is not None else "PGA") if measured else None,
+        levels=None if intensity is None else intensity.levels,
+        varied=study.varied.columns,
+        limit_states=tables.limit_states,
+        keep=tables.run.keep,
+        plan=digest_of([run.name for run in plan.ordered()]),
+        runs=runs if plan.adapts else len(plan.runs),
+        identity=_identity(plan),
+    )

@@ -16,15 +16,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from loads.signal.directions import RULES
-from masonry_cd.analysis.damage.grades import NAMES as GRADES
-from masonry_cd.analysis.outputs import STUDY, numbers_in
+from masonry_cd.analysis.fragility.limits import LimitTable
 from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
 from masonry_cd.app.scene_units import scene_in_si, unit_of_key
@@ -38,8 +36,6 @@ from masonry_cd.studies.study.study_units import study_in_si
 from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
 
 FORMAT = 1
-QUANTITIES = tuple(key for key, number in numbers_in(STUDY).items() if number.judges)
-OF_PARTS = (".grade_number", ".drift")
 CLOUDS = ("cloud", "sample", "grid")  # designs whose runs have intensities of their own, so that a line is put through them
 MOST_SECONDS = 1e8  # of a run: three years
 Positive = Annotated[Number, Field(gt=0)]
@@ -72,43 +68,6 @@ class IntensityTable(Table):
         if value is not None and (not value or len(set(value)) < len(value)):
             raise ValueError("should be levels, each once")
         return value
-
-
-class LimitState(Table):
-    """A limit state: exceeded where a quantity of a run is above a value."""
-
-    quantity: str
-    """Column of runs.csv."""
-    above: Number | None = None
-    """Exceeded above this."""
-    at_least: str | None = None
-    """Of the quantity "grade": from this one on, "D3"."""
-    least_demand: Positive | None = None
-    """Smallest value that the regression of a cloud takes in: of runs with less it only knows that they have less."""
-
-    @model_validator(mode="after")
-    def _one(self) -> LimitState:
-        if self.quantity not in QUANTITIES and not self.quantity.endswith(OF_PARTS):
-            raise ValueError(f'quantity: unknown "{self.quantity}"{suggest(self.quantity, QUANTITIES)}; one of {", ".join(QUANTITIES)}')
-        graded = self.quantity == "grade"
-        if graded and self.at_least not in GRADES:
-            raise ValueError(f"at_least: should be a grade, {', '.join(GRADES[1:])}")
-        if not graded and (self.above is None or self.at_least is not None):
-            raise ValueError("above: missing" if self.above is None else 'at_least: belongs to quantity = "grade"')
-        if graded and self.above is not None:
-            raise ValueError('above: a grade is compared by at_least = "D3"')
-        if self.least_demand is not None and (self.above is None or self.least_demand >= self.above):
-            raise ValueError("least_demand: should lie below the value of above")
-        return self
-
-    def exceeded(self, row: Mapping[str, Any]) -> bool | None:
-        """Whether a run that is done exceeded it; None for the grade of one that is not graded."""
-        if self.quantity == "grade":
-            number = row["grade_number"]
-            return None if number is None else int(number) >= GRADES.index(self.at_least or "")
-        value = row.get(self.quantity)
-        assert self.above is not None
-        return value is not None and float(value) > self.above
 
 
 class IdaTable(Table):
@@ -181,7 +140,7 @@ class StudyTables(Table):
     """What varies in the scene."""
     correlation: list[Correlation] = Field(default_factory=list)
     """What varies together."""
-    limit_states: dict[str, LimitState] = Field(default_factory=dict)
+    limit_states: dict[str, LimitTable] = Field(default_factory=dict)
     """What is asked of each run."""
     ida: IdaTable | None = None
     """Of the design "ida"."""
@@ -242,44 +201,32 @@ def parse_study(text: str, path: Path, called: str = "") -> Study:
     """
     origin = Origin("" if called else text, Path(called) if called else path)
     tables = parse_toml(text, origin.path)
-    of_scene = _UnitsOfScene(tables.get("scene"), path)
+    scene = _scene(tables.get("scene"), path, origin)
+
+    def unit(key: str) -> str:
+        return unit_of_key({} if scene is None else scene.tables, key)
+
     with origin.locating():
-        top = parse_table(StudyTables, study_in_si(tables, of_scene), "")
+        top = parse_table(StudyTables, study_in_si(tables, unit), "")
         _check_design(top)
-        varied = read_varied(top.vary, top.correlation, of_scene)
-    if isinstance(top.scene, str):
-        file = path.parent / top.scene
+        varied = read_varied(top.vary, top.correlation, unit)
+    assert scene is not None
+    with scene.locating():
+        own = scene_in_si(scene.tables)  # runs change some of them, and compute with others
+    return Study(path, text, top, scene, own, top.scene if isinstance(top.scene, str) else path.name, varied, origin)
+
+
+def _scene(given: object, path: Path, origin: Origin) -> Scene | None:
+    """The scene of a study, a file or a table; None of something else, which its table refuses."""
+    if isinstance(given, str):
+        file = path.parent / given
         with origin.locating():
             if not is_file(file):
                 raise InputError("scene", f"{file}: no such scene file")
-        scene, own = read_scene(file), parse_toml(read_text(file), file)
-        return Study(path, text, top, scene, _in_si(own, scene), top.scene, varied, origin)
-    inner = Origin(origin.text, origin.path, within="scene.")
-    scene = scene_of(top.scene, dump_toml(top.scene), path, inner)
-    return Study(path, text, top, scene, _in_si(top.scene, scene), path.name, varied, origin)
-
-
-def _in_si(tables: Mapping[str, Any], scene: Scene) -> dict[str, Any]:
-    """The tables of a scene as numbers: runs change some of them, and compute with others."""
-    with scene.locating():
-        return scene_in_si(tables)
-
-
-class _UnitsOfScene:
-    """The units of the keys of a study's scene, which is read where one is asked for; what is wrong with it is said elsewhere."""
-
-    def __init__(self, scene: object, path: Path) -> None:
-        self._scene, self._path = scene, path
-
-    def __call__(self, key: str) -> str:
-        """The unit of a key; empty where it has none."""
-        return unit_of_key(self._tables, key)
-
-    @cached_property
-    def _tables(self) -> Mapping[str, Any]:
-        file = self._path.parent / self._scene if isinstance(self._scene, str) else None
-        found = self._scene if file is None else parse_toml(read_text(file), file) if is_file(file) else {}
-        return found if isinstance(found, Mapping) else {}
+        return read_scene(file)
+    return (
+        scene_of(given, dump_toml(given), path, Origin(origin.text, origin.path, within="scene.")) if isinstance(given, Mapping) else None
+    )
 
 
 def _study_text(path: Path) -> str:

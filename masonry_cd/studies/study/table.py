@@ -7,58 +7,43 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.analysis.fragility.folder import FIRST
+from masonry_cd.analysis.fragility.folder import FIRST, TABLE
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.studies.study.numbers import QUANTITIES
-from masonry_cd.studies.study.plan import Maker, Planned
+from masonry_cd.studies.study.plan import Maker, Plan, Planned
 
-CSV, PARQUET = "runs.csv", "runs.parquet"
+CSV, PARQUET = TABLE, "runs.parquet"
 OF_PART = ("grade_number", "drift")
 
+Rows = Mapping[str, RunRow]  # of the runs that have ended, by name
 
-def write_table(folder: Path, runs: Sequence[Planned], maker: Maker, rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Write both tables, of the runs that have ended.
 
-    Args:
-        folder: of the study.
-        runs: in order.
-        maker: knows what varies and the intensity measures.
-        rows: of the runs that have ended, by name.
-
-    Returns:
-        the columns.
-    """
-    ended = [run for run in runs if run.name in rows]
+def write_table(folder: Path, plan: Plan, rows: Rows) -> None:
+    """Write both tables, of the runs that have ended, in the order of the plan."""
+    ended, maker = [run for run in plan.ordered() if run.name in rows], plan.maker
     columns = _columns(ended, maker, rows)
     cells = [_row(run, maker, rows[run.name]) for run in ended]
-    write_csv(folder / CSV, columns, ([_text(row.get(name)) for name in columns] for row in cells))
+    write_csv(folder / CSV, columns, ([row.get(name) for name in columns] for row in cells))
     _write_parquet(folder / PARQUET, {name: [row.get(name) for row in cells] for name in columns})
-    return columns
 
 
-def _columns(runs: Sequence[Planned], maker: Maker, rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def _columns(runs: Sequence[Planned], maker: Maker, rows: Rows) -> list[str]:
     """Names of the columns: parts in the order in which runs bring them up."""
     measures = list(maker.measures(runs[0].asked)) if runs else []
-    parts = dict.fromkeys(part for run in runs for part in rows[run.name].get("parts", {}))
+    parts = dict.fromkeys(part for run in runs for part in rows[run.name].parts)
     return [*FIRST, *maker.space.varied.columns, *measures, *QUANTITIES, *(f"{part}.{name}" for part in parts for name in OF_PART)]
 
 
-def _row(run: Planned, maker: Maker, row: Mapping[str, Any]) -> dict[str, Any]:
+def _row(run: Planned, maker: Maker, row: RunRow) -> dict[str, Any]:
     """The cells of a run."""
     asked = run.asked
     seed = asked.member if asked.member is not None else asked.values.get("run.seed", maker.study.scene.run.seed)
     found = {"run": run.name, "motion": asked.motion or None, "level": asked.level, "seed": seed}
-    found |= {name: row.get(name) for name in ("status", "reason", "seconds", *QUANTITIES)}
-    found |= dict(asked.values) | maker.measures(asked)
-    for part, values in row.get("parts", {}).items():
-        found |= {f"{part}.{name}": values[name] for name in OF_PART}
-    return found
-
-
-def _text(value: Any) -> str:
-    """A cell: numbers so that they are read back as they were, nothing where there is none."""
-    return "" if value is None else repr(value) if isinstance(value, float) else str(value)
+    found |= {"status": row.status, "reason": row.reason, "seconds": row.seconds, **row.numbers}
+    found |= {f"{part}.{name}": values[name] for part, values in row.parts.items() for name in OF_PART}
+    return found | dict(asked.values) | maker.measures(asked)
 
 
 def _write_parquet(path: Path, columns: Mapping[str, list[Any]]) -> None:

@@ -7,19 +7,18 @@ differ. A run ends after the step in which its time is up; watchdog.py ends thos
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shutil
 import socket
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from masonry_cd.analysis.run_row import DONE, FAILED, TIMEOUT, RunRow
 from masonry_cd.analysis.verdict import DOUBTFUL
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.errors import InputError, one_line
@@ -50,7 +49,7 @@ class Outcome:
     """What it answers."""
 
     name: str
-    row: Mapping[str, Any]  # status, reason, seconds, and the numbers of the run
+    row: RunRow
     joints: Mapping[str, Any] | None = None  # arrays by name, of a run that is done
     reference: bytes | None = None  # the result file
 
@@ -62,21 +61,21 @@ def run_task(task: Task) -> Outcome:
         folder = Path(scratch) / "run"
         joints, reference = None, None
         try:
-            row, joints = _made(task, folder) if task.asks == "run" else (_analysed(task), None)
+            row, joints = _run(task, folder) if task.asks == "run" else (_analysed(task), None)
             if joints is not None:
                 reference = (folder / RESULTS).read_bytes() if task.reference else None
                 _keep(task, folder)
         except InputError as error:
-            row = {"status": "failed", "reason": str(error).replace(scratch, "")}
+            row = RunRow(FAILED, str(error).replace(scratch, ""))
         except MemoryError:
-            row = {"status": "failed", "reason": "not enough memory"}
+            row = RunRow(FAILED, "not enough memory")
         except Exception as error:  # a defect of the program costs one run, not the study
-            row = {"status": "failed", "reason": one_line(f"{type(error).__name__}: {error}").replace(scratch, "")}
-    where = {"seconds": time.perf_counter() - begin, "worker": f"{socket.gethostname()}:{os.getpid()}"}
-    return Outcome(task.name, row | where, joints, reference)
+            row = RunRow(FAILED, one_line(f"{type(error).__name__}: {error}").replace(scratch, ""))
+    seconds, worker = time.perf_counter() - begin, f"{socket.gethostname()}:{os.getpid()}"
+    return Outcome(task.name, replace(row, seconds=seconds, worker=worker), joints, reference)
 
 
-def _made(task: Task, folder: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
+def _run(task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
     """Run the scene; the row, and the arrays of its joints."""
     from masonry_cd.app.case import prepare
     from masonry_cd.app.run_case import run_case
@@ -85,51 +84,41 @@ def _made(task: Task, folder: Path) -> tuple[dict[str, Any], dict[str, Any] | No
 
     begin = time.perf_counter()
     scene = scene_of_run(dict(task.tables))
-    made_of = json.dumps([task.tables.get(name) for name in ("structure", "structures", "material")], sort_keys=True, default=str)
-    case = prepare(scene, _structure(hashlib.sha256(made_of.encode()).hexdigest(), _Given(scene)))
-    set_up = time.perf_counter() - begin
+    case = prepare(scene, _structure(task, scene))
+    set_up, processor = time.perf_counter() - begin, time.process_time()
     summary = run_case(case, folder, limit=task.timeout)
-    ended = time.perf_counter()
-    if summary["stopped"]:
+    ended, processor = time.perf_counter(), time.process_time() - processor
+    if summary["stopped"]:  # at which step its time was up says more of the machine than of the run
         timed_out = summary["stopped"].startswith("out of time")
-        row = {"status": "timeout" if timed_out else "failed", "reason": summary["stopped"]}
-        if timed_out:  # at which step that was says more of the machine than of the run
-            row["reason"] = f"out of time, {task.timeout:g} s"
-        return row, None
-    found, joints = numbers.of_run(folder / RESULTS, summary, scene)
-    timing = {"set_up": set_up, "stepping": summary["stepping_seconds"], "closing": time.perf_counter() - ended}
+        return (RunRow(TIMEOUT, f"out of time, {task.timeout:g} s") if timed_out else RunRow(FAILED, summary["stopped"])), None
+    found, parts, joints = numbers.of_run(folder / RESULTS, summary, scene)
+    timing = {"set_up": set_up, "stepping": summary["stepping_seconds"], "closing": time.perf_counter() - ended, "processor": processor}
     verdict = summary.get("verdict", {})
-    doubt = {"doubt": verdict["why"]} if verdict.get("verdict") == DOUBTFUL else {}
-    return {"status": "done", "reason": "", **found, **doubt, "timing": timing}, joints
+    doubt = verdict["why"] if verdict.get("verdict") == DOUBTFUL else ""
+    return RunRow(DONE, numbers=found, parts=parts, timing=timing, doubt=doubt), joints
 
 
-def _analysed(task: Task) -> dict[str, Any]:
+def _analysed(task: Task) -> RunRow:
     """The row of a limit analysis."""
     from masonry_cd.studies.study.checks import scene_of_run
     from masonry_cd.studies.study.limit_runs import limit_row
 
-    return {"status": "done", "reason": "", "limit": limit_row(scene_of_run(dict(task.tables)))}
+    return RunRow(DONE, limit=limit_row(scene_of_run(dict(task.tables))))
 
 
-class _Given:
-    """A scene that is no part of the key of a cache."""
-
-    def __init__(self, scene: Any) -> None:
-        self.scene = scene
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Given)
-
-    def __hash__(self) -> int:
-        return 0
+_structures: dict[str, Any] = {}  # of this worker, by the tables that they are made of
 
 
-@lru_cache(STRUCTURES)
-def _structure(digest: str, given: _Given) -> Any:
-    """The structure of a scene, by the digest of the tables that it is made of."""
+def _structure(task: Task, scene: Any) -> Any:
+    """The structure of a task's scene, one that is there already where the tables are the same."""
     from masonry_cd.app.case import structure_of
 
-    return structure_of(given.scene)
+    made_of = json.dumps([task.tables.get(name) for name in ("structure", "structures", "material")], sort_keys=True, default=str)
+    if made_of not in _structures:
+        if len(_structures) >= STRUCTURES:
+            _structures.pop(next(iter(_structures)))
+        _structures[made_of] = structure_of(scene)
+    return _structures[made_of]
 
 
 def _keep(task: Task, folder: Path) -> None:

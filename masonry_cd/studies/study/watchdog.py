@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from masonry_cd.analysis.run_row import TIMEOUT, RunRow
 from masonry_cd.studies.study.task import ROWS, Outcome, Task
 
 SUFFIX = ".hang"  # of the file in the folder of rows that says where a run hung
@@ -46,7 +47,7 @@ def hung(task: Task) -> bool:
 def given_up(task: Task) -> Outcome:
     """What a run came to that hung."""
     reason = f"out of time, {task.timeout:g} s, in a step or a set-up that did not end"
-    return Outcome(task.name, {"status": "timeout", "reason": reason, "seconds": task.timeout + task.grace, "worker": ""})
+    return Outcome(task.name, RunRow(TIMEOUT, reason, task.timeout + task.grace))
 
 
 def _trace(task: Task) -> Path:

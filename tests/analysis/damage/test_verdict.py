@@ -13,12 +13,13 @@ from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.verdict import checks_of
+from masonry_cd.analysis.fragility.limits import LimitState, LimitTable
+from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.app.part_lines import part_lines
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.summary import verdict_lines
 from masonry_cd.io.results import Results
 from masonry_cd.studies.study import numbers
-from masonry_cd.studies.study.study_file import LimitState
 from reports.compare.comparison import compare
 from reports.damage import damage_of, write_joint_damage, write_part_damage
 from reports.page import write_page
@@ -151,12 +152,12 @@ def test_a_comparison_and_a_study_give_it_no_grade(tmp_path):
     assert next(values for name, _, values in found.rows if name == "grade") == ["not graded", "D2"]
     assert any(word.startswith(f"cut: not graded: {CUT}") for word in found.words)
     scene = parse_scene(SCENE + "[run]\ndt = 1e-3\nduration = 1.0\n", tmp_path / "scene.toml")
-    state = LimitState(quantity="grade", at_least="D2")
+    state = LimitState.of("heavy", LimitTable(quantity="grade", at_least="D2"))
     exceeded = []
     for folder in (cut, ended):
         with Results.open(folder / "result.h5") as results:
             summary = write_joint_damage(results, folder, Report()) | {"steps": 1, "solver": {"steps_missed": 0, "error_max": 0.0}}
-        exceeded.append(state.exceeded(numbers.of_run(folder / "result.h5", summary, scene)[0]))
+        exceeded.append(state.exceeded_by(RunRow(DONE, numbers=numbers.of_run(folder / "result.h5", summary, scene)[0])))
     assert exceeded == [None, True]
 
 

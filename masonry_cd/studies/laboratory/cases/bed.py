@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, at, pushed
+from masonry_cd.studies.laboratory.case import Case, Found, Row, at, elastic, pushed
 from structures.geometry.prism import box
 
 WIDTH, HEIGHT, PUSHED, WEIGHT, STIFFNESS = 0.5, 2.0, 1.998, 60e3, 2e10  # [m], [N], [N/m3]
@@ -48,7 +48,7 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
     found = Found()
     few = law | {"joint_points": FEW}
     for label, joint, points in (("elastic", law, ""), (f"elastic_{FEW}", few, f", {FEW} points"), ("rigid", {}, "")):
-        material = {"density": 2000.0, "friction": 5.0} | ({"joints": {"default": joint}} if joint else {})
+        material = {"density": 2000.0, "friction": 5.0, **elastic(joint)}
         tables = {"title": f"A block on its bed, {label}", "material": material, "loads": [push], "run": {"dt": 1e-3, "tolerance": 1e-7}}
         curve = pushed(folder / label, blocks, tables | {"quiet_checks": ["material.friction"]})
         say(f"{label}: {curve.numbers()['peak_force']:.6g} N")

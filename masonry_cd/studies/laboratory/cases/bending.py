@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, at, pushed
+from masonry_cd.studies.laboratory.case import Case, Found, Row, at, elastic, pushed
 from structures.geometry.prism import box
 
 HEIGHT, LENGTH, THICK, DENSITY = 1.5, 0.95, 0.11, 1800.0  # [m], [kg/m3]
@@ -42,7 +42,7 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
         law = {"normal_stiffness": STIFFNESS, "tangential_stiffness": STIFFNESS, "damping": 0.05}
         tables = {
             "title": f"Wall 12, {label} joints",
-            "material": {"density": DENSITY, "friction": 0.7} | ({"joints": {"default": law}} if label == "elastic" else {}),
+            "material": {"density": DENSITY, "friction": 0.7, **elastic(law if label == "elastic" else None)},
             "loads": [
                 {
                     "kind": "push", "control": "displacement", "direction": "y", "blocks": "lower",

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, run_in
+from masonry_cd.studies.laboratory.case import Case, Found, Row, run_in, threshold
 from structures.geometry.prism import box, prism_xz
 
 DURATIONS = (0.15, 0.2, 0.3, 0.34, 0.4, 0.5, 0.8)  # t_p [s]
@@ -32,21 +33,15 @@ def column() -> list[Block]:
     return [*blocks, Block("capital", *box((-half[-1], 0.0, float(levels[-1])), (half[-1], 1.0, HEIGHT)), DENSITY, "drums")]
 
 
-def falls(folder: Path, size: float, length: float) -> bool:
+def falls(folder: Path, length: float, size: float) -> bool:
     """Whether a base accelerated by a [g] for t_p, then by -a/2 for 2 t_p, throws the capital down."""
+    pulse = {"kind": "pulse", "shape": "rectangle"}
     tables = {
         "title": "Column of drums",
         "material": {"density": DENSITY, "friction": 0.7},
         "loads": [
-            {"kind": "pulse", "shape": "rectangle", "direction": "-x", "acceleration": 9.81 * size, "duration": length},
-            {
-                "kind": "pulse",
-                "shape": "rectangle",
-                "direction": "x",
-                "acceleration": 4.905 * size,
-                "duration": 2 * length,
-                "start": length,
-            },
+            pulse | {"direction": "-x", "acceleration": 9.81 * size, "duration": length},
+            pulse | {"direction": "x", "acceleration": 4.905 * size, "duration": 2 * length, "start": length},
         ],
         "run": {"dt": 4e-3, "duration": 3.0 * length + 4.0, "tolerance": 1e-5, "frames_per_second": 10.0},
     }
@@ -61,10 +56,7 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
     limits = []
     for length, other in zip(DURATIONS, LMGC90, strict=True):
         low, high = (share * other for share in RANGE)
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if falls(folder / f"pulse_{length:g}", middle, length) else (middle, high)
-        limits.append(0.5 * (low + high))
+        limits.append(threshold(partial(falls, folder / f"pulse_{length:g}", length), low, high, HALVINGS))
         say(f"t_p {length:g} s: {limits[-1]:.4f} g, LMGC90 {other:g}")
         found.rows.append(Row(f"a at t_p = {length:g} s (UDEC {UDEC[len(limits) - 1]:g})", "g", other, limits[-1], None))
     found.measured += [(name, np.array(DURATIONS), np.array(values)) for name, values in (("LMGC90", LMGC90), ("UDEC", UDEC))]

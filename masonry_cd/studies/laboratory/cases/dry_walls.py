@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.studies.laboratory.case import Case, Found, Row, at, pushed
+from masonry_cd.studies.laboratory.case import Case, Curve, Found, Row, at
 from masonry_cd.studies.laboratory.shear_walls import ShearWall
 
 WALL = ShearWall(courses=9, course=0.1, unit=0.2, depth=0.2, friction=0.62)  # friction of sawn granite, not stated with the tests
@@ -20,108 +20,31 @@ STRESSES: dict[float, tuple[float, tuple[float, ...], tuple[float, ...]]] = {  #
     1.25: (1324e6, (102.7,), (8.6,)),
 }
 
-ENVELOPES: dict[
-    str, tuple[tuple[float, float], ...]
-] = {  # of the tests, read off the database's curves at twelve displacements: [mm], [kN]
-    "SW.30.1, 0.15 MPa": (
-        (2.49, 14.2),
-        (4.98, 15.8),
-        (7.46, 17.1),
-        (9.95, 15.7),
-        (12.44, 14),
-        (14.92, 14.8),
-        (17.41, 15.7),
-        (19.9, 17),
-        (22.39, 19.5),
-        (24.88, 21.1),
-        (27.36, 21.5),
-        (29.85, 19.1),
-    ),
-    "SW.30.2, 0.15 MPa": (
-        (2.49, 15.9),
-        (4.98, 17.3),
-        (7.46, 20.6),
-        (9.95, 14.8),
-        (12.44, 18.7),
-        (14.92, 19.1),
-        (17.41, 11),
-        (19.9, 15.7),
-        (22.39, 19.4),
-        (24.88, 14.9),
-        (27.36, 19.9),
-        (29.85, 19.1),
-    ),
-    "SW.100.1, 0.5 MPa": (
-        (1.8, 25.7),
-        (3.6, 27.7),
-        (5.4, 31.8),
-        (7.2, 36.6),
-        (9, 36.4),
-        (10.8, 35.3),
-        (12.59, 33.3),
-        (14.39, 26.7),
-        (16.19, 35.3),
-        (17.99, 28.1),
-        (19.79, 26.9),
-        (21.59, 28.3),
-    ),
-    "SW.100.2, 0.5 MPa": (
-        (2.13, 25),
-        (4.26, 36.2),
-        (6.38, 46.3),
-        (8.51, 44.7),
-        (10.64, 44.1),
-        (12.76, 40),
-        (14.89, 43.7),
-        (17.02, 46.9),
-        (19.15, 40.1),
-        (21.28, 44),
-        (23.4, 45.4),
-        (25.53, 28.7),
-    ),
-    "SW.200.1, 1 MPa": (
-        (2.23, 45.7),
-        (4.46, 54.2),
-        (6.68, 62.2),
-        (8.91, 72.1),
-        (11.14, 66),
-        (13.37, 63.4),
-        (15.6, 59),
-        (17.83, 54.4),
-        (20.05, 52.1),
-        (22.28, 40.6),
-        (24.51, 35.6),
-        (26.74, 48.6),
-    ),
-    "SW.200.2, 1 MPa": (
-        (1.89, 31.2),
-        (3.78, 49.8),
-        (5.66, 62.3),
-        (7.55, 65.2),
-        (9.44, 66.1),
-        (11.32, 58),
-        (13.21, 51.7),
-        (15.1, 58.2),
-        (16.99, 61.1),
-        (18.88, 67.7),
-        (20.76, 63.4),
-        (22.65, 67.4),
-    ),
-    "SW.250.1, 1.25 MPa": (
-        (2.47, 68.2),
-        (4.94, 87.1),
-        (7.4, 100.8),
-        (9.87, 78.5),
-        (12.34, 70.5),
-        (14.81, 76.5),
-        (17.28, 74.7),
-        (19.75, 75.8),
-        (22.22, 74.2),
-        (24.68, 71.4),
-        (27.15, 72.2),
-        (29.62, 66.6),
-    ),
-}
+ENVELOPES = """\
+SW.30.1, 0.15 MPa | 2.49 4.98 7.46 9.95 12.44 14.92 17.41 19.9 22.39 24.88 27.36 29.85
+                  | 14.2 15.8 17.1 15.7 14 14.8 15.7 17 19.5 21.1 21.5 19.1
+SW.30.2, 0.15 MPa | 2.49 4.98 7.46 9.95 12.44 14.92 17.41 19.9 22.39 24.88 27.36 29.85
+                  | 15.9 17.3 20.6 14.8 18.7 19.1 11 15.7 19.4 14.9 19.9 19.1
+SW.100.1, 0.5 MPa | 1.8 3.6 5.4 7.2 9 10.8 12.59 14.39 16.19 17.99 19.79 21.59
+                  | 25.7 27.7 31.8 36.6 36.4 35.3 33.3 26.7 35.3 28.1 26.9 28.3
+SW.100.2, 0.5 MPa | 2.13 4.26 6.38 8.51 10.64 12.76 14.89 17.02 19.15 21.28 23.4 25.53
+                  | 25 36.2 46.3 44.7 44.1 40 43.7 46.9 40.1 44 45.4 28.7
+SW.200.1, 1 MPa | 2.23 4.46 6.68 8.91 11.14 13.37 15.6 17.83 20.05 22.28 24.51 26.74
+                | 45.7 54.2 62.2 72.1 66 63.4 59 54.4 52.1 40.6 35.6 48.6
+SW.200.2, 1 MPa | 1.89 3.78 5.66 7.55 9.44 11.32 13.21 15.1 16.99 18.88 20.76 22.65
+                | 31.2 49.8 62.3 65.2 66.1 58 51.7 58.2 61.1 67.7 63.4 67.4
+SW.250.1, 1.25 MPa | 2.47 4.94 7.4 9.87 12.34 14.81 17.28 19.75 22.22 24.68 27.15 29.62
+                   | 68.2 87.1 100.8 78.5 70.5 76.5 74.7 75.8 74.2 71.4 72.2 66.6
+"""  # of the tests, read off the database's curves at twelve displacements: name and [mm], then [kN]
+
+
+def envelopes() -> list[Curve]:
+    """The table of the tests."""
+    rows = [line.split(" | ") for line in ENVELOPES.splitlines()]
+    return [
+        (name, np.array(u.split(), dtype=float), np.array(f.split(), dtype=float))
+        for (name, u), (_, f) in zip(rows[::2], rows[1::2], strict=True)
+    ]
 
 
 def compute(folder: Path, say: Callable[[str], object]) -> Found:
@@ -129,18 +52,15 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
     found = Found()
     for stress, (young, peaks, places) in STRESSES.items():
         name = f"{stress:g} MPa"
-        title = f"Dry wall at {stress:g} MPa"
-        rigid = WALL.limit_force(folder / f"limit_{stress:g}", title, stress)
-        curve = pushed(folder / f"push_{stress:g}", WALL.blocks(), WALL.scene(title, stress, young, [REACH]))
+        rigid, curve = WALL.tested(folder, f"*_{stress:g}", f"Dry wall at {name}", (stress, young, REACH), say)
         u, f = curve.envelope()
-        say(f"{name}: limit {1e-3 * rigid:.1f} kN, push {1e-3 * f.max():.1f} kN, inertia {100 * curve.inertia_share:.2g} %")
         mean, place = float(np.mean(peaks)), float(np.mean(places))
         most = 1e-3 * float(f.max())
         found.rows.append(Row(f"{name}: peak, mean of {len(peaks)}", "kN", mean, 1e-3 * rigid, most))
         if place < 1e3 * REACH:
             found.rows.append(Row(f"{name}: at {place:.3g} mm, where it was measured", "kN", mean, None, 1e-3 * at(curve, 1e-3 * place)))
         found.computed.append((f"{name}, elastic joints", 1e3 * u, 1e-3 * f))
-    found.measured = [(name, *np.array(points).T) for name, points in ENVELOPES.items()]
+    found.measured = envelopes()
     return found
 
 

@@ -12,12 +12,13 @@ maximum at c = 3 theta H, 4.9 % below W B / 2 for this block. A long pulse finds
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, run_in
+from masonry_cd.studies.laboratory.case import Case, Found, Row, elastic, run_in, threshold
 from structures.geometry.prism import box
 
 WIDTH, HEIGHT, DENSITY = 0.4, 4.0, 2000.0  # [m], [kg/m3]
@@ -34,12 +35,11 @@ def exact(duration: float) -> float:
     return float(9.81 * slope * 0.5 * (1.0 + np.sqrt(1.0 + 2.0 / grown)))
 
 
-def falls(folder: Path, acceleration: float, duration: float, law: dict[str, float] | None) -> bool:
+def falls(folder: Path, duration: float, law: dict[str, float] | None, acceleration: float) -> bool:
     """Whether the block leans by more than its slenderness in the end."""
-    material = {"density": DENSITY, "friction": 2.0} | ({"joints": {"default": law}} if law else {})
     tables = {
         "title": f"A slender block under {acceleration:.4g} m/s2 for {duration:g} s",
-        "material": material,
+        "material": {"density": DENSITY, "friction": 2.0, **elastic(law)},
         "loads": [{"kind": "pulse", "shape": "rectangle", "direction": "x", "acceleration": acceleration, "duration": duration}],
         "run": {"dt": 1e-3, "duration": duration + LATER, "tolerance": 1e-8, "frames_per_second": 20.0},
         "quiet_checks": ["material.friction"],
@@ -53,21 +53,15 @@ def falls(folder: Path, acceleration: float, duration: float, law: dict[str, flo
     return bool(height[-1] < 0.25 * HEIGHT)
 
 
-def threshold(folder: Path, duration: float, law: dict[str, float] | None) -> float:
-    """The acceleration between runs that stand and runs that fall [m/s2]."""
-    low, high = (share * exact(duration) for share in (1.0 - RANGE, 1.0 + RANGE))
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if falls(folder, middle, duration, law) else (middle, high)
-    return 0.5 * (low + high)
-
-
 def compute(folder: Path, say: Callable[[str], object]) -> Found:
     """Thresholds at four durations, on a rigid and on an elastic joint."""
     found = Found(axes=("duration [s]", "acceleration that overturns it [g]"))
-    there = {}
+    there: dict[str, list[float]] = {"rigid": [], "elastic": []}
     for label, law in (("rigid", None), ("elastic", LAW)):
-        there[label] = [threshold(folder / f"{label}_{duration:g}", duration, law) / 9.81 for duration in DURATIONS]
+        for duration in DURATIONS:
+            low, high = (share * exact(duration) for share in (1.0 - RANGE, 1.0 + RANGE))
+            fell = partial(falls, folder / f"{label}_{duration:g}", duration, law)
+            there[label].append(threshold(fell, low, high, HALVINGS) / 9.81)
         say(f"{label}: {', '.join(f'{value:.4f}' for value in there[label])} g")
         found.computed.append((f"{label} joint", np.array(DURATIONS), np.array(there[label])))
     times = np.geomspace(DURATIONS[0], DURATIONS[-1], 100)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Curve, Found, Row, run_in
+from masonry_cd.studies.laboratory.case import Case, Curve, Found, Row, elastic, run_in
 from structures.geometry.prism import box
 
 MEASURED = ((3.0, "concrete", 0.97), (5.0, "concrete", 0.95), (5.0, "rubber", 0.67))  # height over width, base, share of Housner's r
@@ -48,10 +48,9 @@ def lasting(slenderness: float) -> float:
 
 def swings(folder: Path, slenderness: float, law: dict[str, float] | None) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] and tilts [rad] of the block, let go."""
-    material = {"density": DENSITY, "friction": 1.0} | ({"joints": {"default": law}} if law else {})
     tables = {
         "title": f"A block of height / width {slenderness:g} rocks freely",
-        "material": material,
+        "material": {"density": DENSITY, "friction": 1.0, **elastic(law)},
         "run": {"dt": 2.5e-4, "duration": lasting(slenderness), "tolerance": 1e-8, "frames_per_second": 1000.0, "settle": False},
     }
     with run_in(folder, tilted(slenderness), tables) as results:

@@ -1,12 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Error against run time: of the friction solvers on one problem, and of whole runs over time step and tolerance.
+r"""Error against run time of single runs of a scene.
 
-**A problem.** Every solver is given every tolerance from a cold start. Its error is the natural map error
-(:mod:`masonry_cd.mechanics.friction.problem`), scaled and unscaled, computed from the impulses outside the solver; its time the median of
-repeats, kernels compiled before. A solver that misses a tolerance would go through the same iterations for a tighter one, so tighter ones
-are left out.
-
-**A scene.** Runs over all time steps and tolerances are compared with a reference of their own, at half the smallest step and the tightest
+Runs over all time steps and tolerances are compared with a reference of their own, at half the smallest step and the tightest
 tolerance, at equal times t (the frames). With d_b the displacement of free block b relative to the base and w_j the opening of joint j,
 
     displacement error = max_t |d - d_ref|_2 / max_t |d_ref|_2,        |d|_2^2 = mean over b of |d_b|^2
@@ -19,8 +14,7 @@ reference itself is about as wrong as the finest runs differ from it; closing li
 from __future__ import annotations
 
 import statistics
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -29,39 +23,23 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.deformed import base_shift, solids_of
-from masonry_cd.app.commands.solve import load_kernels
+from masonry_cd.app.result import Say
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import in_words
 from masonry_cd.io.results import Results
-from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error
-from masonry_cd.mechanics.solvers import SOLVERS, Options, pivoting
+from masonry_cd.studies.accuracy.measurement import Measurement
+from masonry_cd.studies.accuracy.picture import Diagram, Panel, Point, exponent
 
-PROBLEM_TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-SCENE_TOLERANCES = (1e-2, 1e-4, 1e-6)
+TOLERANCES = (1e-2, 1e-4, 1e-6)
 DT_FACTORS = (2.0, 1.0, 0.5)  # of the scene's time step
-LONG = 5.0  # [s] a solve that takes longer is not repeated
 STILL = 1e-6  # displacements of less than this share of the structure's size are none
+FALLS = 0.2  # order in the time step below which an error does not fall with it
 NOTHING_DRAWN = ("report.crack_map=false", "report.damage=false", "report.html=false", "report.animation=false", "report.times=[]")
 
-Say = Callable[[str], None]
-
 
 @dataclass(frozen=True)
-class SolverRow:
-    """One solver at one tolerance."""
-
-    solver: str
-    tolerance: float
-    error: float  # natural map error, scaled
-    error_unscaled: float
-    iterations: int
-    seconds: float  # median
-    repeats: int
-    reached: bool
-
-
-@dataclass(frozen=True)
-class RunRow:
+class SceneRow:
     """One run of a scene."""
 
     solver: str
@@ -95,51 +73,40 @@ class Motion:
     size: float  # of the structure [m]
 
 
-def solver_rows(problem: Problem, solvers: Sequence[str], tolerances: Sequence[float], repeats: int, say: Say) -> list[SolverRow]:
-    """Measure solvers on a problem, see the head of this file.
-
-    Args:
-        problem: over bodies or in the impulses.
-        solvers: names in ``SOLVERS``.
-        tolerances: from loose to tight.
-        repeats: solves per row, but for those longer than LONG.
-        say: called with a line before each solver.
-    """
-    rows: list[SolverRow] = []
-    for name in solvers:
-        say(f"{name}: {problem.contacts} contacts")
-        load_kernels(name, problem)
-        for tolerance in tolerances:
-            rows.append(_solver_row(problem, name, tolerance, repeats))
-            if not rows[-1].reached:
-                break
-    return rows
+def measured(title: str, rows: Sequence[SceneRow]) -> Measurement:
+    """What the runs of a scene came to, the reference first."""
+    heading, cells, runs = f"Error against run time: {title}", [vars(row) for row in rows], rows[1:]
+    reference, several = rows[0], len({row.solver for row in runs}) > 1
+    facts = f"each point a time step; reference: dt {1e3 * reference.dt:g} ms, tolerance {exponent(reference.tolerance)}"
+    keys = dict.fromkeys((row.solver, row.tolerance) for row in runs)
+    groups = {
+        f"{solver} {exponent(tolerance)}" if several else f"tolerance {exponent(tolerance)}": sorted(
+            (row for row in runs if (row.solver, row.tolerance) == (solver, tolerance)), key=lambda row: -row.dt
+        )
+        for solver, tolerance in keys
+    }
+    panels = [_panel(words, groups, key) for key, words in (("displacement_error", "displacement"), ("opening_error", "joint opening"))]
+    diagram = Diagram(heading, f"{facts}; hollow: tolerance missed", "stepping time of the run [s]", panels)
+    return Measurement(heading, cells, cells, _lines(title, rows), _warnings(rows), diagram)
 
 
-def _solver_row(problem: Problem, name: str, tolerance: float, repeats: int) -> SolverRow:
-    """One solver at one tolerance."""
-    seconds: list[float] = []
-    while len(seconds) < repeats and sum(seconds) < LONG:
-        begin = time.perf_counter()
-        solution = SOLVERS[name](problem, Options(tolerance=tolerance), None)
-        seconds.append(time.perf_counter() - begin)
-    error = natural_map_error(problem, solution.impulse)
-    unscaled = natural_map_error(problem, solution.impulse, scaled=False)
-    median = statistics.median(seconds)
-    return SolverRow(name, tolerance, error, unscaled, solution.iterations, median, len(seconds), bool(error <= tolerance))
+def _panel(words: str, groups: Mapping[str, Sequence[SceneRow]], key: str) -> Panel:
+    """An error over the stepping time, a line per tolerance; points of the last one say their time steps."""
+    last = list(groups)[-1]
+    lines = [
+        (name, [Point(row.stepping_seconds, 100.0 * getattr(row, key), not row.reached, _step(row) if name == last else "") for row in own])
+        for name, own in groups.items()
+    ]
+    return Panel(f"{words} error, relative [%]", lines)
 
 
-def solvers_for(problem: Problem, asked: Sequence[str] | None) -> tuple[str, ...]:
-    """The solvers to measure: those asked for, or all that solve such a problem themselves."""
-    if asked is not None:
-        return tuple(asked)
-    solves = {"interior": not isinstance(problem, LocalProblem), "pivoting": pivoting.applies(problem)}
-    return tuple(name for name in SOLVERS if solves.get(name, True))
+def _step(row: SceneRow) -> str:
+    return f"dt {1e3 * row.dt:g} ms"
 
 
 def run_rows(
     path: Path, overrides: Sequence[str], solvers: Sequence[str], dts: Sequence[float], tolerances: Sequence[float], repeats: int, say: Say
-) -> list[RunRow]:
+) -> list[SceneRow]:
     """Run a scene over time steps and tolerances; the first row is the reference.
 
     Args:
@@ -219,12 +186,12 @@ def _relative(got: np.ndarray, best: np.ndarray, least: float) -> float:
     return largest(got - best) / max(largest(best), least)
 
 
-def _run_row(summary: dict[str, Any], motion: Motion, reference: Motion, is_reference: bool) -> RunRow:
+def _run_row(summary: dict[str, Any], motion: Motion, reference: Motion, is_reference: bool) -> SceneRow:
     """The row of a run."""
     solver = summary["solver"]
     own = ("displacement_max", "opening_max", "sliding_max", "joints_opened", "joints_slid", "joints_separated", "collapsed_blocks")
     displacement, opening = motion_errors(motion, reference)
-    return RunRow(
+    return SceneRow(
         solver=solver["name"],
         tolerance=solver["tolerance"],
         displacement_error=displacement,
@@ -235,3 +202,41 @@ def _run_row(summary: dict[str, Any], motion: Motion, reference: Motion, is_refe
         reference=is_reference,
         **{key: summary[key] for key in ("dt", "steps", "stepping_seconds", "wall_seconds", *own)},
     )
+
+
+def _lines(title: str, rows: Sequence[SceneRow]) -> list[str]:
+    """The runs in words: the finest, the fastest, and how the error falls with the time step."""
+    reference, runs = rows[0], rows[1:]
+    finest = min(runs, key=lambda row: (row.tolerance, row.dt))
+    fastest = min(runs, key=lambda row: row.stepping_seconds)
+    lines = [f"{title}: {len(runs)} runs against dt {reference.dt:g} s, tolerance {reference.tolerance:g} ({reference.solver})"]
+    for name, row in (("finest", finest), ("fastest", fastest)):
+        lines.append(
+            f"{name}, dt {row.dt:g} s, tolerance {row.tolerance:g}: displacements within {100 * row.displacement_error:.2g} %, openings "
+            f"within {100 * row.opening_error:.2g} %, stepping {in_words(row.stepping_seconds)}"
+        )
+    lines.append("the reference itself may be as far off as the finest run")
+    order = _order([row for row in runs if row.tolerance == finest.tolerance and row.solver == reference.solver])
+    if order is not None:
+        falls = f"falls as dt to the {order:.2g}" if order > FALLS else "does not fall with dt over this range"
+        lines.append(f"at tolerance {finest.tolerance:g} the displacement error {falls}")
+    return lines
+
+
+def _order(rows: Sequence[SceneRow]) -> float | None:
+    """Slope of log error over log dt, by least squares; None with fewer than three runs or an error of nothing."""
+    if len(rows) < 3 or min(row.displacement_error for row in rows) <= 0.0:
+        return None
+    steps, errors = (np.log([getattr(row, key) for row in rows]) for key in ("dt", "displacement_error"))
+    return float(np.polyfit(steps, errors, 1)[0])
+
+
+def _warnings(rows: Sequence[SceneRow]) -> list[str]:
+    """Runs that missed their tolerance or broke off."""
+    broken = [row for row in rows if not row.reached]
+    out = []
+    for row in broken:
+        what = f"{row.steps_missed} of {row.steps} steps missed it" if row.steps_missed else f"the run broke off after {row.steps} steps"
+        name = "the reference" if row.reference else f"{row.solver}, dt {row.dt:g} s"
+        out.append(f"{name}, tolerance {row.tolerance:g}: {what}, the largest error is {row.error_max:.1e}")
+    return out

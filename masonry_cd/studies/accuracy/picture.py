@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work-precision diagrams: what a setting gives over the seconds that it takes, a line per solver, tolerance or time step.
+
+Colours are those of Okabe & Ito with a marker each, so that a diagram reads in grey as well. Hollow points missed their tolerance, or
+show a bias.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from reports.drawing.figure import FAINT, INK, plain_axes, save
+from reports.drawing.plots import MARKERS, colour, halo, legend, logarithmic, sheet
+
+LEAST = 1e-17  # errors of nothing are drawn here
+STRIP = "#e3e6e9"
+SHORT = 3.0  # high over low of an axis that shows too few ticks, and is made as long
+
+Bar = tuple[float, float]  # quartiles
+
+
+class Point(NamedTuple):
+    """A setting."""
+
+    seconds: float
+    value: float
+    hollow: bool
+    label: str = ""
+    across: Bar | None = None  # of the seconds
+    up: Bar | None = None  # of the value
+
+
+@dataclass(frozen=True)
+class Panel:
+    """What is drawn over the seconds."""
+
+    words: str  # at the axis
+    lines: Sequence[tuple[str, Sequence[Point]]]  # by name
+    strip: tuple[float, float, float] | None = None  # quartiles and median of what the lines should meet; else they are errors
+    levels: Sequence[float] = ()  # faint lines across
+
+
+@dataclass(frozen=True)
+class Diagram:
+    """A sheet of panels whose lines have the same names."""
+
+    title: str
+    facts: str
+    across: str
+    panels: Sequence[Panel]
+
+
+def draw(diagram: Diagram, path: Path) -> None:
+    """Draw a diagram into a PNG.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    figure, axes = sheet(diagram.title, diagram.facts, len(diagram.panels))
+    for one, panel in zip(axes, diagram.panels, strict=True):
+        _draw(one, panel)
+        plain_axes(one, panel.words, diagram.across)
+    legend(axes[0], min(4, len(diagram.panels[0].lines)))
+    save(figure, path)
+
+
+def _draw(axes: Any, panel: Panel) -> None:
+    """The lines of a panel; errors on a logarithmic scale."""
+    if panel.strip is not None:
+        low, median, high = panel.strip
+        axes.axhspan(low, high, color=STRIP, zorder=0)
+        axes.axhline(median, color=FAINT, linewidth=1.0, zorder=1)
+    for level in panel.levels:
+        axes.axhline(level, color=STRIP, linewidth=0.8, zorder=0)
+    for k, (name, points) in enumerate(panel.lines):
+        _line(axes, k, name, points)
+    axes.margins(x=0.12, y=0.12)
+    axes.set_xscale("log")
+    axes.set_yscale("log" if panel.strip is None else "linear")
+    for axis in (axes.xaxis, axes.yaxis)[: 2 if panel.strip is None else 1]:
+        _widen(axis)
+        logarithmic(axis)
+
+
+def _line(axes: Any, k: int, name: str, points: Sequence[Point]) -> None:
+    """A line with its points, bars of quartiles and labels."""
+    values = [max(point.value, LEAST) for point in points]
+    axes.plot([point.seconds for point in points], values, color=colour(k), linewidth=1.4, zorder=2)
+    for place, (point, value) in enumerate(zip(points, values, strict=True)):
+        for x, y in (((point.seconds,) * 2, point.up), (point.across, (value,) * 2)):
+            if x is not None and y is not None:
+                axes.plot(x, y, color=colour(k), linewidth=2.0, zorder=3)
+        axes.plot(
+            point.seconds, value, MARKERS[k % len(MARKERS)], color=colour(k), markersize=7, markeredgewidth=1.6, zorder=4,
+            markerfacecolor="white" if point.hollow else colour(k), label=name if place == 0 else None,
+        )  # fmt: skip
+        if point.label:
+            axes.annotate(
+                point.label, (point.seconds, value), (7, 6), textcoords="offset points", fontsize=8.5, color=INK,
+                path_effects=halo(), zorder=5,
+            )  # fmt: skip
+
+
+def _widen(axis: Any) -> None:
+    """Make a short logarithmic axis longer."""
+    low, high = axis.get_view_interval()
+    if high < SHORT * low:
+        middle = (low * high) ** 0.5
+        (axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim)(middle / SHORT**0.5, middle * SHORT**0.5)
+
+
+def exponent(value: float) -> str:
+    """A tolerance as people write it: 1e-4."""
+    return f"{value:.2g}" if value >= 0.01 else f"{value:.1e}".replace(".0e", "e").replace("e-0", "e-")

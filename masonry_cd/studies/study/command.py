@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command ``masonry-cd study``: the missing runs of a plan are made, their tables are written, and what follows from them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from masonry_cd.analysis.fragility.folder import TABLE
+from masonry_cd.app.result import Result, Say
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.studies.study.checks import check_first
+from masonry_cd.studies.study.limit_runs import LIMITS, limit_lines, write_limits
+from masonry_cd.studies.study.plan import Plan
+from masonry_cd.studies.study.study_case import Options, Ways, make_runs
+from masonry_cd.studies.study.table import PARQUET, write_table
+
+WAYS = {"run": Ways(write_table, check=check_first, maps=True), "limit": Ways(write_limits)}
+
+
+def study(plan: Plan, folder: Path, options: Options, say: Say) -> Result[None]:
+    """Make the runs of a study that are missing in a folder, and write what they say.
+
+    Raises:
+        InputError: a bad study; the folder of another one; a scheduler that does not answer. Nothing is lost.
+    """
+    asks = plan.maker.study.tables.asks
+    made = make_runs(plan, folder, options, say, WAYS[asks])
+    tables = [folder / name for name in ((LIMITS,) if asks == "limit" else (TABLE, PARQUET))]
+    lines, warnings = [made.line, f"results: {', '.join(map(str, tables))}"], made.warnings(tables[0])
+    if made.stopped:
+        return made.ended_early(lines, warnings)
+    if asks == "limit":
+        return Result(None, [*lines, *limit_lines(plan, made.rows)], warnings)
+    found = report(plan, folder)
+    return Result(None, [*lines, *found.lines], [*warnings, *found.warnings])
+
+
+def report(plan: Plan, folder: Path) -> Result[None]:
+    """Fit and draw again from the runs in a folder.
+
+    Raises:
+        InputError: no study is there, or something in it is broken.
+    """
+    from reports.study.outputs import PAGE, write_study
+
+    if plan.maker.study.tables.asks == "limit":
+        raise InputError("--report", "a study of limit analyses has limits.csv and no fits")
+    found = write_study(folder)
+    return Result(None, [found.verdict.line, *found.lines, f"page: {folder / PAGE}"], found.warnings)
