@@ -32,6 +32,7 @@ from benchmarks import ours, packing, served
 from benchmarks.counted_cost import cost_of
 from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
 from benchmarks.sitting import head
+from masonry_cd.mechanics.dynamics import islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.mechanics.solvers import Options, auto
@@ -70,6 +71,12 @@ def _stepped(made: BenchScene, steps: int, tolerance: float = 1e-8, **settings: 
         _step(ours.stepper(replace(made, amplitude=factor * made.amplitude), steps, "auto", tolerance, **settings), steps, spent)
 
     return run
+
+
+def _beside(large: BenchScene, small: BenchScene, apart: float) -> BenchScene:
+    """Two structures on one base, so far apart along x [m]; they shake as the first does."""
+    moved = [replace(block, name=f"beside {block.name}", vertices=block.vertices + [apart, 0.0, 0.0]) for block in small.blocks]
+    return replace(large, blocks=(*large.blocks, *moved))
 
 
 def _file(path: str, *changes: str) -> Scene:
@@ -145,6 +152,7 @@ SCENES: dict[str, Scene] = {
     "debris": _file("benchmarks/bits/debris.toml"),
     "islands": _file("benchmarks/bits/islands.toml"),
     "elastic": _file("benchmarks/bits/elastic.toml"),
+    "arcade beside a slender tower": _stepped(_beside(arcade(4, amplitude=0.05), tower(40, side=0.25), 80.0), 200),
     "poured grains": _poured,
     "packed grains": _cold(_packings, 1e-8),
     "thrown walls": _cold(_thrown, 1e-8),
@@ -163,14 +171,18 @@ SWITCHED: dict[str, Any] = {
     "OPERATIONS": 0.0,  # no method that factorises in space is asked
     "admm.OPEN": 1.0,  # R of open contacts as of those that stick
     "admm.SLIDES": 1.0,
+    "admm.PROBE": 10**9,  # no other k is tried
+    "islands.EASY": 10**9,  # no island is solved alone since it is hard
+    "islands.FULL": 10**9,  # those that are not are one group
     "interior.LEAVE": 1.0,  # the damped path is followed to the tolerance, that by its length to CLOSE
 }
 
 
 @contextmanager
 def switched(name: str, value: Any) -> Iterator[None]:
-    """``auto``, or the method before the dot, with another value of one of its constants."""
-    module, constant = getattr(auto, name.split(".")[0]) if "." in name else auto, name.split(".")[-1]
+    """``auto``, or the module before the dot, with another value of one of its constants."""
+    place, _, constant = name.rpartition(".")
+    module = auto if not place else islands if place == "islands" else getattr(auto, place)
     kept = getattr(module, constant)
     setattr(module, constant, value)
     try:

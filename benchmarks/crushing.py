@@ -14,7 +14,8 @@ from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.limit.problem import Bars, Loads
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.joint_laws import JointLaw
+from masonry_cd.mechanics.model.materials import Material
 from structures.geometry.prism import box
 
 GRAVITY = 9.81  # [m/s2]

@@ -17,7 +17,8 @@ import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.geometry import Faces
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.joint_laws import JointLaw
+from masonry_cd.mechanics.model.materials import Material
 from structures.geometry.prism import box, prism_xz
 from structures.kinds import church as churches
 

@@ -30,7 +30,6 @@ from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.outputs.summary import damage_numbers
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.io.layout import BONDED, CRUSHED
 from masonry_cd.io.results import Results
 from reports.settings import Report
 from reports.ties import write_ties
@@ -62,12 +61,11 @@ def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict
 def write_joints_csv(table: JointDamage, path: Path, provisional: str = "") -> None:
     """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty.
 
-    The share that is bonded is a column of runs with bonds only, by how much joints were crushed of those whose joints can be, and
-    ``provisional``, why residual values are not the last, of runs that did not end at rest.
+    What the run has recorded of the laws of joints has columns behind these, and ``provisional``, why residual values are not the last, of
+    runs that did not end at rest.
     """
-    left_out = {"both", *(name for name in (BONDED, CRUSHED) if np.isnan(getattr(table, name)).all())}
-    columns = [item.name for item in fields(table) if item.name not in left_out]
-    cells = [getattr(table, name).tolist() for name in columns]
+    own = {item.name: getattr(table, item.name) for item in fields(table) if item.name not in ("both", "of_laws")}
+    columns, cells = [*own, *table.of_laws], [values.tolist() for values in (*own.values(), *table.of_laws.values())]
     if provisional:
         columns, cells = [*columns, "provisional"], [*cells, [provisional] * len(table.joint)]
     write_csv(path, columns, zip(*cells, strict=True), digits=9)

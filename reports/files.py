@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The outputs in the folder of a run, each declared once: its files with what they hold, when it is asked for, and what writes it.
 
-A module of ``reports/outputs`` lists its own in ``OUTPUTS``, by a name. A run and the command ``report`` write those that are asked for, a
-new run clears them, the page carries the tables that say so, and docs/outputs.md has them all. So a new output is one new file there. What
-a scene is to ask for by a name of its own choice is an extra report (:mod:`reports.extra`). A run whose ``[report]`` asks for nothing loads
-none of this.
+A module of ``reports/outputs`` lists its own in ``OUTPUTS``, by a name; a package adds one by its entry points. A scene asks for an output
+by the key of its name, ``[report] energy = true``, unless the output says otherwise. A run and the command ``report`` write those that are
+asked for, a new run clears them, the page carries the tables that say so, and docs/outputs.md has them all. So a new output is one new file
+there. A run whose ``[report]`` asks for nothing loads none of this.
 """
 
 from __future__ import annotations
@@ -15,10 +15,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from masonry_cd.foundation import own_files
-from masonry_cd.foundation.extensions import Entries
-from reports.extra import EXTRA
-from reports.settings import Report
+from masonry_cd.foundation import own_files, plugins
+from reports.settings import OUTPUTS, Report
 
 if TYPE_CHECKING:  # scenes are checked before HDF5 is loaded
     from masonry_cd.analysis.damage.part_damage import PartDamage
@@ -44,15 +42,21 @@ class Job:
 
         return damage_of(self.results, self.settings)
 
+    @cached_property
+    def outputs(self) -> dict[str, Output]:
+        """All of ours, and those of packages that the settings name, in the order in which they are written."""
+        known = dict(OUTPUTS) | {name: output_of(name) for name in self.settings.by_name if name not in OUTPUTS}
+        return dict(sorted(known.items(), key=lambda item: item[1].place))
+
     def wants(self, name: str) -> bool:
         """Whether an output is asked for."""
-        return self.asked.get(name, OUTPUTS[name].asked(self))
+        asked = self.outputs[name].asked
+        return self.asked.get(name, bool(getattr(self.settings, name, False)) if asked is None else asked(self))
 
     def write(self) -> list[Path]:
         """Write all that are asked for, in their order; return the files."""
-        order = sorted(OUTPUTS, key=lambda name: OUTPUTS[name].place)
         written = []
-        for path in (path for name in order if self.wants(name) for path in OUTPUTS[name].write(self)):
+        for path in (path for name, output in self.outputs.items() if self.wants(name) for path in output.write(self)):
             own_files.note(path)  # also what a plug-in has written
             written.append(path)
         return written
@@ -64,15 +68,27 @@ class Output:
 
     files: Mapping[str, str]  # what each holds, by its name
     write: Callable[[Job], Iterable[Path]] = lambda _: ()  # by default the run itself writes them, step by step
-    asked: Callable[[Job], bool] = lambda _: False
-    place: int = 0  # in the order in which they are written
+    asked: Callable[[Job], bool] | None = None  # by default where the key of its name in [report] is true
+    place: int = 40  # in the order in which they are written; the page comes at 50
     carried: tuple[str, ...] = ()  # tables that the page carries
+    needs: tuple[str, ...] = ()  # libraries that it imports and a plain install lacks, by the name that is imported
 
 
-OUTPUTS: Entries[Output] = Entries("reports.outputs", "OUTPUTS")
+def output_of(name: str) -> Output:
+    """An output: ours, or one that a package adds.
+
+    Raises:
+        InputError: no such output, or a package that cannot be used.
+    """
+    found: Output = plugins.find("reports", name, f"report.{name}", OUTPUTS)
+    return found
+
+
+def never(_: Job) -> bool:
+    """When files are asked for that the run itself writes, or a command alone."""
+    return False
 
 
 def known_files() -> dict[str, str]:
-    """All files with what they hold, those of extra reports last."""
-    own = {name: meaning for output in OUTPUTS.values() for name, meaning in output.files.items()}
-    return own | {name: report.meaning for report in EXTRA.values() for name in report.files}
+    """All files with what they hold."""
+    return {name: meaning for output in OUTPUTS.values() for name, meaning in output.files.items()}

@@ -6,15 +6,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from masonry_cd.analysis.damage.grades import Grades
 from masonry_cd.foundation import plugins
 from masonry_cd.foundation.errors import parse_table
+from masonry_cd.foundation.extensions import Entries
 from masonry_cd.foundation.fields import Flag, Number, Table
 from masonry_cd.foundation.table_schema import table_of_its_own
 from masonry_cd.foundation.units import Unit
-from reports.extra import EXTRA
 
 
 def _list_of_numbers(value: object) -> object:
@@ -24,19 +24,13 @@ def _list_of_numbers(value: object) -> object:
     raise ValueError("should be a list of numbers, [1.0, 2.5]")
 
 
-def _names_of_extra(value: object) -> object:
-    """Names of further reports, as a tuple."""
-    names = tuple(value) if isinstance(value, list) else ("",)
-    unknown = next((name for name in names if name not in EXTRA and name not in plugins.names("reports")), None)
-    if unknown is not None:
-        known = ", ".join([*EXTRA, *plugins.names("reports")])
-        raise ValueError(f"should be a list of names of {known}" + (f', "{unknown}" is none' if unknown else ""))
-    return names
-
-
-def _known_extra(schema: dict[str, Any]) -> None:
-    """What the JSON schema says of them."""
-    schema["items"] = {"enum": [*EXTRA]}
+def _outputs_by_name(schema: dict[str, Any]) -> None:
+    """Adds our outputs that a key of their own name asks for to the JSON schema."""
+    for name, output in OUTPUTS.items():
+        if output.asked is None and name not in Report.model_fields:
+            said = "; ".join(f"{file}: {meaning}" for file, meaning in output.files.items())
+            schema["properties"][name] = {"type": "boolean", "default": False, "description": f"Write {said}."}
+    schema["additionalProperties"] = False
 
 
 def _words(value: object) -> object:
@@ -48,12 +42,16 @@ def _words(value: object) -> object:
     return value.strip()
 
 
+OUTPUTS: Entries[Any] = Entries("reports.outputs", "OUTPUTS")  # an Output of reports/files.py each, which gets these settings
 LONGEST_WORDS = 200  # letters of a line of the title block
 Words = Annotated[str, BeforeValidator(_words), Field(min_length=1, max_length=LONGEST_WORDS)]
 
 
 class Report(Table):
-    """The table ``[report]``: what is drawn after the run."""
+    """The table ``[report]``: what is drawn after the run. An output without a field here is asked for by its name, see
+    :mod:`reports.files`."""
+
+    model_config = ConfigDict(extra="allow", json_schema_extra=_outputs_by_name)
 
     project: Words | None = None
     """Of the title block of the page and its PDF."""
@@ -95,18 +93,34 @@ class Report(Table):
     stress: Flag = False
     """Keep the mean stress of the blocks and the largest compression of the joints; write stress.csv, joint_stress.csv,
     element_stress.csv where blocks are meshed, and stress_map.png. A ``material.compressive_strength`` asks for it as well."""
-    extra: Annotated[tuple[str, ...], BeforeValidator(_names_of_extra), Field(json_schema_extra=_known_extra)] = ()
-    """Further reports by name: "energy" draws energy.png, what was put in, where it went, the balance."""
+
+    @classmethod
+    def further_keys(cls) -> tuple[str, ...]:
+        """The names of outputs that have no field here: ours and those of packages."""
+        own = (name for name, output in OUTPUTS.items() if output.asked is None and name not in cls.model_fields)
+        return (*own, *plugins.names("reports"))
+
+    @model_validator(mode="after")
+    def _names_of_outputs(self) -> Report:
+        given = self.model_extra or {}
+        known = self.further_keys() if given else ()
+        wrong: list[Any] = []
+        for name, value in given.items():
+            if name not in known or not isinstance(value, bool):
+                wrong.append({"type": "bool_type" if name in known else "extra_forbidden", "loc": (name,), "input": value})
+        if wrong:
+            raise ValidationError.from_exception_data("report", wrong)
+        return self
+
+    @property
+    def by_name(self) -> tuple[str, ...]:
+        """The outputs without a field here that the scene asks for."""
+        return tuple(name for name, asked in (self.model_extra or {}).items() if asked)
 
     @property
     def asks(self) -> bool:
         """Whether anything is to be written beside joints.csv."""
-        return self.damage or self.html or self.draws or bool(self.extra)
-
-    @property
-    def draws(self) -> bool:
-        """Whether a picture of the structure is to be drawn; what extra reports need, they say themselves."""
-        return self.crack_map or self.vector or bool(self.times) or self.animation
+        return bool(self.damage or self.html or self.crack_map or self.vector or self.times or self.animation or self.by_name)
 
 
 def report_of(tables: Mapping[str, Any], **changes: object) -> Report:

@@ -10,7 +10,7 @@ from models import GRAVITY, box, ground, stepper
 
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.state import State
 
 STIFFNESS, SIDES, HEIGHT = 1e8, (0.5, 0.3), 0.4  # normal [N/m3], of the block's base and its height [m]

@@ -9,8 +9,9 @@ from benchmarks.limit import push as push_loads
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.joints import Joints
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.materials import Material
 
 
 def joined(blocks: Sequence[Block], friction: float, laws: Mapping[str, JointLaw] | None = None) -> tuple[Assembly, Joints]:

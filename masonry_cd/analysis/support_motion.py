@@ -10,7 +10,6 @@ import numpy as np
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.io.results import SAME, SUPPORT_FRAMES, Results
 
-CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size
 NAMED = 4  # supports of a motion that are named
 STILL = 1e-9  # what moves less is at rest [m]
 
@@ -48,9 +47,7 @@ def support_motions(results: Results, solids: Solids) -> tuple[SupportMotion, ..
     groups = _alike(results, solids, fixed)
     first = fixed[[group[0] for group in groups]]
     displacement, velocity = np.empty((frames, len(first), 3)), np.empty((frames, len(first), 3))
-    chunk = max(1, CHUNK_BYTES // (48 * len(solids.centre)))
-    for begin in range(0, frames, chunk):
-        rows = slice(begin, min(begin + chunk, frames))
+    for rows in results.in_chunks(6 * len(solids.centre)):
         displacement[rows] = np.asarray(results.position[rows], dtype=float)[:, first] - solids.centre[first]
         velocity[rows] = np.asarray(results.velocity[rows], dtype=float)[:, first, :3]
     found = [

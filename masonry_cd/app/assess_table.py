@@ -10,7 +10,7 @@ from pydantic import Field, WithJsonSchema, field_validator
 from masonry_cd.foundation.errors import suggest
 from masonry_cd.foundation.fields import Count, Number, Table, is_number
 from masonry_cd.foundation.units import Unit
-from masonry_cd.mechanics.model.materials import ROUGHEST
+from masonry_cd.mechanics.model.joint_laws.friction import ROUGHEST
 
 FILL = ("fill resistance", "fill spread", "fill pressure", "fill angle")  # of bridges
 ASSUMPTIONS = ("joint stiffness", "friction", "block size", "bond", *FILL, "damping", "joint points", "time step", "tolerance")

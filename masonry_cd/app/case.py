@@ -16,7 +16,6 @@ from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 from masonry_cd.app import time_step_checks
-from masonry_cd.app.crushing_checks import refuse_crushing_in_a_run
 from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.output_gauges import gauges_of
 from masonry_cd.app.scene import Scene
@@ -30,6 +29,7 @@ from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joint_laws import refuse_in_a_run
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.masonry_kinds import in_words
 from masonry_cd.mechanics.model.state import State
@@ -194,7 +194,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
 
             limit_table(scene.limit)
         strength_by_group(scene.material.strength, structure.assembly.groups)
-        refuse_crushing_in_a_run(scene.material)
+        refuse_in_a_run(scene.material.joint_laws, scene.material.joint_moduli)
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 

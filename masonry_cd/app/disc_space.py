@@ -6,9 +6,10 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from masonry_cd.app.recorder import STEP_FIELDS
+from masonry_cd.app.per_step import QUANTITIES
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws import histories
 from masonry_cd.mechanics.model.joints import Joints
 
 NUMBER = 8  # bytes
@@ -16,7 +17,7 @@ OF_BLOCK = 3 + 4 + 6  # numbers of a frame: position, orientation, velocity
 OF_STRAIN = 9  # those of its gradient, where blocks deform
 OF_STRESS = (6, 2)  # numbers of a frame: of a block, and of a joint
 OF_SUPPORT = 6  # numbers of a frame: force and moment
-OF_JOINT = 6 + 3 + 3  # numbers of a frame: six histories, the force and its place, see io/results.py; a tenth where joints are bonded
+OF_JOINT = 6 + 3 + 3  # numbers of a frame: six histories, the force and its place, see io/results.py; and those of their laws
 
 
 def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int, stress: bool = False, of_meshes: int = 0) -> float:
@@ -25,10 +26,10 @@ def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int, st
     ``stress``: it keeps stress; ``of_meshes``: numbers of a frame that meshed blocks then have besides, in single precision.
     """
     of_block = OF_BLOCK + (0 if assembly.deformation is None else OF_STRAIN)
-    frame = 1 + of_block * assembly.count + (OF_JOINT + bool(assembly.laws.apex.any())) * joints.count
+    frame = 1 + of_block * assembly.count + (OF_JOINT + len(histories(assembly.laws))) * joints.count
     frame += OF_SUPPORT * int(assembly.fixed.sum())
     frame += (OF_STRESS[0] * assembly.count + OF_STRESS[1] * joints.count) * stress
-    return float(NUMBER) * ((frame + 0.5 * of_meshes * stress) * frames + len(STEP_FIELDS) * steps)
+    return float(NUMBER) * ((frame + 0.5 * of_meshes * stress) * frames + len(QUANTITIES) * steps)
 
 
 def check_disc_space(folder: Path, needed: float, there: float = 0.0) -> None:

@@ -9,19 +9,15 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 
-import numpy as np
-
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Scene
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from reports.settings import Report
+from masonry_cd.mechanics.model.joint_laws import LAWS
+from reports.settings import OUTPUTS, Report
 
 HEAVY = {
     "gmsh": "gmsh", "vtk": "vtkmodules", "pyvista": "pyvista", "matplotlib": "matplotlib", "pandas": "pandas", "trimesh": "trimesh",
     "meshio": "meshio", "scikit-fem": "skfem", "obspy": "obspy",
-}  # fmt: skip
-OUTPUTS = {
-    "crack_map": "crack map", "times": "crack maps at times", "animation": "animation", "damage": "damage by part", "html": "page",
 }  # fmt: skip
 AXES = "xyz"
 UNKNOWNS = ("three unknowns per block instead of six", "six unknowns per block instead of twelve", "meshes of triangles, not tetrahedra")
@@ -91,17 +87,14 @@ def _solver(scene: Scene, report: RunReport) -> str:
 
 def _laws(stepper: Stepper) -> list[str]:
     """Parts of the contact law that no joint needs."""
-    laws = stepper.assembly.laws
-    rigid = "springs in joints: none, joints are rigid (no masonry in [material], no normal_stiffness in [material.joints])"
-    lines = [] if np.any(laws.elastic) else [rigid]
-    if stepper.assembly.deformation is None:
-        lines.append("strains of blocks: none, blocks are rigid (no deformable in [material])")
-    return lines if np.any(laws.apex) else [*lines, "cohesion: none, joints are dry"]
+    lines = [law.absent for law in LAWS if law.absent and not law.holds(stepper.assembly.laws)]
+    rigid = stepper.assembly.deformation is None
+    return [*lines, "strains of blocks: none, blocks are rigid (no deformable in [material])"] if rigid else lines
 
 
 def _outputs(asked: Report) -> list[str]:
     """Reports that the scene does not ask for."""
-    missing = [words for key, words in OUTPUTS.items() if not getattr(asked, key)]
+    missing = [name for name, output in OUTPUTS.items() if output.asked is None and not getattr(asked, name, False)]
     return [f"reports: {', '.join(missing)} not made, since [report] does not ask for them"] if missing else []
 
 

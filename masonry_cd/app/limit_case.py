@@ -16,13 +16,14 @@ import numpy as np
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Judgement, judgement, refused
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
 from masonry_cd.analysis.limit.candidates import UNTIED, with_untied
+from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.crushed import CrushedJoint, LittleLeft, crushed_joints, crushed_lines, little_left
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.outcome import mechanism_facts, on_the_whole
 from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.app.doubts import check_doubts, doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
-from masonry_cd.app.limit_curve import FollowedCurve, curve_lines, follow
+from masonry_cd.app.limit_curve import curve_lines, follow
 from masonry_cd.app.limit_finite import unlimited_lines
 from masonry_cd.app.limit_from import NO_CURVE, against_undamaged, left_state
 from masonry_cd.app.limit_parts import begun_at_parts
@@ -35,6 +36,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force
 from masonry_cd.mechanics.contact.find_joints import built_gap, loose_contacts
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws import held
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
@@ -62,7 +64,7 @@ class LimitCase:
     check: CodeCheck | None
     notes: tuple[str, ...]
     seconds: float
-    curve: FollowedCurve | None = None
+    curve: CapacityCurve | None = None
     verdict: Judgement | None = None  # the one that all outputs show; None where no check is asked for
     crossing: Crossing | None = None  # of a vehicle whose worst place was looked for
     modelled: tuple[str, ...] = ()  # masses, ties, floors and fill, in words
@@ -137,12 +139,13 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             raise InputError("limit.curve", NO_CURVE)
         if analysis.endless:
             table = None
-        followed = None if table is None else follow(table, assembly, joints, loads, how.curve, scene.run.gravity)
+        followed = None if table is None else follow(table, assembly, joints, loads, how.curve)
         check = None
         if asked.check is not None and analysis.stands and not (analysis.bears_nothing or analysis.endless):
             analysis, untied = with_untied(analysis, assembly, joints, how.analysis)
-            known = None if followed is None else followed.curve
-            check = check_mechanism(asked.check, analysis, untied, (assembly, joints), loads, scene.run.gravity, scene.folder, how, known)
+            check = check_mechanism(
+                asked.check, analysis, untied, (assembly, joints), loads, scene.run.gravity, scene.folder, how, followed
+            )
         elif asked.check is not None:
             notes.append("limit.check: no check: there is no load factor at which a mechanism would start")
         verdict = None if asked.check is None else check.judgement if check is not None else _unchecked(analysis)
@@ -157,12 +160,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
     gap = built_gap(built[0])
     if gap > 1e-8 * assembly.width:
         notes.append(f"joints as built have gaps or overlaps of up to {gap:.2g} m, which count as none")
-    if assembly.laws.apex.any():
-        notes.append("bond counts as plastic: it is brittle, and what it adds to the factor is an upper bound")
-    if analysis.problem.sections is not None:
-        notes.append(
-            "joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value"
-        )
+    notes += [law.in_limit for law in held(assembly.laws) if law.in_limit]
     seconds = time.perf_counter() - begin
     modelled, notes = (masses(assembly), *structure.made.notes), [*notes, *loads.notes]
     return LimitCase(scene, assembly, joints, loads, analysis, check, tuple(notes), seconds, followed, verdict, crossing, modelled, spare)

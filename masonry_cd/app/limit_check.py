@@ -15,11 +15,11 @@ from masonry_cd.analysis.code_check.level import foundation_of, level_of, lowest
 from masonry_cd.analysis.limit.analysis import Analysis
 from masonry_cd.analysis.limit.candidates import Candidate, Untied, candidates
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.analysis.limit.linkage import CRUSHES
 from masonry_cd.analysis.limit.oscillator import ANOTHER, Oscillator, oscillator
 from masonry_cd.app.limit_search import Ways, doubt, search_numbers, search_words
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws import at_start_only
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
@@ -98,8 +98,8 @@ def check_mechanism(
     elsewhere = abs(analysis.associated.factor - least.factor) > ANOTHER * abs(least.factor)
     if table.by_displacements and elsewhere and not how.curve.starts and not made.doubt:
         made = replace(made, end="a curve follows the mechanism without dilation only where limit.starts asks for it")
-    elif table.by_displacements and structure[0].laws.crushing.any():
-        made = replace(made, end=CRUSHES)
+    elif table.by_displacements and (reason := at_start_only(structure[0].laws)):
+        made = replace(made, end=reason)
     elif table.by_displacements and not made.doubt:
         curve = known
         if curve is None or not curve.falls or not least.mechanism.moving[curve.control.block]:

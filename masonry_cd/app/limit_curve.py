@@ -3,9 +3,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,27 +14,15 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import in_words, length
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
-from masonry_cd.mechanics.model.materials import joint_table
 
 if TYPE_CHECKING:
-    from masonry_cd.app.limit_dynamics import Bracket
     from masonry_cd.app.static_loads import CurveTable, StaticLoads
 
 CURVE_OUTPUTS = ("capacity.csv", "capacity.json", "capacity.png")
 COLUMNS = ("point", "displacement_m", "factor", "associated_factor", "moving_blocks", "hinges", "slides", "changed")
 
 
-@dataclass(frozen=True, eq=False)
-class FollowedCurve:
-    """A capacity curve, and what the dynamics says of some of its points."""
-
-    curve: CapacityCurve
-    brackets: tuple[Bracket, ...]
-
-
-def follow(
-    table: CurveTable, assembly: Assembly, joints: Joints, loads: StaticLoads, options: Options, gravity: Sequence[float]
-) -> FollowedCurve:
+def follow(table: CurveTable, assembly: Assembly, joints: Joints, loads: StaticLoads, options: Options) -> CapacityCurve:
     """The capacity curve that a table asks for.
 
     Raises:
@@ -45,26 +30,15 @@ def follow(
     """
     if table.control is not None and table.control not in assembly.names:
         raise InputError("limit.curve.control", f'there is no block "{table.control}"')
-    bonded = bool(assembly.laws.apex.any())
-    if loads.kind == "tilt" and (not loads.only_gravity or bonded):
+    if loads.kind == "tilt" and (not loads.only_gravity or assembly.laws.apex.any()):
         raise InputError("limit.curve", "beside point loads, ties or bond a tilt is no push, and only a push is followed; give limit.push")
-    if table.dynamics and (bonded or len(loads.bars.strength) or loads.constant.any() or len(loads.masses.mass) or loads.direction is None):
-        raise InputError("limit.curve.dynamics", "compares dry joints under gravity and a push; there are ties, bond or point loads")
     control = None if table.control is None else assembly.names.index(table.control)
     limit = np.inf if table.displacement is None else table.displacement
-    curve = capacity_curve(assembly, joints, loads.at(), CurveOptions(options, table.steps, control, limit))
-    if not table.dynamics:
-        return FollowedCurve(curve, ())
-    from masonry_cd.app.limit_dynamics import brackets
-
-    assert loads.direction is not None
-    rigid = joint_table({}, assembly.groups, assembly.friction)  # as the curve has them: elastic ones would first sink until they bear
-    return FollowedCurve(curve, brackets(curve, rigid, np.array(loads.direction), np.array(gravity)))
+    return capacity_curve(assembly, joints, loads.at(), CurveOptions(options, table.steps, control, limit))
 
 
-def curve_lines(found: FollowedCurve, names: tuple[str, ...]) -> list[str]:
+def curve_lines(curve: CapacityCurve, names: tuple[str, ...]) -> list[str]:
     """The curve in words."""
-    curve = found.curve
     last, peak = float(curve.displacement[-1]), curve.peak
     line = f'capacity curve: {len(curve.factor)} points, control block "{names[curve.control.block]}"; '
     line += (
@@ -78,8 +52,6 @@ def curve_lines(found: FollowedCurve, names: tuple[str, ...]) -> list[str]:
     if curve.jumps:
         before = f"capacity curve: no factor is borne just before {_places(curve, curve.jumps)}"
         out.append(f"{before}: there the blocks go on by themselves until forces balance again")
-    for bracket in found.brackets:
-        out.append(_bracket_in_words(bracket))
     return [*out, *(f"capacity curve: {remark}" for remark in curve.remarks)]
 
 
@@ -88,17 +60,8 @@ def _places(curve: CapacityCurve, points: tuple[int, ...]) -> str:
     return ", ".join(length(float(curve.displacement[k])) for k in points[:6]) + (" ..." if len(points) > 6 else "")
 
 
-def _bracket_in_words(bracket: Bracket) -> str:
-    """What the dynamics says of a point."""
-    low, high = ("at none of those tried" if math.isnan(each) else f"at {each:.4g}" for each in (bracket.low, bracket.high))
-    missed = f"; {bracket.missed} steps missed their tolerance" if bracket.missed else ""
-    place = length(bracket.displacement)
-    return f"dynamics at {place}: falls back {low}, goes on {high}; the curve has {bracket.factor:.4g}{missed}"
-
-
-def numbers(found: FollowedCurve, names: tuple[str, ...]) -> dict[str, Any]:
+def numbers(curve: CapacityCurve, names: tuple[str, ...]) -> dict[str, Any]:
     """What capacity.json holds."""
-    curve = found.curve
     return {
         "control": {
             "block": names[curve.control.block], "point": curve.control.point.tolist(), "direction": curve.control.direction.tolist(),
@@ -112,10 +75,6 @@ def numbers(found: FollowedCurve, names: tuple[str, ...]) -> dict[str, Any]:
         "changes": list(curve.changes),
         "jumps": list(curve.jumps),
         "marks": [_mark(curve, k, names) for k in curve.marks],
-        "dynamics": [
-            {"displacement": b.displacement, "falls_back": b.low, "goes_on": b.high, "factor": b.factor, "steps_missed": b.missed}
-            for b in found.brackets
-        ],
         "remarks": list(curve.remarks),
         "seconds": curve.seconds,
     }  # fmt: skip
@@ -146,19 +105,19 @@ def curve_rows(curve: CapacityCurve) -> list[dict[str, Any]]:
     return rows
 
 
-def write_curve(found: FollowedCurve, names: tuple[str, ...], folder: Path) -> list[Path]:
+def write_curve(curve: CapacityCurve, names: tuple[str, ...], folder: Path) -> list[Path]:
     """Write capacity.csv and capacity.json."""
     from masonry_cd.app.summary import write_json
     from masonry_cd.foundation.csv_files import write_csv
 
     table, file = (folder / name for name in CURVE_OUTPUTS[:2])
-    rows = [[f"{cell:.9g}" if isinstance(cell, float) else cell for cell in row.values()] for row in curve_rows(found.curve)]
+    rows = [[f"{cell:.9g}" if isinstance(cell, float) else cell for cell in row.values()] for row in curve_rows(curve)]
     write_csv(table, COLUMNS, rows)
-    write_json(numbers(found, names), file)
+    write_json(numbers(curve, names), file)
     return [table, file]
 
 
-def draw_curve(found: FollowedCurve, names: tuple[str, ...], folder: Path, about: tuple[str, str], view: str) -> Path:
+def draw_curve(curve: CapacityCurve, names: tuple[str, ...], folder: Path, about: tuple[str, str], view: str) -> Path:
     """Draw capacity.png; ``about`` are the title of the scene and its load in words.
 
     Raises:
@@ -166,8 +125,7 @@ def draw_curve(found: FollowedCurve, names: tuple[str, ...], folder: Path, about
     """
     from reports.limit.curve_picture import curve_picture
 
-    curve, path, (title, words) = found.curve, folder / CURVE_OUTPUTS[2], about
+    path, (title, words) = folder / CURVE_OUTPUTS[2], about
     facts = f'{words} · centre of block "{names[curve.control.block]}" · at the end: {curve.end}'
-    points = np.array([(b.displacement, b.low, b.high) for b in found.brackets]).reshape(-1, 3)
-    curve_picture(curve, points, path, f"{title}: capacity curve", facts, view)
+    curve_picture(curve, path, f"{title}: capacity curve", facts, view)
     return path

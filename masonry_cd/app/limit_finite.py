@@ -9,6 +9,7 @@ import numpy as np
 
 from masonry_cd.app.limit_search import search_words
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws import LAWS
 
 if TYPE_CHECKING:
     from masonry_cd.analysis.limit.analysis import Analysis
@@ -35,9 +36,7 @@ def _missing(loads: StaticLoads, assembly: Assembly) -> list[str]:
     acting = loads.live[~assembly.fixed].any() or loads.support_velocity is not None
     if not acting:
         return ["a load on blocks that are free: it acts on supports alone"]
-    out = []
-    if not (assembly.laws.crushing > 0.0).all():
-        out.append("joints that crush (material.joints.compressive_strength)")
+    out = [law.bounds for law in LAWS if law.bounds and not law.where(assembly.laws).all()]
     if np.isinf(loads.bars.strength).any():
         out.append("ties that yield (their yield_force)")
     if loads.support_velocity is None:

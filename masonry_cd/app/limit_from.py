@@ -21,6 +21,7 @@ from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws import at_start_only
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import clip_loops, loop_area
 from masonry_cd.mechanics.model.state import State, rotation_matrices
@@ -56,8 +57,8 @@ def left_state(asked: LimitTable, folder: Path, assembly: Assembly, joints: Join
         InputError: no such run, one of other blocks or of blocks that deform, a time that it does not have, or joints that crush.
     """
     assert asked.begin is not None
-    if assembly.laws.crushing.any():
-        raise InputError(KEY, "joints that crush are known as built only: a hinge of the state that a run left has no area to crush")
+    if reason := at_start_only(assembly.laws):
+        raise InputError(KEY, f"{reason}, and a run leaves displaced what it has moved")
     if asked.curve is not None:
         raise InputError("limit.curve", NO_CURVE)
     if loads.kind == "tilt" and len(loads.masses.mass):
@@ -77,7 +78,7 @@ def left_state(asked: LimitTable, folder: Path, assembly: Assembly, joints: Join
             raise InputError(KEY, f"{results.path}: its blocks deform, and limit analysis has rigid ones")
         pose = Pose.of(results, solids_of(results.blocks), frame)
     placed = assembly.placed(pose.position, pose.rotation)
-    placed = replace(placed, laws=replace(placed.laws, apex=0.0 * placed.laws.apex, tension=0.0 * placed.laws.tension))
+    placed = replace(placed, laws=placed.laws.unbonded())
     found = touching_joints(placed)
     turned = loads.at().moved(assembly.centre, pose.position, pose.rotation)
     moved = replace(loads, constant=turned.dead - loads.gravity, live=turned.live, bars=turned.bars, arms=turned.arms or loads.arms)

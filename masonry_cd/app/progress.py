@@ -21,8 +21,6 @@ from masonry_cd.foundation.system import STOPPING, stays_ignored
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
-    from masonry_cd.app.step_costs import StepCosts
-
 BAR_SECONDS, LINE_SECONDS = 0.2, 10.0
 PLAIN = ("", "dumb", "unknown")  # terminals that cannot go back in a line, by TERM
 
@@ -34,7 +32,6 @@ class Progress:
         total: steps of the run, ticks where their length adapts; one that goes on until its blocks are still may make more.
         quiet: say nothing.
         stream: where to; standard error when not given.
-        costs: measures what steps cost; by default all steps cost alike.
         tick: of a run whose steps adapt [s]; None for one of fixed steps.
         what: is counted, where it is no step.
     """
@@ -44,18 +41,17 @@ class Progress:
         total: int,
         quiet: bool = False,
         stream: TextIO | None = None,
-        costs: StepCosts | None = None,
         tick: float | None = None,
         what: str = "step",
     ) -> None:
         self.total, self.done = total, 0
-        self._costs, self._tick, self._what = costs, tick, what
+        self._tick, self._what = tick, what
         self._stream = stream or sys.stderr
         self._bar = _bar(self._stream) if is_drawn(self._stream) and not quiet else None
         self._every = float("inf") if quiet else BAR_SECONDS if self._bar else LINE_SECONDS
 
     def __enter__(self) -> Progress:
-        self._begin = self._last = self._before = time.perf_counter()
+        self._begin = self._last = time.perf_counter()
         if self._bar:
             self._bar.start()
             self._task = self._bar.add_task(
@@ -67,9 +63,6 @@ class Progress:
     def __call__(self, done: int) -> None:
         self.done = done
         now = time.perf_counter()
-        if self._costs is not None:
-            self._costs.add(done, now - self._before)
-            self._before = now
         if now - self._last >= self._every:
             self._last = now
             self._show(now - self._begin)
@@ -85,8 +78,7 @@ class Progress:
             self._draw(elapsed)
 
     def _draw(self, elapsed: float) -> None:
-        alike = elapsed / max(1, self.done) * (self.total - self.done)
-        seconds = alike if self._costs is None else self._costs.seconds_left()
+        seconds = elapsed / max(1, self.done) * (self.total - self.done)  # as if all cost alike
         left = "until all blocks are still" if self.done > self.total else f"{in_words(seconds)} left"
         if self._bar:
             self._bar.update(self._task, total=max(self.total, self.done), completed=self.done, left=left, refresh=True)

@@ -10,12 +10,12 @@ import numpy as np
 from masonry_cd.analysis.damage.step_peaks import StepPeaks
 from masonry_cd.app.gauge_rows import GaugeRows
 from masonry_cd.app.pair_joints import PairJoints
+from masonry_cd.app.per_step import QUANTITIES, Made
 from masonry_cd.app.step_contacts import contacts_of, reactions_of
 from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.layout import (
     BONDED,
     CLOSING,
-    CRUSHED,
     EDGE_STRESS,
     ELEMENT_STRESS,
     FORCE,
@@ -29,7 +29,6 @@ from masonry_cd.io.layout import (
 )
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
-from masonry_cd.mechanics.dynamics.energy import ENERGIES
 from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.mean_stress import MeanStress
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
@@ -38,11 +37,6 @@ from masonry_cd.mechanics.model.edge_stress import edge_stresses
 from masonry_cd.mechanics.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
 
 ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
-STEP_FIELDS = (
-    "step_time", "load_step", "penetration", "solver/iterations", "solver/error", "solver/seconds", "solver/contacts",
-    "solver/violation", "solver/false_slip", "solver/false_opening",
-    *(f"energy/{name}" for name in ENERGIES),
-)  # fmt: skip
 NAME_BYTES = 160  # of a shock, in UTF-8: 40 letters of any script
 
 
@@ -82,7 +76,8 @@ class Recorder:
         self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
         self._tensions: list[np.ndarray] = []  # likewise
         self._pair_joints = PairJoints(stepper.assembly)
-        writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
+        self._quantities = dict(QUANTITIES)
+        writer.extend({name: np.empty(0) for name in self._quantities})  # every dataset exists before the first flush
         if len(stepper.tensions):
             writer.extend({"ties/tension": np.empty((0, len(stepper.tensions)))})
         self._gauges = None if gauges is None or not gauges.any else GaugeRows(gauges, stepper, joints, support)
@@ -95,8 +90,8 @@ class Recorder:
     def step(self, report: StepReport, load_step: int) -> JointMeasures:
         """Record a step, which applied a step of the loads; return the measures of the joints after it."""
         stepper = self._stepper
-        solver = (report.iterations, report.error, report.seconds, report.contacts, *report.violation[:3])
-        self._rows.append((stepper.state.time, load_step, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES)))
+        made = Made(stepper, report, load_step)
+        self._rows.append(tuple(quantity.value(made) for quantity in self._quantities.values()))
         self._tensions.append(stepper.tensions)
         now = self.now()
         if self._gauges is not None:
@@ -130,14 +125,10 @@ class Recorder:
         contacts = contacts_of(self._stepper, self._joint_of_pairs())
         reactions = reactions_of(self._stepper, contacts)[self._stepper.assembly.fixed]
         writer.append({f"joints/{FORCE}": contacts.of_joints(self._joints.count), REACTION: reactions})
-        bonded = np.zeros(self._joints.count)
-        if self._stepper.assembly.laws.apex.any():
-            bonded = self._stepper.joint_bonds(self._joint_of_pairs(), self._joints)
-            writer.append({f"joints/{BONDED}": bonded})
-        if self._stepper.can_crush:
-            writer.append({f"joints/{CRUSHED}": self._stepper.crushed_joints(self._joint_of_pairs(), self._joints.count)})
+        of_laws = self._stepper.joint_histories(self._joint_of_pairs(), self._joints)
+        writer.append({f"joints/{name}": values for name, values in of_laws.items()})
         if self.stress is not None:
-            self._stress_frame(self.stress, bonded > 0.0)
+            self._stress_frame(self.stress, of_laws.get(BONDED, np.zeros(self._joints.count)) > 0.0)
         self.frames += 1
 
     def _stress_frame(self, stress: MeanStress, bonded: np.ndarray) -> None:
@@ -178,7 +169,7 @@ class Recorder:
     def _to_writer(self) -> None:
         """Give the numbers of the last steps to the writer."""
         if self._rows:
-            self._writer.extend(dict(zip(STEP_FIELDS, np.array(self._rows).T, strict=True)))
+            self._writer.extend(dict(zip(self._quantities, np.array(self._rows).T, strict=True)))
             if len(self._tensions[0]):
                 self._writer.extend({"ties/tension": np.array(self._tensions)})
             if self._gauges is not None:

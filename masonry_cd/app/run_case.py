@@ -28,7 +28,6 @@ from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import Checkpoints, Plan
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.app.step_costs import StepCosts, motion_classes
 from masonry_cd.app.summary import as_json, loads_acted, run_summary, run_warnings, tolerances, write_json
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import part_of
@@ -146,9 +145,8 @@ def _steps(
     case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watch: _Watch, quiet: bool, resume: bool, own: Own | None
 ) -> RunReport:
     """Make the steps of a run and write result.h5."""
-    scene, settings, loading = case.scene, case.scene.run, case.loading
-    costs = StepCosts(motion_classes(loading.support_velocity[: settings.steps + 1], settings.dt), settings.adaptive)
-    show = Progress(settings.steps, quiet, costs=costs, tick=settings.dt if settings.adaptive else None)
+    scene, settings = case.scene, case.scene.run
+    show = Progress(settings.steps, quiet, tick=settings.dt if settings.adaptive else None)
 
     def progress(done: int) -> None:
         show(done)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.adaptive import AdaptedStep
-from masonry_cd.mechanics.dynamics.energy import WORKS
+from masonry_cd.mechanics.dynamics.energy_terms import WORKS
 from masonry_cd.mechanics.dynamics.jams import find_jam, named
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
 

@@ -54,8 +54,6 @@ class CurveTable(Table):
     """From start to end, about."""
     displacement: Annotated[float, Unit("m"), Field(gt=0.0)] | None = None
     """Of the control block, at which to stop; where the factor vanishes when not given."""
-    dynamics: bool = False
-    """Judge five points of the curve by rigid-block dynamics: released from rest there, which factor drives the structure on?"""
 
 
 class LimitTable(Table):

@@ -30,7 +30,6 @@ from masonry_cd.mechanics.model.blocks import Assembly
 ENERGY = 0.95
 PER_PERIOD = 10.0
 ROCKING = 0.03
-CHUNK_BYTES = 1 << 24  # velocities are read in chunks of this size
 
 
 def before_run(assembly: Assembly, support_velocity: np.ndarray, gravity: float, step: float) -> list[str]:
@@ -125,15 +124,14 @@ def fastest(assembly: Assembly, results: Results) -> tuple[float, int, float] | 
         return None
     support = results.support
     velocity, position, best = results.velocity, results.position, (-1.0, 0, 0.0)
-    chunk = max(1, CHUNK_BYTES // (48 * assembly.count))
-    for first in range(0, results.frames, chunk):
-        linear = velocity[first : min(first + chunk, results.frames), :, :3]
+    for some in results.in_chunks(6 * assembly.count):
+        linear = velocity[some, :, :3]
         relative = linear[:, free] - (linear[:, [support]] if support >= 0 else 0.0)
         speed = np.sqrt((relative**2).sum(axis=2))
-        speed[below_supports(assembly, position[first : first + chunk, :, 2])[:, free]] = 0.0
+        speed[below_supports(assembly, position[some, :, 2])[:, free]] = 0.0
         frame, block = np.unravel_index(int(np.argmax(speed)), speed.shape)
         if speed[frame, block] > best[0]:
-            best = (float(speed[frame, block]), int(free[block]), float(results.time[first + frame]))
+            best = (float(speed[frame, block]), int(free[block]), float(results.time[some.start + frame]))
     return best
 
 

@@ -43,8 +43,9 @@ from masonry_cd.mechanics.friction.law_terms import errors_by_group
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.joints import Joints, touching_places
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.solvers import SOLVERS, Options, cores
 from masonry_cd.mechanics.solvers.condensed import is_condensed

@@ -48,7 +48,7 @@ def limit(
       masonry-cd limit arch.toml -o out/limit --set 'limit.push="x"'
       masonry-cd limit church.toml -o out/across --set 'limit.tilt="y"' --no-picture
       masonry-cd limit wall.toml -o out/wall --set limit.starts=20
-      masonry-cd limit arch.toml -o out/arch --curve --set limit.curve.dynamics=true
+      masonry-cd limit arch.toml -o out/arch --curve --set limit.curve.steps=50
       masonry-cd limit church.toml -o out/parts --macro-elements
     """
     from masonry_cd.app.limit_case import EVERY

@@ -26,7 +26,7 @@ def report(
     stress_map: Annotated[
         bool, typer.Option("--stress-map", help="Draw stress_map.png, at --time, or of the whole run; the run must have kept stress.")
     ] = False,
-    extra: Annotated[list[str] | None, typer.Option(metavar="NAME", help="A further report by its name; as often as needed.")] = None,
+    extra: Annotated[list[str] | None, typer.Option(metavar="NAME", help="A further output by its key of [report]; repeatable.")] = None,
     html: Annotated[bool, typer.Option("--html", help="Write report.html, a page that shows the run and needs no network.")] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Print that page to report.pdf, by Chromium where it is installed.")] = False,
 ) -> Result[Any]:
@@ -56,5 +56,5 @@ def report(
         "vector": vector or None,
         "animation": animation,
     }
-    settings["extra"] = extra or None
+    settings |= dict.fromkeys(extra or (), True)
     return command(folder, settings, crack_map=crack_map, time=time, times=times, energy=energy, stress_map=stress_map, page=html, pdf=pdf)

@@ -282,4 +282,5 @@ def _keys(model: type[BaseModel], parts: Sequence[str | int]) -> list[str]:
     for part in parts:
         if isinstance(part, str) and part in model.model_fields:
             model = next(models_in(model.model_fields[part].annotation), model)
-    return [field.alias or name for name, field in model.model_fields.items()]
+    further: tuple[str, ...] = getattr(model, "further_keys", tuple)()
+    return [*(field.alias or name for name, field in model.model_fields.items()), *further]

@@ -6,7 +6,7 @@
     loads.kinds             KINDS = {"name": LoadKind}      [[loads]] kind = "name"
     loads.readers           FORMATS = {"name": Reader}      [[loads]] format = "name"
     masonry_cd.mechanics.solvers      solve(problem, options, start)  [run] solver = "MODULE"
-    reports.extra           REPORTS = {"name": ExtraReport} [report] extra = ["name"]
+    reports.outputs         OUTPUTS = {"name": Output}      [report] name = true
     ...studies.study.designs  runs(space)                   design = "MODULE" of a study
 
 MODULE is the name of the file without its ending. Modules that define no such thing are helpers of the others. What a module defines

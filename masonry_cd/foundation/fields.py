@@ -74,3 +74,8 @@ class Table(BaseModel):
     """A table of a scene file: it refuses keys that it does not know, and does not change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+    @classmethod
+    def further_keys(cls) -> tuple[str, ...]:
+        """Keys that the table knows without a field for them."""
+        return ()

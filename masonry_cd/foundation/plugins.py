@@ -5,7 +5,7 @@
     masonry_cd.structures    build(table, density, folder)              [structure] kind = "name"
     masonry_cd.loads         a LoadKind                                 [[loads]] kind = "name"
     masonry_cd.readers       a Reader                                   [[loads]] format = "name", or the file's content
-    masonry_cd.reports       an ExtraReport                             [report] extra = ["name"]
+    masonry_cd.reports       an Output                                  [report] name = true
     masonry_cd.mechanisms    bodies(whole, element, direction)          [[limit.mechanism]] mechanisms = ["name"]
     masonry_cd.joint_laws    a JointLaw                                 mc.Simulation(scene, law="name"), in Python
 

@@ -109,7 +109,7 @@ class LimitAnalysis(Sealed):
 
         if self._case.curve is None:
             return None
-        curve = self._case.curve.curve
+        curve = self._case.curve
         return frame_of_rows(curve_rows(curve), "point", end=curve.end, control=self._case.assembly.names[curve.control.block])
 
     def mechanism(self, view: str = "auto") -> Image:

@@ -88,7 +88,7 @@ class Plots(Sealed):
 
     def energy(self) -> Figure:
         """What was put in, where it went, and the balance, over time."""
-        from reports.extra.energy import energy_figure
+        from reports.outputs.energy import energy_figure
 
         with self._results() as found:
             return shown(energy_figure(found))

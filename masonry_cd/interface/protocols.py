@@ -12,8 +12,8 @@ import numpy as np
 from loads.motion import LoadTable, Part, RunGrid
 from loads.readers.source import RawRecord, Request, Source
 from masonry_cd.analysis.limit.part import Whole
-from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
+from reports.files import Job
 from structures.macro_elements.element import MacroElement
 
 
@@ -67,14 +67,15 @@ class RecordReader(Protocol):
 
 @runtime_checkable
 class Report(Protocol):
-    """``masonry_cd.reports``: a report by name."""
+    """``masonry_cd.reports``: an output by name; ``reports.files.Output`` is one."""
 
     @property
-    def files(self) -> tuple[str, ...]:
-        """Names of what it writes into the folder of a run."""
+    def files(self) -> Mapping[str, str]:
+        """Names of what it writes into the folder of a run, and what each holds."""
 
-    def write(self, results: Results, folder: Path, /) -> None:
-        """Write it, from the results alone."""
+    @property
+    def write(self) -> Callable[[Job], Iterable[Path]]:
+        """Writes it into ``job.folder``, from ``job.results`` alone, and returns the files."""
 
 
 class LimitMechanism(Protocol):

@@ -18,6 +18,7 @@ from masonry_cd.analysis.gauge_histories import unit_of_column
 from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.outputs.summary import damage_numbers
 from masonry_cd.analysis.pushover import push_curves, require_pushes
+from masonry_cd.app.per_step import QUANTITIES
 from masonry_cd.app.summary import closing_lines, damage_line
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.plots import Plots
@@ -25,8 +26,9 @@ from masonry_cd.interface.returned import closing_as_html
 from masonry_cd.interface.run_exports import RunExports
 from masonry_cd.interface.run_stress import RunStress
 from masonry_cd.interface.scenes import Scene, scene_of
-from masonry_cd.interface.tables import PER_STEP, columns_of, frame_of, frame_of_rows
+from masonry_cd.interface.tables import columns_of, frame_of, frame_of_rows
 from masonry_cd.io.summary_file import read_summary
+from masonry_cd.mechanics.model.joint_laws import histories
 from reports.damage import damage_of, damage_settings
 from reports.laboratory import histories_of
 from reports.page.motion import read_motion, rotation_vectors
@@ -41,8 +43,7 @@ MEASURES = {  # of joints over time, and their units
     "contact_area": "m2",
     "normal_force": "N",
     "shear_force": "N",
-    "bonded": "",
-    "crushed": "m",
+    **{history.name: history.unit for history in histories()},
     "mean_normal_force": "N",
     "edge_stress": "Pa",
 }
@@ -103,13 +104,10 @@ class Run(RunExports, RunStress):
     def joints(self) -> DataFrame:
         """A row per joint: its blocks, area, place x, y, z, the largest and the residual opening and sliding, state; as in joints.csv."""
         with self.results() as found:
-            table = vars(joint_damage(found, self._thresholds))
+            table = dict(vars(joint_damage(found, self._thresholds)))
             places = found.joints.centres()
-        columns = {
-            name: values for name, values in table.items() if name not in ("joint", "bonded", "crushed") or np.isfinite(values).all()
-        }
-        index = columns.pop("joint")
-        return frame_of(columns | dict(zip("xyz", places.T, strict=True)), index, "joint", provisional=self.provisional)
+        index, of_laws = table.pop("joint"), table.pop("of_laws")
+        return frame_of(table | of_laws | dict(zip("xyz", places.T, strict=True)), index, "joint", provisional=self.provisional)
 
     @cached_property
     def parts(self) -> DataFrame:
@@ -136,7 +134,11 @@ class Run(RunExports, RunStress):
         """A row per time step, by the time at its end: the step of the loads, iterations, contacts, error and seconds, penetration."""
         with self.results() as found:
             time = found.per_step("step_time")
-            columns = {name.rpartition("/")[2]: found.per_step(name)[: len(time)].astype(kind) for name, kind in PER_STEP.items()}
+            columns = {
+                name.rpartition("/")[2]: found.per_step(name)[: len(time)].astype(np.int64 if quantity.whole else np.float64)
+                for name, quantity in QUANTITIES.items()
+                if name != "step_time" and not name.startswith("energy/")
+            }
         return frame_of({name: values for name, values in columns.items() if len(values) == len(time)}, time, "time")
 
     @cached_property

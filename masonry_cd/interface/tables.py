@@ -11,39 +11,31 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.app.per_step import QUANTITIES
 from masonry_cd.foundation.extras import require
+from masonry_cd.mechanics.model.joint_laws import histories
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 UNITS = {
     "m": "x y z ux uy uz base_x base_y base_z from_z to_z mean_z residual_x residual_y largest_displacement max_opening residual_opening "
-    "max_sliding residual_sliding opening sliding displacement penetration false_slip false_opening crushed",
+    "max_sliding residual_sliding opening sliding displacement",
     "m2": "area joint_area opened_area slid_area separated_area open_area slipped_area apart_area contact_area",
     "m3": "volume",
     "kg": "mass",
-    "s": "time first_opening_time seconds max_compression_time max_tension_time max_edge_stress_time max_normal_force_time",
+    "s": "time first_opening_time max_compression_time max_tension_time max_edge_stress_time max_normal_force_time",
     "rad": "rx ry rz max_rotation rotation turn",
-    "m/s": "vx vy vz violation",
+    "m/s": "vx vy vz",
     "rad/s": "wx wy wz",
     "N": "force inertia normal_force shear_force max_normal_force fx fy fz",
     "N m": "mx my mz",
     "Pa": "max_compression max_tension strength max_edge_stress max_finite_edge_stress end_edge_stress xx yy zz xy yz xz s1 s2 s3",
-    "J": "kinetic base_work gravity_work force_work correction friction impact elastic damping crushing balance",
     "Hz": "frequency_hz",
 }
-PER_STEP = {  # datasets of every step, and their types
-    "load_step": np.int64,
-    "solver/iterations": np.int64,
-    "solver/contacts": np.int64,
-    "solver/error": np.float64,
-    "solver/seconds": np.float64,
-    "solver/violation": np.float64,
-    "solver/false_slip": np.float64,
-    "solver/false_opening": np.float64,
-    "penetration": np.float64,
-}
 UNIT_OF = {name: unit for unit, names in UNITS.items() for name in names.split()}
+UNIT_OF |= {name.rpartition("/")[2]: quantity.unit for name, quantity in QUANTITIES.items() if quantity.unit}
+UNIT_OF |= {history.name: history.unit for history in histories() if history.unit}
 
 
 def frame_of(columns: Mapping[Any, Any], index: Any = None, name: str | None = None, unit: str = "", **about: Any) -> DataFrame:

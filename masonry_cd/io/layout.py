@@ -48,6 +48,7 @@ A file without the attribute ``format`` is of a version of the program before th
 
 from __future__ import annotations
 
+from masonry_cd.mechanics.model.joint_laws import bonded, crushing, histories
 from masonry_cd.mechanics.model.joints import Joints
 
 FORMAT = 1  # of the layout; raised when an older program would misread it
@@ -55,8 +56,8 @@ FRAME_FIELDS = ("time", "position", "orientation", "velocity")
 JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force", "force_point")
 FORCE, REACTION = "force", "reaction"  # of joints and supports; older files have none
 GRADIENT = "gradient"  # a history that only runs with blocks that deform have
-BONDED = "bonded"  # a history that only runs with cohesive joints have
-CRUSHED = "crushed"  # and this those with joints that can crush
+LAW_HISTORIES = tuple(history.name for history in histories())  # those that only runs have some of whose joints have the law
+BONDED, CRUSHED = bonded.HISTORY.name, crushing.HISTORY.name  # share of the area; by how much a joint is shorter for good [m]
 STRESS = "stress"  # a history that only runs have whose scene asks for it, as those of the joints:
 MEAN_NORMAL_FORCE, EDGE_STRESS = "mean_normal_force", "edge_stress"
 NODE_DISPLACEMENT, ELEMENT_STRESS = "meshes/displacement", "meshes/stress"  # and these two where blocks are meshed as well

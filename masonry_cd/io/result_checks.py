@@ -16,9 +16,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.hdf5_file import READ_ERRORS
 from masonry_cd.io.layout import (
     BLOCK_ARRAYS,
-    BONDED,
     CLOSING,
-    CRUSHED,
     EDGE_STRESS,
     ELEMENT_STRESS,
     FORCE,
@@ -27,6 +25,7 @@ from masonry_cd.io.layout import (
     JOINT_CONSTANTS,
     JOINT_HISTORIES,
     JOINT_PEAKS,
+    LAW_HISTORIES,
     MEAN_NORMAL_FORCE,
     MESH_ARRAYS,
     NODE_DISPLACEMENT,
@@ -182,7 +181,7 @@ def _growing(blocks: int, joints: int, parts: int, meshes: tuple[int, int]) -> I
     yield STRESS, REAL, (blocks, 6)
     yield NODE_DISPLACEMENT, REAL, (meshes[0], 3)
     yield ELEMENT_STRESS, REAL, (meshes[1], 6)
-    for name in (*JOINT_HISTORIES, FORCE, BONDED, CRUSHED, MEAN_NORMAL_FORCE, EDGE_STRESS):
+    for name in (*JOINT_HISTORIES, FORCE, *LAW_HISTORIES, MEAN_NORMAL_FORCE, EDGE_STRESS):
         yield f"joints/{name}", REAL, (joints, 3) if name in ("force_point", FORCE) else (joints,)
     yield from (("shocks/name", BYTES, ()), ("shocks/frame", WHOLE, ()), ("shocks/start", REAL, ()), ("shocks/end", REAL, ()))
     for name in JOINT_PEAKS:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -46,6 +46,7 @@ from masonry_cd.mechanics.dynamics.pauses import Aftermath
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.joints import Joints
 
+CHUNK_BYTES = 1 << 24  # of frames that are read together
 SUPPORT_FRAMES = 200  # looked at for the support that moves least
 SAME = 1e-6  # share of the largest motion of a support by which others may differ and count as moving alike
 
@@ -224,6 +225,12 @@ class Results:
     def node_displacement(self) -> h5py.Dataset:
         """(F or more, K, 3) of the nodes, beyond the rigid block, body frames, see layout.py [m], read on indexing."""
         return self.file[NODE_DISPLACEMENT]
+
+    def in_chunks(self, numbers: int) -> Iterator[slice]:
+        """Slices of the frames in their order, of some 16 MB each where a frame has so many ``numbers``: so a long run needs no memory."""
+        rows = max(1, CHUNK_BYTES // (8 * numbers))
+        for first in range(0, self.frames, rows):
+            yield slice(first, min(first + rows, self.frames))
 
     def has_joint_history(self, name: str) -> bool:
         """Whether the run wrote a history of its joints; older versions wrote fewer."""

@@ -35,8 +35,8 @@ LINE, WORST, SPAN = "#20506f", "#b3261e", "#e9e4d8"
 SHOWN = 4.0  # times the least factor: the plot ends there
 
 
-def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: str, facts: str, view: str = "auto") -> None:
-    """Draw a capacity curve into a PNG; ``judged`` (n, 3) are displacements, and the factors between which those of the dynamics lie.
+def curve_picture(curve: CapacityCurve, path: Path, title: str, facts: str, view: str = "auto") -> None:
+    """Draw a capacity curve into a PNG.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
@@ -46,7 +46,7 @@ def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: s
     figure = blank((12.0, 6.4 + below), DPI, layout="constrained")
     heading(figure, title, facts)
     grid = figure.add_gridspec(2, len(images), height_ratios=(4.6, below))
-    _curve(figure.add_subplot(grid[0, :]), curve, judged)
+    _curve(figure.add_subplot(grid[0, :]), curve)
     for k, (mark, image) in enumerate(zip(curve.marks, images, strict=True)):
         axes = figure.add_subplot(grid[1, k])
         axes.imshow(image, interpolation="antialiased")
@@ -67,8 +67,8 @@ def _key(figure: Any, curve: CapacityCurve) -> None:
     figure.legend(handles=signs, loc="outside lower right", ncols=len(signs) or 1, fontsize=10, frameon=False)
 
 
-def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
-    """The line, its marks, what the dynamics says, and where the mechanism changes."""
+def _curve(axes: Any, curve: CapacityCurve) -> None:
+    """The line, its marks, and where the mechanism changes."""
     largest = float(np.abs(curve.displacement).max())
     _, scale, unit = next(row for row in UNITS if largest < row[0])
     plain_axes(axes, "load factor", f"displacement of the control block [{unit}]")
@@ -88,9 +88,6 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     for k, change in enumerate(curve.changes):
         label = "other joints are at work" if k == 0 else None
         axes.plot(x[change], curve.factor[change], "|", color=INK, markersize=13, markeredgewidth=1.3, label=label)
-    for k, (place, low, high) in enumerate(judged):
-        label = "dynamics: falls back below, goes on above" if k == 0 else None
-        axes.plot([scale * place] * 2, [low, high], "_-", color=COLOURS[1], linewidth=2.2, markersize=17, markeredgewidth=1.6, label=label)
     for k, mark in enumerate(curve.marks):
         axes.plot(x[mark], curve.factor[mark], "o", color=COLOURS[0], markersize=8, markeredgecolor="white")
         axes.annotate(

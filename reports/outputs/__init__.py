@@ -16,12 +16,11 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from reports.damage import thresholds_of
 from reports.drawing.scene import Scene
-from reports.extra import extra_report
-from reports.files import Job
+from reports.files import Job, output_of
 from reports.maps.crack_map import crack_scene
 from reports.maps.framing import MapStyle, framing, view_and_cut
 from reports.maps.sequence import frames_at, slack
-from reports.settings import Report
+from reports.settings import OUTPUTS, Report
 
 PAGE, PRINT = "report.html", "report.pdf"
 
@@ -40,12 +39,7 @@ def check(settings: Report, blocks: Sequence[Block], end: float, spacing: float)
     Raises:
         InputError: names the key of ``[report]``.
     """
-    if settings.draws:
-        require("report: a picture", "pyvista", "matplotlib", "PIL", without=" (or go without: report.crack_map = false)")
-    for name in settings.extra:
-        require(f'report.extra: "{name}"', *extra_report(name).needs)
-    if settings.html:
-        require("report.html: the page", "matplotlib")
+    check_needs(settings)
     read_grades(settings.grades)
     beyond = next((time for time in settings.times if time > end + slack(spacing)), None)
     if beyond is not None:
@@ -55,6 +49,17 @@ def check(settings: Report, blocks: Sequence[Block], end: float, spacing: float)
             view_and_cut(Solids.from_blocks(blocks), style_of(settings))
         except InputError as error:
             raise error.each(lambda fault: fault._replace(place=f"report.{fault.place}")) from None
+
+
+def check_needs(settings: Report) -> None:
+    """Check that the libraries of what the settings ask for are installed.
+
+    Raises:
+        InputError: names the key and the library.
+    """
+    for name in (*OUTPUTS, *settings.by_name):
+        if getattr(settings, name, False):
+            require(f"report.{name}", *output_of(name).needs, without=f" (or go without report.{name})")
 
 
 def check_again(settings: Report, results: Results) -> None:

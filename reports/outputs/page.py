@@ -11,7 +11,7 @@ from pathlib import Path
 
 from masonry_cd.foundation.atomic import part_of
 from masonry_cd.foundation.errors import InputError
-from reports.files import Job, Output
+from reports.files import Job, Output, never
 from reports.outputs import PAGE, PRINT, write_page
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge", "chrome", "msedge")
@@ -57,6 +57,6 @@ def _print(job: Job) -> Iterable[Path]:
 
 
 OUTPUTS = {
-    "page": Output({PAGE: "the page that shows the run to any browser"}, _page, lambda job: job.settings.html, 50),
-    "pdf": Output({PRINT: "the page on A4"}, _print, place=51),
+    "html": Output({PAGE: "the page that shows the run to any browser"}, _page, place=50, needs=("matplotlib",)),
+    "pdf": Output({PRINT: "the page on A4"}, _print, never, 51),
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Crack maps, stress with its map, and extra reports."""
+"""Crack maps, and stress with its map."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from reports.drawing.figure import Sheet, save_polygons
-from reports.extra import extra_report
 from reports.files import Job, Output
 from reports.maps.sequence import animation, crack_maps, times_within
 from reports.outputs import crack_scene_at, frame_at, style_of
@@ -68,14 +67,7 @@ def _stress_map(job: Job) -> Iterable[Path]:
     return [path, *(save_polygons(scene, job.folder, "stress_map") if job.settings.vector else [])]
 
 
-def _extra(job: Job) -> Iterable[Path]:
-    """Extra reports by their names."""
-    for name in dict.fromkeys(job.settings.extra):
-        report = extra_report(name)
-        report.write(job.results, job.folder)
-        yield from (job.folder / file for file in report.files if (job.folder / file).exists())
-
-
+PICTURES = ("pyvista", "matplotlib", "PIL")
 OUTPUTS = {
     "stress": Output(
         {
@@ -100,15 +92,16 @@ OUTPUTS = {
     "crack_map": Output(
         {"crack_map.png": "the structure at the end, its joints coloured by opening and sliding"},
         _crack_map,
-        lambda job: job.settings.crack_map,
-        30,
+        place=30,
+        needs=PICTURES,
     ),
-    "vector": Output(
-        {"crack_map.svg": "that map as polygons", "crack_map.pdf": "that map as polygons"}, _vector, lambda job: job.settings.vector, 31
-    ),
-    "times": Output({}, _times, lambda job: bool(job.settings.times), 32),
+    "vector": Output({"crack_map.svg": "that map as polygons", "crack_map.pdf": "that map as polygons"}, _vector, place=31, needs=PICTURES),
+    "times": Output({}, _times, place=32, needs=PICTURES),
     "animation": Output(
-        {"crack_map.gif": "that map through the run"}, _animation, lambda job: job.settings.animation and job.results.frames > 1, 33
+        {"crack_map.gif": "that map through the run"},
+        _animation,
+        lambda job: job.settings.animation and job.results.frames > 1,
+        33,
+        needs=PICTURES,
     ),
-    "extra": Output({}, _extra, lambda job: bool(job.settings.extra), 40),
 }

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from reports.files import Job, Output
+from reports.files import Job, Output, never
 
 DAMAGE = {
     "damage.csv": "every part: counts, largest and last values, drift, mechanism, grade with its reason",
@@ -35,9 +35,10 @@ OUTPUTS = {
             "summary.json": "the run in numbers, the verdict on it among the first",
             "ties.csv": "every tie: largest tension and when, tension at the end, from when it yielded",
         },
+        asked=never,
         carried=("joints.csv",),
     ),
-    "damage": Output(DAMAGE, _damage, lambda job: job.settings.damage, 10, tuple(name for name in DAMAGE if name.endswith(".csv"))),
+    "damage": Output(DAMAGE, _damage, place=10, carried=tuple(name for name in DAMAGE if name.endswith(".csv"))),
     "laboratory": Output(
         {
             "force_displacement.csv": "every push by displacement, step by step: displacement, reaction, inertia left in it",
@@ -48,6 +49,7 @@ OUTPUTS = {
             "cracks.csv": "the gauges between two points that the scene names",
             "supports.csv": "the reaction of every support over time",
             "gauges.png": "the histories of watched points, joints and gauges",
-        }
+        },
+        asked=never,
     ),
 }

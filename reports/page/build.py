@@ -19,6 +19,7 @@ from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 from reports.drawing import palette
 from reports.drawing.parts import Scale, hexed
 from reports.drawing.solids import within_sight
@@ -101,7 +102,7 @@ def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndar
     """The numbers: what fits into JSON, and the arrays, with some more by name, as one packed text."""
     results, solids, table, classes = context.results, context.solids, context.table, (context.thresholds, largest)
     moving = [motion for motion in context.motions if motion.moves][:PLOTTED]
-    facts = model.names_and_words(results, solids, classes[0]) | {"energies": series.ENERGIES}
+    facts = model.names_and_words(results, solids, classes[0]) | {"energies": ENERGIES}
     arrays = model.blocks_and_damage(results, solids, at_rest(results, MapStyle()), table) | tie_lines(results, model.origin_of(solids))
     arrays["vertices"] = solids.vertices.astype(np.float32)
     facts["motions"] = ["" if len(context.motions) == 1 else motion.called for motion in moving]

@@ -14,7 +14,9 @@ from masonry_cd.foundation.errors import parse_table, table_in_si
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.settings import Run
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.joint_laws import law_in_words
+from masonry_cd.mechanics.model.joint_laws.friction import LISTED, friction_in_words
+from masonry_cd.mechanics.model.materials import Material
 from reports.drawing.figure import in_metres
 from reports.page.document import Badge
 from reports.page.section import Section
@@ -24,7 +26,6 @@ PLANE = (
     "The structure and its loads mirror each other about one plane and stay in it: motion across that plane, such as that of a wall out of "
     "its plane, cannot occur in this run."
 )
-PAIRS = 6  # of groups whose values are listed
 
 
 def limits(context: PageContext) -> Mapping[str, Any]:
@@ -51,7 +52,7 @@ def assumptions(context: PageContext) -> list[str]:
     found = parse_table(Material, material, "material") if material else None
     return [
         _blocks(context, found),
-        *([_friction(found.friction), *_joints(found)] if found else []),
+        *([friction_in_words(found.friction), *_joints(found)] if found else []),
         "Blocks hit one another without rebound: an impact takes out what energy it can, and leaves no damage on the blocks.",
         _base(context),
         *_gravity(context),
@@ -100,33 +101,17 @@ def _kind(context: PageContext, material: Material | None) -> str:
     return "; ".join(parts) + ("" if len(laws) == len(groups) else "; else rigid")
 
 
-def _friction(friction: float | dict[str, float]) -> str:
-    """Coulomb's law with its numbers."""
-    law = "Friction in the joints is Coulomb's, with the coefficient "
-    if isinstance(friction, dict):
-        listed = [f"{_number_and_angle(mu)} ({_pair(pair)})" for pair, mu in friction.items()][:PAIRS]
-        return law + ", ".join(listed) + (" and others." if len(friction) > PAIRS else ".")
-    return f"{law}{_number_and_angle(friction)} in all joints."
-
-
-def _number_and_angle(mu: float) -> str:
-    return f"{mu:.3g}, an angle of {math.degrees(math.atan(mu)):.3g}°"
-
-
-def _pair(pair: str) -> str:
-    return "all other joints" if pair == "default" else pair
-
-
 def _joints(material: Material) -> list[str]:
     """Dry joints, or the mortar of each pair of groups."""
     laws, otherwise = material.joint_laws, _otherwise(material)
     dry = f"are {otherwise} and dry: they bear no tension, pass on any pressure, and have no cohesion."
     if not laws:
         return [f"Joints {dry}"]
-    lines = [f"Joints of {_pair(pair)}: {_law(law, otherwise)}." for pair, law in list(laws.items())[:PAIRS] if pair != "default"]
+    named = [(pair, law) for pair, law in laws.items() if pair != "default"][:LISTED]
+    lines = [f"Joints of {pair}: {law_in_words(law, otherwise)}." for pair, law in named]
     if "default" in laws:
         others = "Joints" if len(laws) == 1 else "All other joints"
-        return [*lines, f"{others}: {_law(laws['default'], otherwise)}."]
+        return [*lines, f"{others}: {law_in_words(laws['default'], otherwise)}."]
     return [*lines, f"All other joints {dry}"]
 
 
@@ -137,19 +122,6 @@ def _otherwise(material: Material) -> str:
         return "rigid"
     young, shear = (number(modulus / 1e9, "GPa", digits=3) for modulus in moduli)
     return f"elastic, as stiff as masonry of E {young} and G {shear} ({material.masonry.kind})"
-
-
-def _law(law: JointLaw, otherwise: str) -> str:
-    """A joint's law in words."""
-    normal, shear = (number(value / 1e9, "GN/m³", 3) for value in law.stiffness)
-    words = [f"elastic, {normal} across and {shear} along" if law.stiffness[0] else otherwise]
-    if not (law.cohesion or law.tension):
-        return f"{words[0]}, dry: without tension and cohesion"
-    cohesion, tension = number(law.cohesion / 1e3, "kPa", 3), "a tensile strength of cohesion over friction"
-    if law.tension is not None:
-        tension = f"a tensile strength of {number(law.tension / 1e3, 'kPa', 3)}"
-    words.append(f"mortar with a cohesion of {cohesion} and {tension}; where it breaks, friction alone is left, at once")
-    return ", ".join(words)
 
 
 def _base(context: PageContext) -> str:

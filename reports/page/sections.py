@@ -22,10 +22,11 @@ from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
 from reports.damage import write_joints_csv, write_part_damage
 from reports.drawing.figure import in_metres
-from reports.files import OUTPUTS, known_files
+from reports.files import known_files
 from reports.page.document import Badge
 from reports.page.section import Section
 from reports.page.words import PageContext, capital, number, sensible, terms
+from reports.settings import OUTPUTS
 
 G = 9.80665  # [m/s2]
 MOST = 40  # lines, and rows of a table

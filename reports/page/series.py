@@ -13,21 +13,9 @@ import numpy as np
 
 from masonry_cd.analysis.support_motion import SupportMotion
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 
 POINTS = 2400  # of one curve at most
-ENERGIES = {
-    "kinetic": "kinetic",
-    "base_work": "work of the base",
-    "gravity_work": "work of gravity",
-    "force_work": "work of point loads and ties",
-    "correction": "lift of corrected overlaps",
-    "friction": "lost to friction",
-    "impact": "lost in impacts",
-    "elastic": "in elastic joints",
-    "damping": "lost in elastic joints",
-    "crushing": "lost in crushing",
-    "balance": "balance, ideally zero",
-}
 COSTS = {"seconds": "solver/seconds", "iterations": "solver/iterations", "contacts": "solver/contacts"}
 
 

@@ -15,14 +15,12 @@ from made_run import at_rest, box, shifted, write_run
 from masonry_cd.analysis import outputs
 from masonry_cd.analysis.damage.part_damage import part_damage
 from masonry_cd.analysis.outputs.measured import Measured
-from masonry_cd.app.run_case import file_names
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.studies.study import numbers
 from reports.compare.comparison import compare
 from reports.damage import write_joint_damage
-from reports.files import known_files
 from reports.page import section, write_page
 from reports.settings import Report
 
@@ -34,10 +32,6 @@ DOCS = runpy.run_path(str(Path(__file__).parents[2] / "docs" / "write_output_ref
 LOWEST = """
 from masonry_cd.analysis.outputs import Number
 NUMBERS = {"lowest": Number("lowest corner", "of all blocks at the end", lambda run: float(run.results.position[-1, :, 2].min()), unit="m")}
-"""
-REPORT = """
-from reports.extra import ExtraReport
-REPORTS = {"lowest": ExtraReport(("lowest.txt",), lambda results, folder: None, "the lowest corner")}
 """
 WHERE = """
 from reports.page.section import Section
@@ -106,14 +100,6 @@ def test_one_file_adds_a_number_to_all_that_shows_numbers(add, tmp_path):
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "<dt>lowest corner</dt>" in page
     assert "| lowest corner | `lowest` | m | of all blocks at the end |" in DOCS["reference"]()
-
-
-def test_one_file_adds_a_report_to_the_files_of_a_run(add):
-    from reports import extra
-
-    add(extra, "lowest", REPORT)
-    assert known_files()["lowest.txt"] == "the lowest corner" and "lowest.txt" in file_names()
-    assert "| `lowest.txt` | the lowest corner |" in DOCS["reference"]()
 
 
 def test_one_file_adds_a_section_to_the_page(add, tmp_path):

@@ -63,7 +63,7 @@ def test_the_numbers_are_those_of_the_run(explained):
     kept, far = number(lines, r"contact points kept (\d+) times, .* not looked at (\d+) times")
     assert 100 < kept < kept + far <= 60 * 3  # three listed pairs in every step, of which two stand still
     assert any("joints are rigid" in line for line in lines)
-    assert any("crack map" in line and "[report] does not ask" in line for line in lines)
+    assert any("crack_map" in line and "[report] does not ask" in line for line in lines)
 
 
 def test_what_is_asked_for_is_not_left_out(explained):

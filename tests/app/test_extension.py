@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A kind of structure or load, a record format, a solver, a report: one file adds it, here in a folder that its package gets besides."""
+"""A kind of structure or load, a record format, a solver, an output, a quantity per step, a code: one file adds it, here in a folder that
+its package gets besides."""
 
 from __future__ import annotations
 
@@ -16,13 +17,16 @@ from made_run import at_rest, box, write_run
 from places import ROOT
 
 import loads
+import masonry_cd as mc
 import structures
 from loads import readers
+from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.app.commands.solve import solve
 from masonry_cd.app.run_case import file_names
 from masonry_cd.app.scene import read_scene
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.extensions import Extensions
+from masonry_cd.foundation.table_schema import table_schema
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.solvers import SOLVERS
 from reports.files import Job, known_files
@@ -80,14 +84,6 @@ TALLY = """\
         return RawRecord(np.array([float(line) for line in source.lines[1:]]), 0.01, 0.0, "cm/s2")
 
     FORMATS = {"tally": Reader(recognises, read)}
-"""
-LOWEST = """\
-    from reports.extra import ExtraReport
-
-    def _write(results, folder):
-        (folder / "lowest.txt").write_text(f"{results.position[-1, :, 2].min():g}\\\\n")
-
-    REPORTS = {"lowest": ExtraReport(("lowest.txt",), _write)}
 """
 
 
@@ -156,19 +152,6 @@ def test_a_format_of_records(add, tmp_path):
     assert record.values == pytest.approx([1.0, -2.0])
 
 
-def test_a_report(add, tmp_path):
-    text = SCENE + '[report]\nextra = ["lowest"]\n'
-    with pytest.raises(InputError, match=r'report\.extra: should be a list of names of energy, "lowest" is none'):
-        report_of(tomllib.loads(text))
-    add("reports.extra", "lowest", LOWEST)
-    settings = report_of(tomllib.loads(text))
-    assert settings.asks
-    blocks = [box("ground", (-1, -1, -1), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 1))]
-    with Results.open(write_run(tmp_path / "result.h5", blocks, [at_rest(blocks)])) as results:
-        assert Job(results, tmp_path, settings, {}).write() == [tmp_path / "lowest.txt"]
-    assert float((tmp_path / "lowest.txt").read_text()) == -0.5
-
-
 def test_helpers_are_none_and_what_is_not_there_is_a_key_error():
     assert not {"church_parts", "church_table"} & set(structures.KINDS)
     assert not {"options", "nlgs_kernels"} & set(SOLVERS)
@@ -186,19 +169,63 @@ WEIGHT = """\
         write_csv(job.folder / "weight.csv", ["block", "mass_kg"], rows)
         return [job.folder / "weight.csv"]
 
-    OUTPUTS = {"weight": Output({"weight.csv": "the mass of every block"}, _weight, lambda job: job.settings.damage, 15)}
+    OUTPUTS = {"weight": Output({"weight.csv": "the mass of every block"}, _weight)}
 """
 
 
 def test_an_output_of_a_run(add, tmp_path):
     """One file: the run writes it where the scene asks, a new run clears it, and the reference lists it."""
+    asked = "[report]\nweight = true"
     assert "weight.csv" not in known_files()
+    with pytest.raises(InputError, match=r"report\.weight: unknown key"):
+        report_of(asked)
     add("reports.outputs", "weight", WEIGHT)
     blocks = [box("ground", (-1, -1, -1), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 1))]
     with Results.open(write_run(tmp_path / "result.h5", blocks, [at_rest(blocks)] * 2)) as results:
-        assert Job(results, tmp_path, report_of({}), {}).write() == []
-        written = Job(results, tmp_path, report_of({"report": {"damage": True}}), {}).write()
-    assert tmp_path / "weight.csv" in written
+        assert Job(results, tmp_path, report_of({}), {}).write() == [] and not report_of({}).asks
+        settings = report_of(tomllib.loads(asked))
+        assert Job(results, tmp_path, settings, {}).write() == [tmp_path / "weight.csv"] and settings.asks
     assert (tmp_path / "weight.csv").read_text().splitlines()[1:] == ["ground,8000", "stone,2000"]
     assert "weight.csv" in file_names()
     assert "| `weight.csv` | the mass of every block |" in run_path(str(ROOT / "docs" / "write_output_reference.py"))["reference"]()
+
+
+ISLANDS = """\
+    from masonry_cd.app.per_step import Quantity
+
+    QUANTITIES = {"solver/islands": Quantity(lambda made: made.report.islands, "islands of the step", whole=True)}
+"""
+
+
+def test_a_quantity_per_step(add, tmp_path):
+    """One file: every run records it, and it is a column of ``run.steps``."""
+    add("masonry_cd.app.per_step", "islands", ISLANDS)
+    scene = mc.scene(ROOT / "examples" / "trilithon.toml", "run.duration=0.01", "report.crack_map=false")
+    run = mc.run(scene, tmp_path / "out", progress=False)
+    assert (run.steps["islands"] == 1).all() and run.steps["islands"].dtype == np.int64
+
+
+SWISS = """\
+    from masonry_cd.analysis.code_check.code import Code
+    from masonry_cd.analysis.code_check.steps import CodeCheck
+    from masonry_cd.analysis.code_check.verdicts import Verdict
+
+    def check(table, oscillator, ground):
+        verdict = Verdict("linear", ground.peak, oscillator.acceleration(), "m/s2", "9.1")
+        return CodeCheck("SIA269", "SIA 269/8", "", ground.words, (), (verdict,))
+
+    CODES = {"SIA269": Code(check, "9.2")}
+"""
+
+
+def test_a_code(add):
+    """One file: [limit.check] takes its name, and refuses the keys that it does not know."""
+    asked = {"code": "SIA269", "spectrum": "EC8", "ag": 1.0}
+    with pytest.raises(InputError, match=r"limit\.check\.code"):
+        parse_table(CheckTable, asked, "limit.check")
+    add("masonry_cd.analysis.code_check.codes", "sia269", SWISS)
+    table = parse_table(CheckTable, asked, "limit.check")
+    assert table.by.height == "9.2" and not table.by_displacements
+    with pytest.raises(InputError, match="limit_state: SLV does not apply to SIA269"):
+        parse_table(CheckTable, asked | {"limit_state": "SLV"}, "limit.check")
+    assert "SIA269" in table_schema(CheckTable)["properties"]["code"]["enum"]

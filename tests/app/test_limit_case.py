@@ -11,22 +11,17 @@ from pathlib import Path
 import browser
 import numpy as np
 import pytest
-from limit_loads import push_loads
 from models import box, ground
 from pictures import pixels
 from typer.testing import CliRunner
 
 from benchmarks.dry_walls import ASSOCIATED, dry_wall
 from masonry_cd.analysis.limit import conic, nonassociated
-from masonry_cd.analysis.limit.capacity import CurveOptions, capacity_curve
 from masonry_cd.app.limit_case import EVERY, limit_case, lines, summary
-from masonry_cd.app.limit_curve import FollowedCurve, curve_lines
-from masonry_cd.app.limit_dynamics import brackets
 from masonry_cd.app.limit_files import draw, write
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.mechanics.contact.find_joints import find_joints
-from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.files import blockfile
 from structures.geometry.prism import prism_xz
 
@@ -78,11 +73,9 @@ def test_the_command_writes_what_it_finds(tmp_path):
     assert "--force" in again.output
 
 
-def test_the_curve_of_a_pillar_is_written_and_the_dynamics_agrees(tmp_path):
+def test_the_curve_of_a_pillar_is_written(tmp_path):
     path, folder = scene(tmp_path, pillar(), "[limit]\npush = 'x'\n"), tmp_path / "out"
-    done = CliRunner().invoke(
-        app, ["limit", str(path), "-o", str(folder), "--curve", "--set", "limit.curve.dynamics=true", "--set", "limit.curve.steps=20"]
-    )
+    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder), "--curve", "--set", "limit.curve.steps=20"])
     assert done.exit_code == 0, done.output
     assert 'control block "a"; factor 0.3333 at the start' in done.output
     with (folder / "capacity.csv").open() as file:
@@ -93,33 +86,9 @@ def test_the_curve_of_a_pillar_is_written_and_the_dynamics_agrees(tmp_path):
     assert made["ultimate"] == pytest.approx(0.25, rel=1e-5)
     assert [mark["moving_blocks"] for mark in made["marks"]] == [["a"]] * 3
     assert made["marks"][1]["joints_at_work"] == [{"block_a": "ground", "block_b": "a", "state": "hinge"}]
-    assert len(made["dynamics"]) >= 4
-    for judged in made["dynamics"]:  # to 1 % of the first factor
-        assert judged["falls_back"] - 2e-3 < judged["factor"] < judged["goes_on"] + 2e-3
-        assert judged["goes_on"] - judged["falls_back"] < 0.0034
     drawn = pixels(folder / "capacity.png")
     assert (drawn == [0x00, 0x72, 0xB2]).all(axis=2).sum() > 500  # the curve
     assert (drawn == [0xD5, 0x5E, 0x00]).all(axis=2).sum() > 50  # its hinges
-
-
-def test_a_point_at_which_nothing_drives_the_blocks_on_says_so():
-    assembly = Assembly.from_blocks(pillar(), 0.6)
-    curve = capacity_curve(assembly, find_joints(assembly), push_loads(assembly), CurveOptions(steps=20))
-    found = brackets(curve, assembly.laws, np.zeros(3), np.zeros(3))  # without gravity and without a push
-    assert np.isnan([each.high for each in found]).all()
-    assert all(each.low < each.factor for each in found)
-    line = curve_lines(FollowedCurve(curve, found), assembly.names)[1]
-    assert line.startswith("dynamics at ")
-    assert "goes on at none of those tried; the curve has " in line
-
-
-@pytest.mark.parametrize("joints", [", joints = {normal_stiffness = 1e9, damping = 0.05}", ", masonry = 'solid brick'"])
-def test_the_dynamics_of_a_curve_has_its_rigid_joints_whatever_those_of_a_run(joints, tmp_path):
-    """Released on elastic joints, blocks would first sink until these bear, and fall under less than the curve of rigid blocks has."""
-    path = scene(tmp_path, pillar(), "[limit]\npush = 'x'\ncurve = {dynamics = true, steps = 20}\n", joints=joints)
-    found = limit_case(path).curve
-    assert found is not None and found.brackets
-    assert all(one.low <= one.factor + 1e-9 and one.factor <= one.high + 0.01 * found.curve.factor[0] for one in found.brackets)
 
 
 @pytest.mark.parametrize(

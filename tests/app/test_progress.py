@@ -7,12 +7,10 @@ import io
 import signal
 import sys
 
-import numpy as np
 import pytest
 
 from masonry_cd.app import progress
 from masonry_cd.app.progress import Interrupt, Interrupted, Progress
-from masonry_cd.app.step_costs import AFTER, REST, SETTLING, STRONG, StepCosts, motion_classes
 from masonry_cd.foundation.quantities import force, in_words, length
 from masonry_cd.foundation.system import STOPPING
 
@@ -78,83 +76,6 @@ def test_a_terminal_that_cannot_go_back_gets_plain_lines(monkeypatch, name):
     with Progress(200, stream=stream) as show:
         show(50)
     assert stream.getvalue().startswith("step 50 of 200 (25 %), ")
-
-
-def test_the_time_left_follows_the_shaking_to_come():
-    """Quiet for a fifth, then strong, then quiet: steps cost eight times as much while the base shakes, and half of that later."""
-    dt, steps = 0.01, 2000
-    time = dt * np.arange(steps + 1)
-    velocity = np.where((time > 5.0) & (time < 9.0), np.sin(2 * np.pi * 2.0 * time), 0.0)[:, None, None] * [1.0, 0.0, 0.0]
-    classes = motion_classes(velocity, dt)
-    assert set(classes[:480]) == {REST}
-    assert set(classes[520:900]) == {STRONG}
-    assert set(classes[980:]) == {AFTER}, "blocks rock on for half a second"
-    seconds, costs, ratios = np.choose(classes, [1e-3, 8e-3, 8e-3, 8e-3, 4e-3]), StepCosts(classes), []
-    for k in range(steps - 1):
-        costs.add(k + 1, seconds[k])
-        ratios.append(costs.seconds_left() / seconds[k + 1 :].sum())
-    assert min(ratios[steps // 5 :]) > 0.5
-    assert max(ratios[steps // 5 :]) < 2.0
-    alike = np.cumsum(seconds)[:-1] / np.arange(1, steps) * np.arange(steps - 1, 0, -1) / np.cumsum(seconds[::-1])[::-1][1:]
-    assert min(alike[steps // 5 :]) < 0.3, "as if all steps cost alike"
-
-
-def test_supports_that_move_apart_count_as_shaking_while_they_do():
-    """A footing that sinks for three seconds of ten, and accelerates in the first and the last half second of these alone."""
-    dt, steps = 0.01, 1000
-    time = dt * np.arange(steps + 1)
-    speed = np.clip(np.minimum(time - 2.0, 5.0 - time) / 0.5, 0.0, 1.0)
-    velocity = np.zeros((steps + 1, 2, 3))
-    velocity[:, 1, 2] = -0.01 * speed
-    classes = motion_classes(velocity, dt)
-    assert set(classes[:200]) == {REST}
-    assert set(classes[215:500]) == {SETTLING}
-    assert set(classes[560:]) == {AFTER}
-    together = np.repeat(velocity[:, 1:], 2, axis=1)  # all of them: nothing is strained but by the acceleration
-    assert set(motion_classes(together, dt)[310:440]) == {AFTER}
-    assert STRONG in motion_classes(together, dt)
-
-
-def ratios_of_time_left(classes, seconds):
-    """Of the time left to what it is in truth, after each step but the last twentieth of the time."""
-    costs, ratios = StepCosts(classes), []
-    left = np.cumsum(seconds[::-1])[::-1]
-    for k in range(int(np.searchsorted(-left, -0.05 * left[0])) - 1):
-        costs.add(k + 1, seconds[k])
-        ratios.append(costs.seconds_left() / left[k + 1])
-    return np.array(ratios)
-
-
-def test_the_first_steps_of_a_settlement_do_not_throw_the_estimate():
-    """Costs as measured on a wall one of whose footings sinks, in half of the run: its load passes over to the others in seven steps."""
-    classes, seconds = np.full(1000, REST, np.int8), np.full(1000, 0.5e-3)
-    classes[511:], seconds[501:] = SETTLING, 1.2e-3
-    seconds[501:508] = 5.7e-3
-    found = ratios_of_time_left(classes, seconds)[200:]
-    assert 0.5 < found.min() <= found.max() < 2.0
-
-
-def test_what_has_cracked_costs_more_at_rest_than_what_has_not():
-    """Costs as measured on a mortar wall: after the shaking, steps are as expensive as during it."""
-    classes, seconds = np.full(3000, STRONG, np.int8), np.full(3000, 1.7e-3)
-    classes[1249:], seconds[1249:] = AFTER, 1.5e-3
-    found = ratios_of_time_left(classes, seconds)
-    assert 0.5 < found.min() <= found.max() < 2.0
-
-
-def test_steps_that_the_loads_jump_over_cost_nothing():
-    costs = StepCosts(np.zeros(100, dtype=np.int8))
-    costs.add(1, 2.0)
-    assert costs.seconds_left() == pytest.approx(198.0)
-    costs.add(91, 2.0)
-    assert costs.seconds_left() == pytest.approx(18.0)
-
-
-def test_steps_that_adapt_share_their_cost_among_those_of_the_loads():
-    costs = StepCosts(np.zeros(100, dtype=np.int8), adaptive=True)
-    costs.add(8, 2.0)
-    costs.add(10, 0.5)
-    assert costs.seconds_left() == pytest.approx(90 * 0.25, rel=0.05)
 
 
 @pytest.mark.parametrize("number", STOPPING)

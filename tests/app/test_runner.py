@@ -25,7 +25,7 @@ from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics.moreau_jean import ENERGIES, StepReport
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from reports.damage import write_joints_csv
 
 STEPS = 60

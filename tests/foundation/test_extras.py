@@ -18,7 +18,7 @@ from masonry_cd.cli.app import app
 from masonry_cd.foundation import extras
 from masonry_cd.foundation.errors import InputError
 
-ENERGY = ["--set", 'report.extra=["energy"]']
+ENERGY = ["--set", "report.energy=true"]
 PACKAGES = {"vtkmodules": "vtk", "PIL": "pillow", "skfem": "scikit-fem", "dask_jobqueue": "dask-jobqueue"}
 
 
@@ -42,9 +42,9 @@ def test_the_table_is_that_of_the_package() -> None:
 @pytest.mark.parametrize(
     ("module", "arguments", "said"),
     [
-        ("pyvista", ["run", "trilithon.toml", "--set", "report.crack_map=true"], "report: a picture needs pyvista"),
-        ("matplotlib", ["run", "trilithon.toml", "--set", "report.crack_map=false", *ENERGY], 'report.extra: "energy" needs matplotlib'),
-        ("matplotlib", ["run", "trilithon.toml", "--set", "report.html=true"], "report.html: the page needs matplotlib"),
+        ("pyvista", ["run", "trilithon.toml", "--set", "report.crack_map=true"], "report.crack_map needs pyvista"),
+        ("matplotlib", ["run", "trilithon.toml", "--set", "report.crack_map=false", *ENERGY], "report.energy needs matplotlib"),
+        ("matplotlib", ["run", "trilithon.toml", "--set", "report.html=true"], "report.html needs matplotlib"),
         ("pyvista", ["build", "trilithon.toml"], "structure.png needs pyvista"),
         ("meshio", ["build", "trilithon.toml", "--no-picture", "--format", "vtu"], "blocks as .vtu needs meshio"),
         ("matplotlib", ["accuracy", "trilithon.toml"], "the picture of accuracy needs matplotlib"),

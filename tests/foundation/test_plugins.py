@@ -42,7 +42,7 @@ dt = 2e-3
 duration = 0.02
 
 [report]
-extra = ["heights"]
+heights = true
 """
 
 
@@ -135,7 +135,7 @@ def test_a_scene_that_needs_no_package_looks_for_none() -> None:
         ("loads[0].kind=surg", '"surg" (did you mean "surge"?)'),
         ("structure.cubs=3", "structure.cubs: unknown key"),
         ("loads[0].amplitude=-1", "loads[0].amplitude"),
-        ('report.extra=["height"]', "energy, heights"),
+        ("report.height=true", '(did you mean "heights"?)'),
     ],
 )
 def test_what_is_wrong_is_said_in_a_line(tmp_path: Path, change: str, words: str) -> None:

@@ -14,7 +14,8 @@ from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.contact.manifold import SLIVER, SNAP
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.joint_laws import JointLaw
+from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 HEIGHT = 0.5  # of both prisms [m]

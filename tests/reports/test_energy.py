@@ -19,8 +19,8 @@ from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from reports.drawing.figure import COLOURS
-from reports.extra import energy as picture
-from reports.extra.energy import GOES, WORKS, energies, energy_figure
+from reports.outputs import energy as picture
+from reports.outputs.energy import GOES, WORKS, energies, energy_figure
 
 
 @pytest.fixture(scope="module")

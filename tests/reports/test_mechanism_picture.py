@@ -9,7 +9,7 @@ from limit_loads import joined, push_loads
 from models import box, ground
 
 from masonry_cd.analysis.limit.analysis import Options, analyse
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from reports.drawing.palette import CRUSHED
 from reports.drawing.parts import Lines, view_named
 from reports.limit.picture import Subject, mechanism_scene

@@ -15,7 +15,8 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.joint_laws import JointLaw
+from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.studies.joints_at_rest import JointAtRest, at_rest_lines, at_rest_summary, joints_at_rest
 from masonry_cd.studies.vibration import free_vibration, linear_modes, sweep, vibration
 

@@ -8,7 +8,6 @@ level.py     how high a mechanism is held, the whole and parts alike
 floors.py    its motion at a height of a building
 steps.py     values with symbol, unit and clause
 verdicts.py  demand against capacity, and the one verdict that follows
-ntc2018.py   Circolare 7 of 2019, C8.7.1.2.1
-ntc2008.py   Circolare 617 of 2009, C8A.4
-ec8.py       EN 1998-1:2004, 4.3.5, with the confidence factor of EN 1998-3:2005
+code.py      what a code says of itself
+codes        a file each: Circolare 7 of 2019, C8.7.1.2.1; Circolare 617 of 2009, C8A.4; EN 1998-1:2004, 4.3.5, with EN 1998-3:2005
 """

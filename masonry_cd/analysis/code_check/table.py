@@ -3,17 +3,33 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from loads.signal.accelerogram import Accelerogram, Scaled
 from loads.signal.site_spectrum import SiteSpectrum
+from masonry_cd.foundation.extensions import Entries
 from masonry_cd.foundation.fields import Span
 from masonry_cd.foundation.units import Unit
 
 Height = Annotated[float, Unit("m"), Field(gt=0.0, le=1000.0)]
 Damping = Annotated[float, Field(gt=0.0, le=0.3)]
+
+
+CODES: Entries[Any] = Entries("masonry_cd.analysis.code_check.codes", "CODES")  # a Code of code.py each, which gets this table
+
+
+def _known(name: object) -> object:
+    """The name of a code."""
+    if name not in CODES:
+        raise ValueError(f"is none of {', '.join(CODES)}")
+    return name
+
+
+def _codes(schema: dict[str, Any]) -> None:
+    """The names of the codes in the JSON schema."""
+    schema["enum"] = [*CODES]
 
 
 class CheckRecord(Scaled, Accelerogram):
@@ -23,7 +39,7 @@ class CheckRecord(Scaled, Accelerogram):
 class CheckTable(SiteSpectrum):
     """The table ``[limit.check]``."""
 
-    code: Literal["NTC2018", "NTC2008", "EC8"] = "NTC2018"
+    code: Annotated[str, BeforeValidator(_known), Field(json_schema_extra=_codes)] = "NTC2018"
     """By which the mechanism is checked: NTC 2018 with its Circolare of 2019, NTC 2008 with that of 2009, or Eurocode 8."""
     limit_state: Literal["SLD", "SLV", "SLC"] = "SLV"
     """That the motion of the ground belongs to: damage, life safety, or collapse; SLD and SLC are of the Italian codes only."""
@@ -60,14 +76,13 @@ class CheckTable(SiteSpectrum):
         stray = self.model_fields_set & set(SiteSpectrum.model_fields)
         if self.record is not None and stray:
             raise ValueError(f"{min(stray)}: does not apply beside a record")
-        if self.code == "EC8" and "limit_state" in self.model_fields_set:
-            raise ValueError("limit_state: does not apply to EC8")
+        if "limit_state" in self.model_fields_set and self.limit_state not in self.by.limit_states:
+            raise ValueError(f"limit_state: {self.limit_state} does not apply to {self.code}")
         if self.limit_state == "SLC" and not self.displacements:
             raise ValueError("displacements: SLC is checked by displacements only")
-        if self.code == "NTC2008" and self.limit_state == "SLC":
-            raise ValueError("limit_state: SLC does not apply to NTC2008")
-        if self.element_period is not None and (self.code == "NTC2008" or (self.code == "EC8" and not (self.height or self.building))):
-            raise ValueError(f"element_period: does not apply to {self.code}{' on the ground' if self.code == 'EC8' else ''}")
+        vibrate = self.by.parts_vibrate
+        if self.element_period is not None and (not vibrate or (vibrate == "above the ground" and not (self.height or self.building))):
+            raise ValueError(f"element_period: does not apply to {self.code}{' on the ground' if vibrate else ''}")
         return self
 
     @model_validator(mode="after")
@@ -84,15 +99,20 @@ class CheckTable(SiteSpectrum):
         missing = next((key for key in ("building_height", "building_period") if getattr(self, key) is None), None)
         if missing:
             raise ValueError(f"{missing}: missing, a mechanism above the ground needs it")
-        if self.code == "EC8":
+        if not self.by.storeys:
             stray = given & (by_storeys | {"building_damping"})
             if stray:
-                raise ValueError(f"{min(stray)}: does not apply to EC8")
+                raise ValueError(f"{min(stray)}: does not apply to {self.code}")
         elif (self.storeys is None) == (self.participation is None):
             raise ValueError("give storeys or participation, one of the two")
         if self.building_height is not None and self.height > self.building_height:
             raise ValueError(f"height: {self.height:g} m is above the building of {self.building_height:g} m")
         return self
+
+    @property
+    def by(self) -> Any:
+        """The :class:`~masonry_cd.analysis.code_check.code.Code` by which it is checked."""
+        return CODES[self.code]
 
     @property
     def building(self) -> bool:
@@ -106,7 +126,7 @@ class CheckTable(SiteSpectrum):
     @property
     def by_displacements(self) -> bool:
         """Whether a check by displacements is made."""
-        return self.displacements and self.code != "EC8" and self.limit_state != "SLD"
+        return self.displacements and self.limit_state in self.by.by_displacements
 
     @property
     def share(self) -> float:

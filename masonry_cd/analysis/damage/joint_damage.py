@@ -17,12 +17,11 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
 from masonry_cd.analysis.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
-from masonry_cd.io.layout import BONDED, CRUSHED
+from masonry_cd.io.layout import BONDED, CRUSHED, LAW_HISTORIES
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import OPENED as OPENING_IN_RUN
 
 BROKEN = 0.98  # a joint is broken when less than this share of what was bonded is left; a corner holds 4 % or more
-CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size, so that a long run needs no memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +40,8 @@ class JointDamage:
     contact_area_loss: np.ndarray  # (J,) largest over the run, as a share of the area
     first_opening_time: np.ndarray  # (J,) [s], NaN where the joint never opened
     state: np.ndarray  # (J,) one of STATES
-    bonded: np.ndarray  # (J,) share of the area that is bonded at the end; NaN in a run without bonds
-    crushed: np.ndarray  # (J,) by how much it is shorter for good where it is most so [m]; NaN in a run whose joints cannot crush
     both: np.ndarray  # (J,) opened and slid, and not separated
+    of_laws: dict[str, np.ndarray]  # (J,) what the run has recorded of the laws of joints, by name, at the end
 
 
 def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: int | None = None) -> JointDamage:
@@ -74,9 +72,8 @@ def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: 
         contact_area_loss=peaks["contact_area_loss"],
         first_opening_time=peaks["first_opening_time"],
         state=np.array(STATES, dtype=object)[codes],
-        bonded=joint_frame(results, BONDED, frame) if has_bonds(results) else np.full(joints.count, np.nan),
-        crushed=joint_frame(results, CRUSHED, frame) if results.has_joint_history(CRUSHED) else np.full(joints.count, np.nan),
         both=is_open(largest_opening, thresholds) & is_slid(largest_sliding, thresholds) & ~separated,
+        of_laws={name: joint_frame(results, name, frame) for name in LAW_HISTORIES if results.has_joint_history(name)},
     )
 
 
@@ -143,11 +140,10 @@ def displacements(results: Results) -> np.ndarray:
     solids, largest = solids_of(results.blocks), np.zeros(results.frames)
     if solids.fixed.all():
         return largest
-    step = max(1, CHUNK_BYTES // (24 * len(solids.centre)))
-    for first in range(0, results.frames, step):
-        position = np.asarray(results.position[first : min(first + step, results.frames)], dtype=float)
+    for some in results.in_chunks(3 * len(solids.centre)):
+        position = np.asarray(results.position[some], dtype=float)
         relative = position - base_shift(results, solids, position)[:, None] - solids.centre
-        largest[first : first + len(position)] = np.linalg.norm(relative[:, ~solids.fixed], axis=2).max(axis=1)
+        largest[some] = np.linalg.norm(relative[:, ~solids.fixed], axis=2).max(axis=1)
     return largest
 
 

@@ -32,6 +32,7 @@ from masonry_cd.analysis.limit.stage import FIRST, LONGEST, SHORTEST, Stage, Sta
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import length
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws import at_start_only
 from masonry_cd.mechanics.model.joints import Joints
 
 STEPS = 40  # from start to end, about
@@ -128,10 +129,8 @@ def capacity_curve(assembly: Assembly, joints: Joints, loads: Loads, options: Cu
     options = options or CurveOptions()
     if loads.support_velocity is not None:
         raise InputError("limit.curve", "supports that move have no load factor to follow; push, tilt or live loads have")
-    if assembly.laws.crushing.any():
-        raise InputError(
-            "limit.curve", "joints that crush are not followed at finite displacements; their load factor is known at the start only"
-        )
+    if reason := at_start_only(assembly.laws):
+        raise InputError("limit.curve", f"{reason}; their load factor is known at the start only")
     if at_rest(assembly, joints, loads, options.analysis)[1].factor < 1.0 - STANDS:
         raise InputError("limit.curve", "the structure does not stand under its dead loads: there is no factor to follow")
     return _Path(assembly, joints, loads, options).followed()

@@ -24,9 +24,8 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block, Shapes
 from masonry_cd.mechanics.model.geometry import Faces
-from masonry_cd.mechanics.model.materials import joint_table
+from masonry_cd.mechanics.model.joint_laws import crushing, joint_table
 
-CRUSHES = "joints that crush are not followed at finite displacements"
 AT_ONCE = 1e-9  # share of the last displacement at which the friction of interlock is gone
 
 
@@ -35,7 +34,7 @@ def with_displacements(part: Part, found: Candidate, made: Oscillator, seed: int
     if made.doubt:
         return made
     if part.problem.sections is not None:
-        return replace(made, end=CRUSHES)
+        return replace(made, end=crushing.LAW.at_start_only)
     try:
         curve = followed(part, found, seed)
     except (InputError, Unbounded) as failure:

@@ -17,7 +17,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.analysis.modal.eigen import ByCholmod, lowest_modes, participation
 from masonry_cd.analysis.modal.shapes import QuadraticShapes
@@ -25,6 +24,7 @@ from masonry_cd.analysis.modal.solid_mesh import SolidMesh, solid_mesh
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.components import connected_components
 
 CHUNK = 4000  # elements whose matrices are held at a time
 
@@ -160,9 +160,7 @@ def _check_supported(mesh: SolidMesh, blocks: Sequence[Block]) -> None:
         return
     if not len(mesh.triangles):
         raise InputError("modal", "no free block shares a face with a support")
-    ends = mesh.tetrahedra[:, [0, 0, 0]].ravel(), mesh.tetrahedra[:, 1:].ravel()
-    graph = sparse.coo_matrix((np.ones(len(ends[0])), ends), (len(mesh.points),) * 2)
-    _, label = connected_components(graph, directed=False)
+    label = connected_components(mesh.tetrahedra[:, [0, 0, 0]].ravel(), mesh.tetrahedra[:, 1:].ravel(), len(mesh.points))
     loose = np.setdiff1d(label, label[mesh.triangles.ravel()])
     if len(loose):
         middle = mesh.points[label == loose[0]].mean(axis=0)

@@ -14,13 +14,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.analysis.modal.eigen import SHIFT, by_superlu, lowest_modes, participation
 from masonry_cd.analysis.modal.shapes import RigidShapes
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
 from masonry_cd.mechanics.model.joints import Joints
 
@@ -185,6 +185,5 @@ def _check_supported(assembly: Assembly, joints: Joints) -> None:
 
 def _tied(assembly: Assembly, joints: Joints) -> np.ndarray:
     """Which blocks joints tie to a support, (B,) bool; supports are."""
-    graph = sparse.coo_matrix((np.ones(joints.count), (joints.block_a, joints.block_b)), (assembly.count,) * 2)
-    _, label = connected_components(graph, directed=False)
+    label = connected_components(joints.block_a, joints.block_b, assembly.count)
     return np.isin(label, label[assembly.fixed])

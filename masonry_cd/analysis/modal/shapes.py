@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.place_on_block import outside_block
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +50,7 @@ class RigidShapes:
         """Each point moves with the block that it lies in, or else with the nearest one."""
         nearest, outside = np.zeros(len(points), dtype=np.int64), np.full(len(points), np.inf)
         for b, block in enumerate(self.blocks):
-            distance = _outside(block, points)
+            distance = outside_block(block, points)
             closer = distance < outside
             nearest[closer], outside[closer] = b, distance[closer]
         return self._moved(points, nearest), np.maximum(outside, 0.0)
@@ -160,20 +161,6 @@ class QuadraticShapes:
             return sides[kept]
         middle = middles.T.ravel()[kept]
         return np.concatenate([np.stack([sides[kept, 0], middle], axis=1), np.stack([middle, sides[kept, 1]], axis=1)])
-
-
-def _outside(block: Block, points: np.ndarray) -> np.ndarray:
-    """How far points lie outside the nearest convex part of a block, negative inside; a lower bound beyond its corners [m]."""
-    distance = np.full(len(points), np.inf)
-    for part in block.convex_parts:
-        planes = []
-        for face in part.faces:
-            loop = part.vertices[list(face)]
-            normal = np.cross(loop - loop[0], np.roll(loop, -1, axis=0) - loop[0]).sum(axis=0)
-            normal /= np.linalg.norm(normal)
-            planes.append((points - loop[0]) @ normal)
-        distance = np.minimum(distance, np.max(planes, axis=0))
-    return distance
 
 
 def _quadratic(weight: np.ndarray) -> np.ndarray:

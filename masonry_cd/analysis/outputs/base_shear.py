@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 G = 9.80665  # [m/s2]
 ON_BLOCKS = ("push", "tilt", "point")  # kinds of loads that act on the blocks themselves
-CHUNK = 1 << 24  # frames are read so many bytes at a time
 
 
 def base_shear_max(run: Measured) -> float | None:
@@ -30,9 +29,8 @@ def base_shear_max(run: Measured) -> float | None:
     if kinds & set(ON_BLOCKS) or not free.any() or results.frames < 2:
         return None
     mass = np.array([block.density * block.mass_properties.volume for block in results.blocks])[free]
-    momentum, rows = np.empty((results.frames, 2)), max(1, CHUNK // (48 * len(free)))
-    for first in range(0, results.frames, rows):
-        some = slice(first, min(first + rows, results.frames))
+    momentum = np.empty((results.frames, 2))
+    for some in results.in_chunks(6 * len(free)):
         momentum[some] = np.einsum("fbi,b->fi", np.asarray(results.velocity[some], dtype=float)[:, free, :2], mass)
     force = np.diff(momentum, axis=0) / np.diff(np.asarray(results.time, dtype=float))[:, None]
     return float(np.hypot(*force.T).max() / (G * mass.sum()))

@@ -10,12 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.damage.joint_damage import JointDamage, collapsed_blocks, displacement_max, displacements, fallen, joint_damage
+from masonry_cd.analysis.damage.joint_damage import JointDamage, collapsed_blocks, displacement_max, fallen, joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
 from masonry_cd.analysis.deformed import Solids, base_shift, solids_of
 from masonry_cd.io.results import Results
-
-FARTHEST, EVENLY = 20, 20  # frames at which drifts are looked at: all of them would take a fifth of the time of a run of 30 blocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +32,9 @@ class Measured:
 
     @cached_property
     def damage(self) -> PartDamage:
-        """The damage by part, at the frames that tell of drifts."""
-        return self.known or part_damage(self.results, self.settings, self._telling_frames())
+        """The damage by part; its history is the last frame alone where the run has kept the largest drifts of all steps."""
+        last = np.array([self.results.frames - 1]) if self.results.peaks_of_steps else None
+        return self.known or part_damage(self.results, self.settings, last)
 
     @property
     def whole(self) -> Row:
@@ -88,14 +87,3 @@ class Measured:
             middle = (low + high) // 2
             low, high = (low, middle) if fallen(self.results, self.settings.thresholds, middle).any() else (middle + 1, high)
         return float(self.results.time[high])
-
-    def _telling_frames(self) -> np.ndarray:
-        """Frames at which damage is looked at: the last where drifts are known over all steps.
-
-        Else those in which a block is farthest from its place and some evenly between as well.
-        """
-        if self.results.peaks_of_steps:
-            return np.array([self.results.frames - 1])
-        moved = displacements(self.results)
-        evenly = np.linspace(0, len(moved) - 1, min(len(moved), EVENLY)).round().astype(int)
-        return np.unique([*np.argsort(-moved, kind="stable")[:FARTHEST], *evenly, len(moved) - 1])

@@ -7,19 +7,16 @@ import numpy as np
 
 from masonry_cd.io.results import Results
 
-CHUNK_BYTES = 1 << 24  # joint forces are read in chunks of this size
-
 
 def largest_pressure(results: Results) -> tuple[float, int, float] | None:
     """Largest normal force of a joint over its area in the frames [Pa], the joint, and when [s]; None in a file without forces."""
     joints = results.joints
     if not joints.count or not results.has_joint_history("normal_force"):
         return None
-    best, rows = (-1.0, 0, 0.0), max(1, CHUNK_BYTES // (8 * joints.count))
-    force = results.file["joints/normal_force"]
-    for first in range(0, results.frames, rows):
-        pressure = np.nan_to_num(np.asarray(force[first : min(first + rows, results.frames)], dtype=float)) / joints.area
+    best, force = (-1.0, 0, 0.0), results.file["joints/normal_force"]
+    for some in results.in_chunks(joints.count):
+        pressure = np.nan_to_num(np.asarray(force[some], dtype=float)) / joints.area
         frame, joint = np.unravel_index(int(np.argmax(pressure)), pressure.shape)
         if pressure[frame, joint] > best[0]:
-            best = (float(pressure[frame, joint]), int(joint), float(results.time[first + int(frame)]))
+            best = (float(pressure[frame, joint]), int(joint), float(results.time[some.start + int(frame)]))
     return best

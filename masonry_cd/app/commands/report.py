@@ -57,11 +57,10 @@ def report(
 
     with Results.open(folder / "result.h5") as results:
         own_files.begin(folder, set(names_of_run()) - {NAME}, is_run)  # a damaged summary.json is replaced
-        made = report_of(results.tables, **settings)
+        made = report_of(results.tables, **settings, **({"energy": True} if energy else {}))
         outputs.check_again(made, results)
-        names = dict.fromkeys([*made.extra, *(["energy"] if energy else [])])
         chosen = outputs.parse_times(results, times) if times is not None else []
-        made = made.model_copy(update={"times": tuple(chosen), "extra": tuple(names)})
+        made = made.model_copy(update={"times": tuple(chosen)})
         summary, words = _summary_of(results, folder)
         summary |= damage_files.write_joint_damage(results, folder, made)
         wanted = {"damage": True, "crack_map": crack_map, "stress": stress_map or results.has_stress, "stress_map": stress_map}

@@ -22,18 +22,14 @@ import numpy as np
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
 from masonry_cd.mechanics.dynamics.driving import work_of_guides
+from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES, LOSSES, WORKS
 from masonry_cd.mechanics.dynamics.new_state import Update
 from masonry_cd.mechanics.dynamics.relative_velocity import of_bodies, of_supports
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import EnergyBalance, Motion, System
 from masonry_cd.mechanics.model.state import State
 
-ENERGIES = (
-    "kinetic", "elastic", "friction", "impact", "damping", "crushing", "base_work", "gravity_work", "force_work", "correction", "balance",
-)  # fmt: skip
-WORKS = ("base_work", "gravity_work", "force_work")  # what is put in
 NONE_ELASTIC = np.zeros(0, dtype=np.bool_)
-LOSSES = ("kinetic", "elastic", "friction", "impact", "damping", "crushing")  # where it went
 
 
 def at_start(system: System, state: State, angular_momentum: np.ndarray) -> EnergyBalance:

@@ -57,7 +57,7 @@ from masonry_cd.mechanics.dynamics.block_arrays import StepConstants
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
 from masonry_cd.mechanics.dynamics.relative_velocity import of_bodies, of_both, of_supports
 from masonry_cd.mechanics.friction.problem import FrictionProblem
-from masonry_cd.mechanics.model.materials import JointLaws
+from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 
 AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it
 

@@ -35,7 +35,8 @@ from masonry_cd.mechanics.dynamics import joint_forces
 from masonry_cd.mechanics.dynamics.contact_rows import assemble
 from masonry_cd.mechanics.dynamics.crushing import solve_crushing
 from masonry_cd.mechanics.dynamics.driving import Driven, guided, measured
-from masonry_cd.mechanics.dynamics.energy import ENERGIES, account, at_start
+from masonry_cd.mechanics.dynamics.energy import account, at_start
+from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 from masonry_cd.mechanics.dynamics.error_scale import find_overload, on_scale
 from masonry_cd.mechanics.dynamics.free_motion import Prediction, angular_momenta, predict
 from masonry_cd.mechanics.dynamics.impacts import error_of, open_among, open_contacts, solve_apart
@@ -54,6 +55,7 @@ from masonry_cd.mechanics.dynamics.violations import Violation, find_violations
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
 from masonry_cd.mechanics.model.block_forces import BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws import histories
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.state import State, body_maps, rotation_matrices
 from masonry_cd.mechanics.solvers import SOLVERS, Options
@@ -363,16 +365,16 @@ class Stepper:
             return (self.assembly.laws.apex[group[joints.block_a], group[joints.block_b]] > 0.0).astype(float)
         return bonded_shares(self.last, self.motion.joints, pair_joint, joints)
 
-    @property
-    def can_crush(self) -> bool:
-        """Whether there are elastic joints with a compressive strength."""
-        return bool((self.assembly.laws.elastic & (self.assembly.laws.crushing > 0.0)).any())
-
-    def crushed_joints(self, pair_joint: np.ndarray, joints: int) -> np.ndarray:
+    def joints_crushed(self, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
         """By how much each joint is shorter for good where it is most so, (J,) [m]; ``pair_joint`` names the joint of each pair or -1."""
-        out, known = np.zeros(joints), pair_joint >= 0
+        out, known = np.zeros(joints.count), pair_joint >= 0
         np.maximum.at(out, pair_joint[known], self.detector.most_crushed()[known])
         return out
+
+    def joint_histories(self, pair_joint: np.ndarray, joints: Joints) -> dict[str, np.ndarray]:
+        """What a run records of the laws that some joint has, (J,) each by its name; ``pair_joint`` names the joint of each pair or -1."""
+        measures = {"bonded": self.joint_bonds, "crushed": self.joints_crushed}
+        return {history.name: measures[history.name](pair_joint, joints) for history in histories(self.assembly.laws)}
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""

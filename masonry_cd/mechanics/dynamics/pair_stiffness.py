@@ -14,9 +14,9 @@ import numpy as np
 from masonry_cd.foundation import libm
 from masonry_cd.mechanics.contact.find_joints import find_joints, joint_parts
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
 from masonry_cd.mechanics.model.joints import Joints
-from masonry_cd.mechanics.model.materials import JointLaws
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from masonry_cd.foundation.arrays import Stored
-from masonry_cd.mechanics.dynamics.energy import ENERGIES
+from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
 from masonry_cd.mechanics.dynamics.system import EnergyBalance, Motion, System
 from masonry_cd.mechanics.model.state import State

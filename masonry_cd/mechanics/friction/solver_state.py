@@ -42,7 +42,6 @@ class Learnt:
 
     k: float = 1e4  # of ADMM, that did best; see admm.py for the first
     stale: bool = True  # whether the next step is to factorise anew
-    fresh_iterations: float = 0.0  # of the last step with new factors
     steps: int = 0
     mean_iterations: float = 0.0  # of a step at this k
     rate: float = 1.0  # error over the change of p in the last iteration that was measured; 1: none was

@@ -19,15 +19,11 @@ import numpy as np
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.deformation import Deformation, deformation_of
 from masonry_cd.mechanics.model.geometry import Faces, MassProperties, Polyhedra, Polyhedron, mass_properties
-from masonry_cd.mechanics.model.materials import (
-    JointLaw,
-    JointLaws,
-    Material,
-    friction_table,
-    joint_table,
-    refuse_unfelt_laws,
-    rolling_table,
-)
+from masonry_cd.mechanics.model.joint_laws import JointLaw, joint_table, refuse_unfelt
+from masonry_cd.mechanics.model.joint_laws.friction import friction_table
+from masonry_cd.mechanics.model.joint_laws.rolling import rolling_table
+from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
+from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.sphere import ball_centre, facetted_ball, sphere_properties
 
 
@@ -304,4 +300,4 @@ def _check_dry_spheres(blocks: Sequence[Block], groups: Sequence[str], joints: M
     faced = np.array([any(block.group == group and not block.radius for block in blocks) for group in groups])
     free = np.array([any(block.group == group and not block.fixed for block in blocks) for group in groups])
     if not faced.all():
-        refuse_unfelt_laws(joints, groups, faced[:, None] & faced & (free[:, None] | free))
+        refuse_unfelt(joints, groups, faced[:, None] & faced & (free[:, None] | free))

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keys of ``[material]`` that take one value for all blocks, or values by group, ``young.arch = 2e9``, with ``default`` for the rest.
+"""Keys of ``[material]`` that take one value for all blocks, or values by group, ``young.arch = 2e9``, with ``default`` for the rest; and
+those that take values by pair of groups, ``friction.arch-base = 0.9``.
 
-A group may be a pattern, ``young."*-pier"``. A name holds before a pattern, and a pattern before ``default``.
+A group may be a pattern, ``young."*-pier"``, ``friction."*arch-*base"``. A name holds before a pattern, and a pattern before ``default``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import Any, TypeVar
 
+import numpy as np
 from pydantic import BeforeValidator, WithJsonSchema
 
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import is_number
 
+Value = TypeVar("Value")
 ANY = "*"  # in a pattern: anything
 
 
@@ -72,3 +75,45 @@ def of_group(values: Any, group: str, groups: Sequence[str], key: str, otherwise
             )
     names = [group, *(name for name in values if members(name, [group])), "default"]
     return next((values[name] for name in names if name in values), otherwise)
+
+
+def by_pair(pairs: Mapping[str, Value], groups: Sequence[str], key: str) -> list[tuple[int, int, Value]]:
+    """Entries (i, j, value) of a symmetric table: the default, patterns, pairs by name, so that each replaces those before it.
+
+    Raises:
+        InputError: an unknown group; names the pair as ``key.pair``.
+    """
+    count = range(len(groups))
+    out = [(i, j, pairs["default"]) for i in count for j in count] if "default" in pairs else []
+    for pair in sorted((pair for pair in pairs if pair != "default"), key=lambda pair: ANY not in pair):
+        first, second = _split_pair(pair, groups, key)
+        for i in first:
+            for j in second:
+                out += [(i, j, pairs[pair]), (j, i, pairs[pair])]
+    return out
+
+
+def pair_table(values: float | Mapping[str, float], groups: Sequence[str], key: str, otherwise: float) -> np.ndarray:
+    """The (G, G) symmetric table of one number for all pairs or numbers by pair, ``otherwise`` where none is given.
+
+    Raises:
+        InputError: an unknown group.
+    """
+    table = np.full((len(groups), len(groups)), otherwise)
+    for i, j, value in by_pair(values if isinstance(values, Mapping) else {"default": values}, groups, key):
+        table[i, j] = value
+    return table
+
+
+def pair_in_words(pair: str) -> str:
+    """A pair of groups, or all that the default is for."""
+    return "all other joints" if pair == "default" else pair
+
+
+def _split_pair(pair: str, groups: Sequence[str], key: str) -> tuple[list[int], list[int]]:
+    """The groups of ``"a-b"``, where the names themselves may hold a dash, and may be patterns with ``*``."""
+    for i, letter in enumerate(pair):
+        if letter == "-" and (first := members(pair[:i], groups)) and (second := members(pair[i + 1 :], groups)):
+            return first, second
+    unknown = next((word for word in pair.split("-") if not members(word, groups)), pair)
+    raise InputError(f"{key}.{pair}", f'"{unknown}" is no group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}')

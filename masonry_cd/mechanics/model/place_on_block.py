@@ -23,7 +23,7 @@ def require_on_block(block: Block, point: Sequence[float] | np.ndarray, key: str
         InputError: names the key, the place, the block and its extent.
     """
     place, low, high = np.asarray(point, dtype=float), block.vertices.min(axis=0), block.vertices.max(axis=0)
-    outside = outside_block(block, place)
+    outside = float(outside_block(block, place))
     if outside <= OFF * math.hypot(*(high - low)):
         return
     at, extent = (
@@ -33,9 +33,10 @@ def require_on_block(block: Block, point: Sequence[float] | np.ndarray, key: str
     raise InputError(key, f'({at}) m lies {outside:.3g} m outside block "{block.name}", which has {", ".join(extent)} m')
 
 
-def outside_block(block: Block, place: np.ndarray) -> float:
-    """How far a place lies beyond the faces of the nearest convex part of a block, or beyond a sphere [m]; negative inside."""
+def outside_block(block: Block, places: np.ndarray) -> np.ndarray:
+    """How far places (..., 3) lie beyond the faces of the nearest convex part of a block, or beyond a sphere (...) [m]; below 0 inside."""
     if block.radius:
-        return math.hypot(*(place - ball_centre(block.vertices))) - block.radius
-    planes = (loop_planes([part.vertices[list(face)] for face in part.faces]) for part in block.convex_parts)
-    return min(float((np.sum(normals * place, axis=1) - offsets).max()) for normals, offsets in planes)
+        return np.sqrt(np.sum((places - ball_centre(block.vertices)) ** 2, axis=-1)) - block.radius
+    planes = [loop_planes([part.vertices[list(face)] for face in part.faces]) for part in block.convex_parts]
+    beyond = [(np.sum(normals * places[..., None, :], axis=-1) - offsets).max(axis=-1) for normals, offsets in planes]
+    return np.asarray(np.min(beyond, axis=0))

@@ -25,8 +25,8 @@ from masonry_cd.app.case import make_structures
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.settings import AUTO, LONGEST_STEP, RUNGS
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
-from masonry_cd.mechanics.model.materials import JointLaw
 from structures.variants import rebonded, refilled, resized
 
 Tables = dict[str, Any]

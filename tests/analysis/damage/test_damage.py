@@ -28,7 +28,9 @@ def table_of(path: Path, thresholds: Thresholds | None = None) -> dict[tuple[str
         table = joint_damage.joint_damage(results, thresholds)
     rows = {}
     for j in range(len(table.joint)):
-        rows[tuple(sorted((table.block_a[j], table.block_b[j])))] = {name: getattr(table, name)[j] for name in table.__dataclass_fields__}
+        rows[tuple(sorted((table.block_a[j], table.block_b[j])))] = {
+            name: getattr(table, name)[j] for name in table.__dataclass_fields__ if name != "of_laws"
+        }
     return rows
 
 

@@ -17,7 +17,7 @@ from masonry_cd.analysis.limit.interfaces import area_shares
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.problem import Bars, Loads
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 
 QUIET = Options(starts=0)
 

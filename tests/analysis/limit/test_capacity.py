@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
+from released_from_curve import brackets
 
 from benchmarks.dry_walls import FRICTION, dry_wall
 from masonry_cd.analysis.limit.analysis import Options
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.analysis.limit.moved import Placement
 from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
-from masonry_cd.app.limit_dynamics import brackets
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -156,7 +156,7 @@ def test_a_point_load_turns_with_its_block():
 
 
 def test_bond_is_lost_as_soon_as_its_joint_opens():
-    from masonry_cd.mechanics.model.materials import JointLaw
+    from masonry_cd.mechanics.model.joint_laws import JointLaw
 
     law = {"default": JointLaw(cohesion=1000.0, tension=500.0, normal_stiffness=1e10)}
     assembly, joints = joined([ground(2.0), box("a", (0.0, -0.2, 0.0), (WIDTH, 0.2, HEIGHT))], 0.6, law)

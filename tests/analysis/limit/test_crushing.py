@@ -13,7 +13,7 @@ from masonry_cd.analysis.limit.problem import Bars, Loads
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from structures.geometry.prism import box
 
 B, T, H = 1.0, 0.3, 2.0  # of a pier [m]

@@ -17,7 +17,7 @@ from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.analysis.limit.rigid_groups import rigid_groups
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from structures.macro_elements.element import OVERTURNING, MacroElement
 
 B, T, HIGH, COURSES = 1.0, 0.3, 0.5, 4  # of a pier [m], and of a course

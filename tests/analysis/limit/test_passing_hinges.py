@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from limit_loads import joined, push_loads
 from models import GRAVITY, box
+from released_from_curve import brackets
 
 import structures
 from masonry_cd.analysis.limit.analysis import Options
@@ -18,7 +19,6 @@ from masonry_cd.analysis.limit.conic import least_unborne_in_space
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.linear import least_unborne
 from masonry_cd.analysis.limit.problem import problem_at
-from masonry_cd.app.limit_dynamics import brackets
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 

@@ -9,7 +9,7 @@ from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.contact.faults import UnexplainedOverlap
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 ELASTIC = {"default": JointLaw(normal_stiffness=1e9)}

@@ -13,7 +13,7 @@ from masonry_cd.mechanics.contact.joint_points import LIGHT, MOST, resolved_shar
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.state import rotation_matrices
 
 DEPTH, WIDTH, STIFFNESS, WEIGHT = 0.5, 0.3, 2e10, 2e4  # [m], [N/m3], [N]

@@ -10,7 +10,7 @@ from masonry_cd.mechanics.dynamics.local_error import base_drift
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.system import Loads
 from masonry_cd.mechanics.model.blocks import Assembly
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.state import State
 
 LONGEST, TICK = 1e-2, 1e-2 / 32

@@ -11,7 +11,7 @@ from masonry_cd.app.run_report import RunReport
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 
 SIDE, UNIT, COURSE, COURSES, TOP = 1.2, 0.3, 0.15, 3, 4.0  # [m]; stones are as wide as long
 STEP, STEPS = 5e-3, 240

@@ -8,7 +8,7 @@ import pytest
 from block_on_joint import AREA, MASS, STIFFNESS, history, on_joint
 from models import GRAVITY, gravity, stepper, tower
 
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 
 TANGENTIAL = 4e7  # [N/m3]
 OMEGA = np.sqrt(STIFFNESS * AREA / MASS)  # of the swing up and down [rad/s]

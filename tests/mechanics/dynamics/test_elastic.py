@@ -15,7 +15,8 @@ from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.joint_laws import JointLaw
+from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 

@@ -14,7 +14,7 @@ import structures
 from masonry_cd.mechanics.contact.find_joints import INEXACT, MOST_INEXACT, built_gap, find_joints, joint_parts
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from structures.noise import with_noise
 
 TABLE = {"kind": "aqueduct", "spans": 1, "pier_courses": 4}

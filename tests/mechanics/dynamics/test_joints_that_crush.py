@@ -7,7 +7,7 @@ from models import GRAVITY, box, gravity, ground, stepper
 
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.state import rotation_matrices
 
 DEPTH, WIDTH, HEIGHT, STIFFNESS = 0.5, 1.0, 0.5, 1e9  # [m], [N/m3]

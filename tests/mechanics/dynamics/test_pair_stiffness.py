@@ -9,7 +9,8 @@ from masonry_cd.mechanics.contact.find_joints import find_joints, joint_parts
 from masonry_cd.mechanics.dynamics.pair_stiffness import PairStiffness, most_stretched, softest_spring, stiffness_of_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.joint_laws import JointLaw
+from masonry_cd.mechanics.model.materials import Material
 
 E, G = 3e9, 1e9
 SIDE, HEIGHT = 0.5, 0.25

@@ -15,7 +15,8 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.joint_laws import JointLaw
+from masonry_cd.mechanics.model.materials import Material
 
 STEPS, STIFFNESS, TENSION = 40, 1e8, 2e4  # N/m3 of a joint, N
 AREA, WEIGHT = 0.25, 2000.0 * 0.25 * 0.25 * GRAVITY  # of a block of a tower

@@ -16,7 +16,8 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from masonry_cd.mechanics.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.joint_laws import JointLaw
+from masonry_cd.mechanics.model.materials import Material
 from structures.geometry.prism import box
 
 

@@ -14,8 +14,8 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.joints import JointPeaks, measure_joints
-from masonry_cd.mechanics.model.materials import JointLaw
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 

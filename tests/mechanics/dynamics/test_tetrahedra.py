@@ -23,7 +23,7 @@ from masonry_cd.mechanics.dynamics.strain import Strains, unknowns_of_strain
 from masonry_cd.mechanics.linalg.small_blocks import inverses
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.state import State, body_maps, rotation_matrices
 from masonry_cd.mechanics.model.warping import warp_shapes
 from masonry_cd.mechanics.solvers import SOLVERS

@@ -15,7 +15,7 @@ from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.violations import find_violations
 from masonry_cd.mechanics.friction.problem import natural_map_error
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.joint_laws import JointLaw
 
 DT, FRICTION = 1e-3, 0.6
 

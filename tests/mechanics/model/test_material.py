@@ -6,7 +6,8 @@ import pytest
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.pair_stiffness import most_stretched
-from masonry_cd.mechanics.model.materials import JointLaw, friction_table, joint_table
+from masonry_cd.mechanics.model.joint_laws import JointLaw, joint_table
+from masonry_cd.mechanics.model.joint_laws.friction import friction_table
 
 GROUPS = ("base", "arch", "pier")
 MU = np.full((3, 3), 0.5)

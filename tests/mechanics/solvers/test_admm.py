@@ -107,10 +107,10 @@ def test_a_neighbouring_k_is_kept_where_it_takes_fewer_iterations(iterations: in
     """It is tried once in PROBE steps, below the best so far and then above it; where it does not win the next step factorises anew."""
     learnt = Learnt(k=10.0, stale=False, steps=PROBE - 2, mean_iterations=100.0)
     assert next_k(learnt) == 10.0
-    learnt = learn(learnt, 10.0, 10.0, 100, 0, 1.0)
+    learnt = learn(learnt, 10.0, 10.0, 100, 1.0)
     k = next_k(learnt)
     assert k < 10.0
-    learnt = learn(learnt, k, k, iterations, 1, 1.0)
+    learnt = learn(learnt, k, k, iterations, 1.0)
     assert learnt.k == (k if wins else 10.0)
     assert learnt.stale is not wins
     assert next_k(replace(learnt, steps=2 * PROBE - 1)) > learnt.k
@@ -118,7 +118,7 @@ def test_a_neighbouring_k_is_kept_where_it_takes_fewer_iterations(iterations: in
 
 def test_what_is_learnt_passes_through_a_checkpoint() -> None:
     """All of it, in its types, and what a solver from elsewhere keeps."""
-    learnt = Learnt(k=30.0, stale=False, fresh_iterations=4.0, steps=7, mean_iterations=5.5, rate=2.0, budget=60)
+    learnt = Learnt(k=30.0, stale=False, steps=7, mean_iterations=5.5, rate=2.0, budget=60)
     restored = SolverState.read(SolverState(learnt=learnt, own={"guess": np.arange(3.0)}).arrays())
     assert restored.learnt == learnt
     np.testing.assert_array_equal(restored.own["guess"], np.arange(3.0))

@@ -6,6 +6,7 @@ EN 1998-3:2005 has no method for mechanisms of rigid bodies; how a mechanism bec
 
 from __future__ import annotations
 
+from masonry_cd.analysis.code_check.code import Code
 from masonry_cd.analysis.code_check.floors import part_acceleration
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity
@@ -36,3 +37,6 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     note = "Eurocode 8 of 2004 and 2005 has no check by displacements of such mechanisms"
     verdict = CheckResult("linear", asked, oscillator.acceleration() / table.confidence_factor, "m/s2", PART)
     return CodeCheck("EC8", EDITION, "", ground.words, tuple(steps), (verdict,), (note,))
+
+
+CODES = {"EC8": Code(check, PART, parts_vibrate="above the ground")}

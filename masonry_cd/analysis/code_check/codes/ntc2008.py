@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 
+from masonry_cd.analysis.code_check.code import Code
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity, no_end
 from masonry_cd.analysis.code_check.table import CheckTable
@@ -72,3 +73,6 @@ def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, steps
         steps.append(Step("d raised", raised, "m", CLAUSE, words))
         asked = max(asked, raised)
     return CheckResult("non-linear", asked, ultimate, "m", CLAUSE)
+
+
+CODES = {"NTC2008": Code(check, CLAUSE, ("SLD", "SLV"), ("SLV",), storeys=True)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points of a capacity curve judged by rigid-block dynamics.
+"""Points of a capacity curve judged by rigid-block dynamics, which tests the curve.
 
 Past its peak a structure cannot be held by a load, only caught between two: released from rest where the curve has brought its blocks, it
 falls back under a factor below that of the curve, and goes on under one above. The two are brought together by halving. The dynamics knows
@@ -16,7 +16,7 @@ import numpy as np
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
-from masonry_cd.mechanics.model.materials import JointLaws
+from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 
 PLACES = (0.1, 0.3, 0.5, 0.7, 0.9)  # points that are judged, as shares of the curve
 WIDE = 0.08  # first factors tried, to either side, as a share of the first factor of the curve

@@ -11,7 +11,7 @@ positions, not of velocities): what these put in is drawn beside it, where there
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,19 +20,12 @@ import numpy as np
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics.energy_terms import LIFT, LOSSES, WORKS
 from reports.drawing.figure import COLOURS, INK, plain_axes, save, zero_line
 from reports.drawing.plots import heading
-from reports.extra import ExtraReport
+from reports.files import Job, Output
 
-WORKS = {"base_work": "work of the base", "gravity_work": "work of gravity", "force_work": "work of forces"}
-LIFT = {"correction": "lifts out of overlaps"}
-GOES = {
-    "impact": "lost in impacts",
-    "friction": "lost in friction",
-    "damping": "lost in damping",
-    "elastic": "stored in joints",
-    "kinetic": "kinetic",
-}
+GOES = dict(reversed(LOSSES.items()))  # from below
 UNITS = ((1e-6, "MJ"), (1e-3, "kJ"), (1.0, "J"), (1e3, "mJ"), (1e6, "µJ"))
 POINTS = 4000  # steps drawn at most; more of them share a pixel
 
@@ -83,11 +76,12 @@ def _present(energy: Mapping[str, np.ndarray], asked: Mapping[str, str]) -> list
     return [key for key in asked if key in energy and (key in always or energy[key].any())]
 
 
-def _write(results: Results, folder: Path) -> None:
-    save(energy_figure(results), folder / FILE)
+def _write(job: Job) -> Iterable[Path]:
+    save(energy_figure(job.results), job.folder / FILE)
+    return [job.folder / FILE]
 
 
 FILE = "energy.png"
-REPORTS = {
-    "energy": ExtraReport((FILE,), _write, "what was put in over time, where it went, and how well the account closes", ("matplotlib",))
+OUTPUTS = {
+    "energy": Output({FILE: "what was put in over time, where it went, and how well the account closes"}, _write, needs=("matplotlib",))
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 
+from masonry_cd.analysis.code_check.code import Code
 from masonry_cd.analysis.code_check.floors import Floor
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity, no_end
@@ -103,3 +104,8 @@ def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, unmov
         asked, by = ground.furthest(table.element_period or 0.0, period, damping), "C8.7.1.2.1.8"
     steps.append(Step("d asked", asked, "m", by, "displacement asked for at that period"))
     return CheckResult("non-linear", asked, ultimate, "m", "C8.7.1.2.1.8", unmoved)
+
+
+CODES = {
+    "NTC2018": Code(check, "C7.2.3", ("SLD", "SLV", "SLC"), ("SLV", "SLC"), storeys=True, parts_vibrate="anywhere", left_open=left_open)
+}

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""When a step was made, how it was solved, and what is off in its solution."""
+
+from __future__ import annotations
+
+from masonry_cd.app.per_step import Quantity
+
+QUANTITIES = {
+    "step_time": Quantity(lambda made: made.stepper.state.time, "at the end of the step", "s"),
+    "load_step": Quantity(lambda made: made.load_step, "step of the loads that was applied", whole=True),
+    "penetration": Quantity(lambda made: made.report.penetration, "largest overlap of rigid contacts", "m"),
+    "solver/iterations": Quantity(lambda made: made.report.iterations, "of the solver", whole=True),
+    "solver/error": Quantity(lambda made: made.report.error, "natural map error"),
+    "solver/seconds": Quantity(lambda made: made.report.seconds, "of the clock", "s"),
+    "solver/contacts": Quantity(lambda made: made.report.contacts, "contact points", whole=True),
+    "solver/violation": Quantity(lambda made: made.report.violation.speed, "largest violation of the contact laws", "m/s"),
+    "solver/false_slip": Quantity(lambda made: made.report.violation.slip, "that violations have added up to at a contact", "m"),
+    "solver/false_opening": Quantity(lambda made: made.report.violation.opening, "that a violation has left at a contact", "m"),
+}

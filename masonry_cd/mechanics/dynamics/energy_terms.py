@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The terms of the energy balance of a run, which :mod:`masonry_cd.mechanics.dynamics.energy` closes in each step, and their words."""
+
+WORKS = {"base_work": "work of the base", "gravity_work": "work of gravity", "force_work": "work of point loads and ties"}
+"""What is put in."""
+LOSSES = {
+    "kinetic": "kinetic",
+    "elastic": "stored elastically",
+    "friction": "lost in friction",
+    "impact": "lost in impacts",
+    "damping": "lost in damping",
+    "crushing": "lost in crushing",
+}
+"""Where it went."""
+LIFT = {"correction": "lifts out of overlaps"}
+ENERGIES = LOSSES | WORKS | LIFT | {"balance": "balance, ideally zero"}
