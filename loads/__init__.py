@@ -7,22 +7,27 @@ full from the start unless a table of kind "gravity" ramps it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from loads import fill
 from loads.acted import Acted
+from loads.bar_frequency import check_together as check_ties
+from loads.bars import Forces
 from loads.combine import support_motions
 from loads.kinds.driven import check_inertia, check_together
-from loads.kinds.forces import Forces, TieTable, bar, collect
 from loads.kinds.gravity import GravityTable
 from loads.kinds.sequence import Pause, Shock
+from loads.kinds.tie import TieTable, bar
 from loads.kinds.tilt import TiltTable, load_factors
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
+from loads.supports import ShakingTable
+from masonry_cd.foundation import plugins
 from masonry_cd.foundation.errors import InputError, of_each, parse_table, suggest
 from masonry_cd.foundation.extensions import Entries
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -52,7 +57,7 @@ class Loading:
         pauses: rests that the run loop may end early, see ``loads.kinds.sequence``.
         warnings: of what is likely a mistake in the tables.
         acted: how much of each load that says so has acted by a time.
-        forces: on single blocks, which depend on where the blocks are, see ``loads.kinds.forces``; None where there are none.
+        forces: on single blocks, which depend on where the blocks are, see ``loads.bars``; None where there are none.
     """
 
     support_velocity: np.ndarray
@@ -101,16 +106,17 @@ def build(
         InputError: an unknown kind, a bad key, or a bad record file; the faults of all loads together.
     """
     grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly, longest, fills)
-    asked = of_each(lambda at: parse_load(at[1], f"loads[{at[0]}]", grid.folder), enumerate(tables))
-    falls = _gravity_tables(asked)
-    parts = of_each(lambda at: _part(at[1], f"loads[{at[0]}]", grid), enumerate(asked))
-    filled = [fill.part(each, grid, fill.shakes(asked)) for each in fills]
-    _check_ramp(asked, falls, filled)
+    every = asked(tables, grid.folder)
+    parts = of_each(lambda one: one.kind.part(one.table, grid, one.where), every)
+    shaken = not all(one.kind.gentle for one in every)
+    filled = [fill.part(each, grid, shaken) for each in fills]
     parts += [*own, *filled]
-    if not falls:
+    if not _given_gravity(every, filled):
         parts.append(KINDS["gravity"].part(GravityTable(), grid, "gravity"))
     tied = [bar(parse_table(TieTable, table, where), grid, where) for where, table in ties]
-    forces = collect([*parts, *tied], grid)
+    forces = Forces.of([*(force for part in parts for force in part.forces), *tied])
+    if forces is not None:
+        check_ties(forces.ties, grid)
     _check_guides(parts, forces, grid)
     acceleration = np.zeros((grid.steps + 1, 3))
     for part in parts:
@@ -148,15 +154,44 @@ def end_of(
     """
     grid = RunGrid(float(dt), 1, np.asarray(gravity, dtype=float), Path(folder), assembly, fills=fills)
     end, rest = 0.0, 0.0
-    for i, given in enumerate(tables):
-        table, where = parse_load(given, f"loads[{i}]"), f"loads[{i}]"
-        kind = KINDS[table.kind]
-        last = 0.0 if kind.end is None else kind.end(table, grid, where)
-        slow = getattr(table, "control", "") == "displacement" or table.kind in ("prop", "gravity", "tie", "vehicle")
-        end, rest = max(end, last), rest if slow else REST
+    for one in asked(tables, grid.folder):
+        end, rest = max(end, _end(one, grid)), rest if one.kind.slow(one.table) else REST
     if not end > 0.0:
         raise InputError("run.duration", "missing, and no load says how long the run is to last")
     return end, rest
+
+
+def _end(one: Asked, grid: RunGrid) -> float:
+    """When a load has done what it does [s]; 0 of one that acts all along."""
+    kind, table, where = one
+    if kind.end is not None:
+        return kind.end(table, grid, where)
+    acted = kind.part(table, grid, where).acted
+    if acted is not None and not math.isfinite(acted.end):
+        raise InputError("run.duration", f"missing, and {where} has no {acted.measure} at which it stops")
+    return 0.0 if acted is None else acted.end
+
+
+class Asked(NamedTuple):
+    """A table of a scene."""
+
+    kind: LoadKind
+    table: LoadTable
+    where: str  # its place, ``loads[0]``
+
+
+def asked(tables: Sequence[Mapping[str, Any]], folder: Path) -> list[Asked]:
+    """All [[loads]] tables of a scene in a folder, checked.
+
+    Raises:
+        InputError: the faults of all of them together.
+    """
+
+    def one(at: int) -> Asked:
+        table = parse_load(tables[at], f"loads[{at}]", folder)
+        return Asked(load_kind(table.kind, f"loads[{at}]", folder), table, f"loads[{at}]")
+
+    return of_each(one, range(len(tables)))
 
 
 def parse_load(table: Mapping[str, Any], where: str, folder: Path | None = None) -> LoadTable:
@@ -171,9 +206,16 @@ def parse_load(table: Mapping[str, Any], where: str, folder: Path | None = None)
     return parse_table(load_kind(str(kind), where, folder).table, table, where)
 
 
-def _part(table: LoadTable, where: str, grid: RunGrid) -> Part:
-    """The contribution of a load to a run."""
-    return load_kind(table.kind, where, grid.folder).part(table, grid, where)
+def shakes(tables: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether one of some tables shakes the base; a settlement moves it once."""
+    kinds = [kind_of(table) for table in tables]
+    return any(kind is not None and issubclass(kind.table, ShakingTable) for kind in kinds)
+
+
+def kind_of(table: Mapping[str, Any]) -> LoadKind | None:
+    """The kind of a table, ours or that of a package; None of one that is not known."""
+    name = str(table.get("kind"))
+    return load_kind(name, "loads") if name in KINDS or name in plugins.names("loads") else None
 
 
 def load_kind(kind: str, where: str, folder: Path | None = None) -> LoadKind:
@@ -184,12 +226,10 @@ def load_kind(kind: str, where: str, folder: Path | None = None) -> LoadKind:
     """
     if kind in KINDS:
         return KINDS[kind]
-    from masonry_cd.foundation.plugins import find
-
-    found = find("loads", kind, f"{where}.kind", KINDS, folder)
+    found = plugins.find("loads", kind, f"{where}.kind", KINDS, folder)
     if not (callable(getattr(found, "part", None)) and isinstance(getattr(found, "table", None), type)):
         raise InputError(f"{where}.kind", f'"{kind}" is no LoadKind(table, part)')
-    return LoadKind(found.table, found.part)
+    return found if isinstance(found, LoadKind) else LoadKind(found.table, found.part)
 
 
 def _nothing_changes(pause: Pause, velocity: np.ndarray, acceleration: np.ndarray) -> bool:
@@ -210,31 +250,23 @@ def _check_guides(parts: Sequence[Part], forces: Forces | None, grid: RunGrid) -
         check_inertia(forces.guides, forces.points, grid, wheres)
 
 
-def _gravity_tables(asked: Sequence[LoadTable]) -> list[int]:
-    """Places of the tables of kind gravity: none or one.
+def _given_gravity(every: Sequence[Asked], filled: Sequence[Part]) -> bool:
+    """Whether there is a table of kind gravity.
 
     Raises:
-        InputError: more than one, or one that is still being ramped when a tilt begins to turn it.
+        InputError: there are several, or gravity is still being ramped when a tilt begins to turn it, or beside fill that presses.
     """
-    falls = [i for i, table in enumerate(asked) if isinstance(table, GravityTable)]
+    falls = [(one.where, one.table) for one in every if isinstance(one.table, GravityTable)]
+    tilts = [(one.where, one.table) for one in every if isinstance(one.table, TiltTable)]
     if len(falls) > 1:
-        raise InputError(f"loads[{falls[1]}]", f"gravity is given twice, first in loads[{falls[0]}]")
-    ramp = max((table.ramp for table in asked if isinstance(table, GravityTable)), default=0.0)
-    for i, table in enumerate(asked):
-        if isinstance(table, TiltTable) and ramp > (0.0 if table.initial > 0.0 else table.start):
-            raise InputError(f"loads[{i}]", f"gravity is ramped over {ramp:g} s; begin the tilt after that, from an initial angle of 0")
-    return falls
-
-
-def _check_ramp(asked: Sequence[LoadTable], falls: Sequence[int], filled: Sequence[Part]) -> None:
-    """Refuse gravity that is ramped beside fill that presses.
-
-    Raises:
-        InputError: names the ramp.
-    """
-    pressed = any(part.summary["pressure"] > 0.0 for part in filled)
-    for i in (i for i in falls if pressed and getattr(asked[i], "ramp", 0.0) > 0.0):
-        raise InputError(f"loads[{i}].ramp", "fill presses in full from the start, on walls that have no weight yet; leave the ramp out")
+        raise InputError(falls[1][0], f"gravity is given twice, first in {falls[0][0]}")
+    for where, table in falls:
+        if table.ramp > 0.0 and any(part.summary["pressure"] > 0.0 for part in filled):
+            raise InputError(f"{where}.ramp", "fill presses in full from the start, on walls that have no weight yet; leave the ramp out")
+        early = next((place for place, tilt in tilts if table.ramp > (0.0 if tilt.initial > 0.0 else tilt.start)), "")
+        if early:
+            raise InputError(early, f"gravity is ramped over {table.ramp:g} s; begin the tilt after that, from an initial angle of 0")
+    return bool(falls)
 
 
 def _check_range(what: str, values: np.ndarray, most: float, unit: str) -> None:

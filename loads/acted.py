@@ -46,9 +46,13 @@ def over_time(where: str, measure: str, start: float, length: float, rises: Call
     return Acted(where, measure, start + length, at)
 
 
-def without_end(where: str, measure: str, start: float) -> Acted:
-    """Of what grows from a time [s] on without end: as much as the run asks for, once it has begun."""
-    return Acted(where, measure, np.inf, lambda time: float(time > start))
+def growing(where: str, measure: str, start: float, initial: float, rate: float, most: float | None) -> Acted:
+    """Of what grows from an initial value on, at a rate [1/s], up to ``most``; one without that end has acted once it has begun."""
+    if most is None:
+        begin = 0.0 if initial > 0.0 else start
+        return Acted(where, measure, np.inf, lambda time: float(time > begin))
+    begun = initial / most
+    return over_time(where, measure, start, (most - initial) / rate, lambda x: begun + (1.0 - begun) * x)
 
 
 def by_integral(where: str, measure: str, times: np.ndarray, values: np.ndarray) -> Acted:

@@ -20,6 +20,7 @@ long as w h < 2 with w = sqrt(k / m_e), and less where it is damped.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -62,6 +63,13 @@ class Forces:
     points: tuple[PointLoad, ...]
     ties: tuple[Tie, ...]
     guides: tuple[Guide, ...] = ()  # of blocks whose motion is given in part
+
+    @classmethod
+    def of(cls, forces: Sequence[PointLoad | Tie | Guide]) -> Forces | None:
+        """The forces of all loads; None where there are none."""
+        points = tuple(f for f in forces if isinstance(f, PointLoad))
+        ties = tuple(f for f in forces if isinstance(f, Tie))
+        return cls(points, ties, tuple(f for f in forces if isinstance(f, Guide))) if forces else None
 
     def acting(
         self,

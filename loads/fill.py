@@ -27,15 +27,14 @@ that of ties.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from loads.bar_frequency import bar_of
 from loads.bars import PointLoad, Tie
-from loads.kinds.forces import bar_of
-from loads.motion import LoadTable, Part, RunGrid
+from loads.motion import Part, RunGrid, Static
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import BARS, Fill, FillFace
 
@@ -44,7 +43,6 @@ FARTHER = 1e5  # of those that press [m]: a stone that falls by 10 m stretches o
 DAMPING = 0.05  # of the bars, share of the critical damping
 BESIDE = 1e-3  # [m]: a wall farther than this beside what carries the fill stands beyond it
 LEAST = 1e-6  # of the largest resistance of a face: faces that are all but level have none
-QUIET = ("gravity", "point", "tie", "vehicle", "settlement", "spreading", "prop")  # loads that neither shake nor push
 
 
 class Thrust(NamedTuple):
@@ -56,17 +54,11 @@ class Thrust(NamedTuple):
     force: np.ndarray  # (3,) on the block [N]
 
 
-def shakes(tables: Sequence[LoadTable]) -> bool:
-    """Whether loads shake or push, so that the passive resistance of an earthquake holds."""
-    return any(table.kind not in QUIET for table in tables)
-
-
 def part(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
     """What a fill does in a run: bars that press, and bars that resist."""
-    assert grid.assembly is not None
-    pressed = _thrusts(fill, grid.assembly, math.hypot(*grid.gravity))
-    carriers = _carriers(fill, grid.assembly)
-    pressing = [bar for thrust in pressed for bar in _slackening(fill, thrust, carriers, grid.assembly)]
+    assembly = grid.blocks(fill.where)
+    pressed, carriers = _thrusts(fill, assembly, math.hypot(*grid.gravity)), _carriers(fill, assembly)
+    pressing = [bar for thrust in pressed for bar in _slackening(fill, thrust, carriers, assembly)]
     bars = _passive(fill, grid, shaken, fill.coefficients[fill.pressure])
     total, most = sum(bar.tension for bar in pressing), sum(bar.limit for bar in bars)
     lines = [f"{fill.where}: {total:.4g} N press on walls and backs, {_in_words(fill)}"] if pressing else []
@@ -79,15 +71,15 @@ def part(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
     return Part(forces=(*pressing, *bars), lines=tuple(lines), summary=summary | falling)
 
 
-def at_collapse(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
-    """What a fill does as a mechanism begins to move: the active pressure as constant forces, and bars that resist."""
-    assert grid.assembly is not None
+def at_collapse(fill: Fill, grid: RunGrid, shaken: bool) -> Static:
+    """What a fill does as a mechanism begins to move: the active pressure as constant forces, and bars that resist; a line on it."""
+    assembly = grid.blocks(fill.where)
     k = fill.coefficients["active" if fill.pressure == "at_rest" else fill.pressure]
-    pressed = _thrusts(fill, grid.assembly, math.hypot(*grid.gravity)) if k > 0.0 else []
-    once, centre = np.ones(len(grid.times)), grid.assembly.centre
+    pressed = _thrusts(fill, assembly, math.hypot(*grid.gravity)) if k > 0.0 else []
+    once, centre = np.ones(len(grid.times)), assembly.centre
     loads = [PointLoad(thrust.block, thrust.place - centre[thrust.block], k * thrust.force, once) for thrust in pressed]
-    lines = [f"{fill.where}: walls and backs, on the point of moving away, are pressed by K_a = {k:.3g}"] if loads else []
-    return Part(forces=(*loads, *_passive(fill, grid, shaken, k)), lines=tuple(lines))
+    words = f"{fill.where}: walls and backs, on the point of moving away, are pressed by K_a = {k:.3g}" if loads else ""
+    return Static(words, tuple(loads), tuple(_passive(fill, grid, shaken, k)))
 
 
 def _in_words(fill: Fill) -> str:
@@ -163,8 +155,8 @@ def _over_feet(fill: Fill, points: np.ndarray) -> np.ndarray:
 
 def _passive(fill: Fill, grid: RunGrid, shaken: bool, pressed: float) -> list[Tie]:
     """The bars of the faces that may move into the fill, one to a face; backs are ``pressed`` already by so much of gamma times depth."""
-    assembly, number = grid.assembly, _numbers(grid.assembly) if grid.assembly else {}
-    assert assembly is not None
+    assembly = grid.blocks(fill.where)
+    number = _numbers(assembly)
     gamma, most_k = fill.density * math.hypot(*grid.gravity), _share(fill, shaken) * fill.coefficients["passive"]
     rates = {"extrados": gamma * most_k, "back": gamma * max(0.0, most_k - pressed)}
     some = [face for face in fill.faces if face.kind in rates and not _is_fixed(face, assembly, number)]

@@ -9,22 +9,27 @@ blocks gives an acceleration at the times t_k = k dt of the run. Loads add up.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from loads.acted import Acted
+from loads.bars import PointLoad, Tie
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import Fill
+from masonry_cd.mechanics.model.guides import Guide
 
 STANDARD_GRAVITY = 9.80665  # [m/s2], the g in which records are written (CGPM 1901); not the site's gravity
 ROUNDING = 1e-10
+LEVEL = 1e-9  # sine of the angle to the level at most
+STEEP = math.cos(math.radians(45.0))  # of the angle to the vertical up to which something counts as vertical
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -51,6 +56,16 @@ class RunGrid:
         """The last time [s]."""
         return self.dt * self.steps
 
+    def blocks(self, where: str) -> Assembly:
+        """The blocks that the run is about.
+
+        Raises:
+            InputError: there are none yet.
+        """
+        if self.assembly is None:
+            raise InputError(where, "needs a structure, whose blocks it names")
+        return self.assembly
+
 
 Motion = Callable[[np.ndarray], np.ndarray]
 """Times of the run (n,) [s] -> velocity of the base (n, 3) [m/s]."""
@@ -58,7 +73,7 @@ Motion = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """What one table contributes. What is left out is zero."""
+    """What one table does in a run. What is left out is zero."""
 
     motion: Motion | None = None
     delay: np.ndarray | None = None  # (B,) by how much a support's motion lags behind [s]
@@ -69,10 +84,23 @@ class Part:
     summary: dict[str, Any] = field(default_factory=dict)
     shocks: tuple[Any, ...] = ()  # loads.kinds.sequence.Shock
     pauses: tuple[Any, ...] = ()  # loads.kinds.sequence.Pause
-    forces: tuple[Any, ...] = ()  # loads.bars.PointLoad and Tie, and Guide
+    forces: tuple[PointLoad | Tie | Guide, ...] = ()
     acted: Acted | None = None  # how much of it has acted by a time; None of what acts all along, or does not say
 
 
+@dataclass(frozen=True, eq=False)
+class Static:
+    """What one table does in limit analysis, all of it there. What is left out is nothing."""
+
+    words: str = ""  # what it is called where it is multiplied
+    points: tuple[PointLoad, ...] = ()  # constant, or multiplied where limit.live names the table
+    ties: tuple[Tie, ...] = ()
+    weighs: bool = False  # its force may be the weight of a mass, by limit.masses
+    direction: Direction | None = None  # in which a push or a tilt moves all masses
+    velocity: np.ndarray | None = None  # (B, 3) of supports that move
+
+
+Positive = Annotated[float, Field(gt=0.0)]
 strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
 """Of every model of keys. Values are taken as they are typed: the text "0.2" is no number."""
 
@@ -84,17 +112,66 @@ class LoadTable(BaseModel):
 
     kind: str
 
+    def facts(self, *keys: str) -> dict[str, Any]:
+        """The kind and some keys as summary.json has them; a direction is its vector."""
+        values = {key: getattr(self, key) for key in keys}
+        plain = {key: value.vector if isinstance(value, Direction) else value for key, value in values.items()}
+        return {"kind": self.kind} | {key: list(value) if isinstance(value, tuple) else value for key, value in plain.items()}
+
+
+Pattern = Literal["", "push", "tilt", "settlement", "live"]
+"""What a limit analysis multiplies where ``[limit]`` does not say it; empty: it multiplies nothing of the load."""
+
 
 class LoadKind(NamedTuple):
-    """A kind of load: the model of its keys, and what it contributes to a run.
+    """A kind of load: all that the program knows of it. The first two are needed; what is left out, such a load does not do.
 
-    ``part(table, grid, where)`` raises InputErrors whose places begin with ``where``, that of the table, such as ``loads[0]``.
+    ``where`` is the place of a table, such as ``loads[0]``, with which the places of all InputErrors begin; ``table`` is one of the model.
     """
 
     table: type[LoadTable]
+    """The model of its keys."""
     part: Callable[[Any, RunGrid, str], Part]
+    """What it does in a run, (table, grid, where)."""
     end: Callable[[Any, RunGrid, str], float] | None = None
-    """When the load has done what it does, (table, grid, where) -> [s]; None: it does not say."""
+    """When it has done what it does, for a run that states no duration, (table, grid, where) -> [s]; None: when all of it has acted."""
+    slow: Callable[[Any], bool] = lambda table: False
+    """Whether it leaves the structure at rest, so that such a run ends with it."""
+    static: Callable[[Any, RunGrid, str], Static | None] | None = None
+    """What it does in limit analysis, (table, grid, where); None, or a table of which it gives None: it is left out there."""
+    pattern: Callable[[Any], Pattern] = lambda table: ""
+    """What a limit analysis of the scene multiplies."""
+    places: Callable[[Any, Sequence[Fill], str], Places] | None = None
+    """Where it may stand on a bridge, of a load whose worst place a limit analysis looks for, (table, fills, where)."""
+    gentle: bool = False
+    """Whether it neither shakes nor pushes, so that the fill of bridges resists as at rest."""
+    grown: Callable[[Mapping[str, Any], float], dict[str, Any]] | None = None
+    """The keys of a load that is larger by a factor, by which ensembles differ; None: it has no one size."""
+    recorded: Callable[[Mapping[str, Any], Mapping[str, Any], str], list[FromFile]] | None = None
+    """The motions that it has from files, (keys, summary, where)."""
+    senses: Callable[[Any, np.ndarray, str], Iterator[tuple[str, str]]] | None = None
+    """Places of keys that point the wrong way and a line on each, (table, unit vector (3,) of gravity, where)."""
+    starter: Mapping[str, Any] = {}
+    """Keys of a first load of this kind, on a 4 m arch where it needs a structure."""
+
+
+class Places(NamedTuple):
+    """Between which values of its key ``position`` a load stands on a bridge."""
+
+    low: float  # along the road [m]
+    high: float
+    words: str  # what the load is
+
+
+class FromFile(NamedTuple):
+    """A motion from files: components that have one size and act at the same time; those without a path are from none."""
+
+    where: str  # of the keys of its size
+    keys: Mapping[str, Any]
+    factor: float
+    begin: float  # of the run [s]
+    end: float
+    components: tuple[tuple[str, Mapping[str, Any], Mapping[str, Any]], ...]  # place, keys and summary of each
 
 
 @dataclass(frozen=True)
@@ -144,6 +221,11 @@ def parse_direction(value: object) -> Direction:
     )
 
 
+def lifts(way: Sequence[float] | np.ndarray, down: np.ndarray) -> bool:
+    """Whether a vector (3,) points upwards, by the unit vector (3,) of gravity."""
+    return bool(np.sum(np.asarray(way) * down) < -STEEP * math.hypot(*way))
+
+
 _AXIS = {"enum": [sign + axis for axis in AXES for sign in ("", "-")]}
 _VECTOR: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
 DirectionKey = Annotated[Direction, BeforeValidator(parse_direction), WithJsonSchema({"anyOf": [_AXIS, _VECTOR]})]
@@ -153,6 +235,30 @@ def smooth_step(x: np.ndarray) -> np.ndarray:
     """3 x^2 - 2 x^3 between 0 and 1, held outside: starts and ends level, so that what it scales has no kink."""
     x = np.clip(x, 0.0, 1.0)
     return x * x * (3.0 - 2.0 * x)
+
+
+def gravity_of(grid: RunGrid, where: str) -> tuple[np.ndarray, float]:
+    """Direction (3,) and size [m/s2] of gravity.
+
+    Raises:
+        InputError: there is none.
+    """
+    size = math.hypot(*grid.gravity)
+    if size == 0.0:
+        raise InputError(where, "needs gravity, but run.gravity is zero")
+    return grid.gravity / size, size
+
+
+def multiplied(pattern: Literal["push", "tilt"], direction: Direction, grid: RunGrid, where: str) -> Static:
+    """A push along a direction or a tilt towards it, which has the place ``where``.
+
+    Raises:
+        InputError: no gravity, or a tilt that is not level.
+    """
+    down, _ = gravity_of(grid, where)
+    if pattern == "tilt" and abs(float(np.sum(direction.vector * down))) > LEVEL:
+        raise InputError(where, "must be level, at right angles to gravity")
+    return Static(f"{pattern} {'towards' if pattern == 'tilt' else 'along'} {direction.label}", direction=direction)
 
 
 def describe(numbers: dict[str, float]) -> str:

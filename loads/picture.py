@@ -20,22 +20,14 @@ from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.figures import blank
 
-BEFORE, AFTER, TARGET = "#9aa3ab", "#0b5fa5", "#c7372f"
+BEFORE, AFTER = "#9aa3ab", "#0b5fa5"
 INK, FAINT = "#23272b", "#5f666d"
 POINTS = 20_000  # drawn of a curve at most
 DAMPING = 0.05
 DRIFTED = 8.0  # times the motion after correction: one before correction that is larger still may leave the picture
 
 
-def record_picture(
-    before: History,
-    after: History,
-    path: Path,
-    title: str = "",
-    begin: float = 0.0,
-    damping: float = DAMPING,
-    target: tuple[np.ndarray, np.ndarray] | None = None,
-) -> None:
+def record_picture(before: History, after: History, path: Path, title: str = "", begin: float = 0.0) -> None:
     """Draw a PNG (or PDF, SVG, by the name's ending).
 
     Args:
@@ -44,8 +36,6 @@ def record_picture(
         path: of the picture.
         title: what it shows.
         begin: time of the first sample on the axis [s].
-        damping: ratio of the response spectra.
-        target: periods [s] and pseudo-accelerations [m/s2] of a spectrum to draw beside them.
     """
     figure = blank((13.0, 8.0), layout="constrained")
     grid = figure.add_gridspec(6, 2, width_ratios=(1.75, 1.0))
@@ -57,7 +47,7 @@ def record_picture(
     rows[2].set_xlabel("time [s]")
     for axes in rows[:2]:
         axes.tick_params(labelbottom=False)
-    _spectra(figure.add_subplot(grid[:4, 1]), before, after, damping, target)
+    _spectra(figure.add_subplot(grid[:4, 1]), before, after)
     _build_up(figure.add_subplot(grid[4:, 1]), after, begin)
     figure.suptitle(title, color=INK, fontsize=13, x=0.01, ha="left")
     try:
@@ -114,20 +104,18 @@ def _histories(axes: Any, before: History, after: History, name: str, label: str
     _quiet(axes)
 
 
-def _spectra(axes: Any, before: History, after: History, damping: float, target: tuple[np.ndarray, np.ndarray] | None) -> None:
+def _spectra(axes: Any, before: History, after: History) -> None:
     """Pseudo-acceleration over the period."""
     periods = default_periods(120)
     for history, colour, width, word in ((before, BEFORE, 2.6, "before"), (after, AFTER, 1.3, "after")):
-        spectrum = response_spectrum(history.acceleration, history.step, periods, damping)
+        spectrum = response_spectrum(history.acceleration, history.step, periods, DAMPING)
         axes.plot(periods, spectrum.acceleration, color=colour, lw=width, label=word)
-    if target is not None:
-        axes.plot(*target, color=TARGET, lw=1.3, ls="--", label="target")
     axes.set_xscale("log")
     axes.set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0], ["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2", "4"])
     axes.minorticks_off()
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("period [s]")
-    axes.set_ylabel(f"pseudo-acceleration [m/s²], {100 * damping:g} % damping", color=INK)
+    axes.set_ylabel(f"pseudo-acceleration [m/s²], {100 * DAMPING:g} % damping", color=INK)
     axes.legend(frameon=False)
     _quiet(axes)
 

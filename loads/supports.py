@@ -13,16 +13,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BaseModel, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from loads.motion import DirectionKey, LoadTable, RunGrid, strict
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import Instant
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
+
+
+def _names(value: object) -> tuple[str, ...] | None:
+    """One name or a list of names."""
+    names = [value] if isinstance(value, str) else value
+    if names is None:
+        return None
+    if not isinstance(names, (list, tuple)) or not names or not all(isinstance(name, str) for name in names):
+        raise ValueError("must be the name of a fixed block or a group, or a list of names")
+    return tuple(names)
+
+
+_SCHEMA: dict[str, Any] = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]}
+Names = Annotated[tuple[str, ...] | None, BeforeValidator(_names), WithJsonSchema(_SCHEMA)]
+NeededNames = Annotated[tuple[str, ...], BeforeValidator(_names), WithJsonSchema(_SCHEMA)]
 
 
 class Delay(BaseModel):
@@ -80,11 +95,10 @@ def structure(grid: RunGrid, where: str) -> Assembly:
     Raises:
         InputError: there is none, or no support among its blocks.
     """
-    if grid.assembly is None:
-        raise InputError(where, "needs a structure, whose blocks it names")
-    if not grid.assembly.fixed.any():
+    assembly = grid.blocks(where)
+    if not assembly.fixed.any():
         raise InputError(where, "no block of the structure is fixed")
-    return grid.assembly
+    return assembly
 
 
 def select(names: Sequence[str], assembly: Assembly, where: str) -> np.ndarray:
@@ -103,6 +117,17 @@ def select(names: Sequence[str], assembly: Assembly, where: str) -> np.ndarray:
             raise InputError(where, f'"{name}" is no block or group{suggest(name, known)}; groups: {", ".join(assembly.groups)}')
         mask |= found
     return mask
+
+
+def one_block(name: str, assembly: Assembly, where: str) -> int:
+    """The index of the one block of a name or pattern."""
+    if name in assembly.names:
+        return assembly.names.index(name)
+    found = np.flatnonzero(select([name], assembly, where))
+    if len(found) > 1:
+        some = ", ".join(assembly.names[b] for b in found[:4])
+        raise InputError(where, f'"{name}" names {len(found)} blocks ({some} ...), one is needed')
+    return int(found[0])
 
 
 def select_supports(names: Sequence[str] | None, grid: RunGrid, where: str) -> np.ndarray:

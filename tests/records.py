@@ -37,3 +37,30 @@ def table(heading: str = "time_s,ns_m_s2,up_m_s2", delimiter: str = ",") -> str:
 
 def columns(comment: str = "# synthetic\n", time: np.ndarray = TIME) -> str:
     return comment + "".join(f" {t:.8g}   {v:.6f}\n" for t, v in zip(time, WAVE, strict=True))
+
+
+COUNTS = np.round(1000.0 * np.sin(np.linspace(0.0, 9.0, 40))).astype(int) - 500
+HEADING = {
+    "Origin Time": "1996/08/11 03:12:00",
+    "Station Code": "AKT013",
+    "Record Time": "1996/08/11 03:12:39",
+    "Sampling Freq(Hz)": "100Hz",
+    "Duration Time(s)": "0.4",
+    "Dir.": "N-S",
+    "Scale Factor": "2000(gal)/8388608",
+    "Max. Acc. (gal)": "0.3",
+    "Memo.": "",
+}
+
+
+def knet(**change: str | None) -> str:
+    heading = [f"{key:18}{value}".rstrip() for key, value in (HEADING | change).items() if value is not None]
+    return "\n".join([*heading, *("".join(f"{c:9d}" for c in COUNTS[i : i + 8]) for i in range(0, 40, 8))]) + "\n"
+
+
+def wrapped(values: np.ndarray, width: int, between: str = "  ") -> str:
+    return "".join(between.join(f"{v:.6f}" for v in values[i : i + width]) + "\n" for i in range(0, len(values), width))
+
+
+def side_by_side(*columns: np.ndarray, between: str = "  ") -> str:
+    return "".join(between.join(f"{v:.6f}" for v in row) + "\n" for row in zip(*columns, strict=True))

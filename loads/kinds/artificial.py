@@ -18,22 +18,23 @@ holds on both sides.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from loads.kinds.record import sample
-from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
+from loads.motion import DirectionKey, LoadKind, Part, Positive, RunGrid, describe, smooth_step
+from loads.signal.accelerogram import Processed, between
 from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.code_spectrum import CodeSpectrum
-from loads.signal.intensity import in_words, intensity, reached
+from loads.signal.intensity import in_words, reached
 from loads.signal.response import Oscillators, response_spectrum
-from loads.signal.site_spectrum import Positive, SiteSpectrum
+from loads.signal.site_spectrum import SiteSpectrum
 from loads.supports import ShakingTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.fields import Span, is_number
+from masonry_cd.foundation.fields import Span
 from masonry_cd.foundation.units import Unit
 
 STEP = 0.005  # [s] of the accelerogram
@@ -48,20 +49,11 @@ FADE = 0.5  # [s] at both ends
 LONGEST_MOTION = 600.0  # [s]: drawing 100 s takes 8 s
 
 
-def _range(value: object) -> tuple[float, float] | None:
-    """Two periods, the first below the second."""
-    if value is None:
-        return None
-    numbers = list(value) if isinstance(value, (list, tuple)) else []
-    right = len(numbers) == 2 and all(map(is_number, numbers))
-    if not right or not 0.02 <= numbers[0] < numbers[1] <= 4.0:
-        raise ValueError(f"must be [from, to] in seconds, 0.02 <= from < to <= 4; given: {value}")
-    return float(numbers[0]), float(numbers[1])
-
-
 class SpectrumMatch(SiteSpectrum):
-    """The keys that say which accelerogram is drawn."""
+    """The keys that say which accelerogram is drawn, and where it acts."""
 
+    direction: DirectionKey
+    """Axis ("x", "-y" ...) or vector along which the base moves."""
     spectrum: Literal["EC8", "NTC"]
     """Of Eurocode 8 or of the Italian code NTC."""
     ag: Annotated[Positive, Unit("m/s2")]
@@ -70,7 +62,7 @@ class SpectrumMatch(SiteSpectrum):
     """Match the vertical spectrum."""
     period: Span | None = None
     """T1 of the structure: the spectrum is met from 0.2 to 2 T1."""
-    periods: Annotated[tuple[float, float] | None, Unit("s"), BeforeValidator(_range)] = None
+    periods: Annotated[tuple[float, float] | None, Unit("s"), between("seconds", 0.0199, 4.0)] = None
     """Or the range in which it is met, [from, to]; 0.15 to 2 when not given."""
     tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10
     """Of the ratio of the spectrum to its target."""
@@ -105,13 +97,27 @@ class SpectrumMatch(SiteSpectrum):
         """The spectrum of the code."""
         return self.spectrum_of_site(self.vertical)
 
+    fade: ClassVar[float] = 0.0  # it ends at rest
+
+    def ready(self, grid: RunGrid, where: str) -> Processed:
+        """The motion, drawn."""
+        motion = drawn(self, where)
+        return Processed(motion, motion, 0.0, "artificial", "")
+
+    def lines(self, processed: Processed, how: str, where: str) -> list[str]:
+        """On the motion, which acts in a way said by ``how``."""
+        numbers, origin = processed.numbers()["after"], f"{self.spectrum} spectrum, ground {self.ground}, seed {self.seed}"
+        return [f"{where} artificial, {origin} {how}: {describe(numbers)}", f"{where}   {in_words(numbers)}"]
+
+    def doubts(self, processed: Processed, where: str) -> list[str]:
+        """None: it is as it was asked for."""
+        return []
+
 
 class ArtificialTable(SpectrumMatch, ShakingTable):
     """Keys of ``kind = "artificial"``."""
 
     kind: Literal["artificial"] = "artificial"
-    direction: DirectionKey
-    """Axis ("x", "-y" ...) or vector along which the base moves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +126,6 @@ class Match:
 
     motion: History
     worst: float  # largest |S / S_target - 1| inside the range
-    turns: int
 
 
 def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
@@ -129,82 +134,41 @@ def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
     Raises:
         InputError: no noise was found that meets the tolerance.
     """
-    motion, target, direction = drawn(table, where), table.target, table.direction
-    low, high = table.range
-    periods = libm.geometric(low, high, 200)
+    processed, target, (low, high) = table.ready(grid, where), table.target, table.range
+    motion, numbers, periods = processed.after, processed.numbers()["after"], libm.geometric(low, high, 200)
     ratio = response_spectrum(motion.acceleration, STEP, periods, DAMPING).acceleration / target.at(periods)
-    numbers = motion.numbers() | intensity(motion)
     at_rest = float(target.at(np.zeros(1))[0])
-    lines = (
-        f"{where} artificial along {direction.label}, {table.spectrum} spectrum, ground {table.ground}, seed {table.seed}, "
-        f"from {table.start:g} s of the run: {describe(numbers)}",
+    met = (
         f"{where}   spectrum over target {ratio.min():.3f} to {ratio.max():.3f} from {low:g} to {high:g} s, "
-        f"PGA over that of the target {numbers['pga'] / at_rest:.3f}",
-        f"{where}   {in_words(numbers)}",
+        f"PGA over that of the target {numbers['pga'] / at_rest:.3f}"
     )
-    summary: dict[str, Any] = {
-        "kind": "artificial",
-        "spectrum": table.spectrum,
-        "direction": list(direction.vector),
-        "seed": table.seed,
-        "time_step": STEP,
-        "periods": [low, high],
-        "ratio": [float(ratio.min()), float(ratio.max())],
-        "after": numbers,
-    }
+    summary = table.facts("spectrum", "direction", "seed") | {"time_step": STEP, "periods": [low, high], "after": numbers}
+    summary["ratio"] = [float(ratio.min()), float(ratio.max())]
     return Part(
-        motion=lambda times: direction.along(sample(motion, times - table.start)),
+        motion=lambda times: table.direction.along(sample(motion, times - table.start)),
         delay=table.delay_of_blocks(grid, where),
-        lines=lines,
+        lines=(*table.lines(processed, f"along {table.direction.label}, from {table.start:g} s of the run", where), met),
         summary=summary,
         acted=reached(where, [(table.start + table.latest(grid, where), motion)]),
     )
 
 
 def drawn(table: SpectrumMatch, where: str) -> History:
-    """The accelerogram of a table, from rest to rest.
+    """The accelerogram of a table, from rest to rest; equal seeds give equal samples.
 
     Raises:
-        InputError: no noise was found that meets the tolerance.
+        InputError: none of the draws came within the tolerance.
     """
-    try:
-        return accelerogram(table).motion
-    except ValueError as failure:
-        raise InputError(where, str(failure)) from None
-
-
-def accelerogram(table: SpectrumMatch) -> Match:
-    """Draw noise until it can be brought to the target; equal seeds give equal samples.
-
-    Raises:
-        ValueError: none of the draws came within the tolerance.
-    """
-    draws = np.random.SeedSequence(table.seed).spawn(DRAWS)
     best: Match | None = None
-    for draw in draws:
+    for draw in np.random.SeedSequence(table.seed).spawn(DRAWS):
         match = _brought_to_target(table, np.random.default_rng(draw))
         if best is None or match.worst < best.worst:
             best = match
         if best.worst <= MARGIN * table.tolerance:
-            return best
+            return best.motion
     assert best is not None
-    raise ValueError(
-        f"no accelerogram within {table.tolerance:.0%} of the spectrum was found, the best is off by {best.worst:.1%}; "
-        "allow more tolerance, a longer duration, or take another seed"
-    )
-
-
-class _Judge:
-    """Measures how far a spectrum strays from its target, at closely spaced periods inside the range asked for."""
-
-    def __init__(self, table: SpectrumMatch) -> None:
-        periods = libm.geometric(*table.range, FINE)
-        self._oscillators = Oscillators(periods, STEP, DAMPING)
-        self._of_target = (2.0 * np.pi / periods) ** 2 / table.target.at(periods)
-
-    def worst(self, motion: History) -> float:
-        """Largest |S / S_target - 1|."""
-        return float(np.abs(self._of_target * self._oscillators.peaks(motion.acceleration) - 1.0).max())
+    found = f"no accelerogram within {table.tolerance:.0%} of the spectrum was found, the best is off by {best.worst:.1%}"
+    raise InputError(where, f"{found}; allow more tolerance, a longer duration, or take another seed")
 
 
 def envelope(times: np.ndarray, rise: float, level: float, duration: float) -> np.ndarray:
@@ -225,7 +189,8 @@ def _brought_to_target(table: SpectrumMatch, random: np.random.Generator) -> Mat
     target, squares = table.target.at(periods), (2.0 * np.pi / periods) ** 2
     oscillators = Oscillators(periods, STEP, DAMPING)
     inside = (periods >= low) & (periods <= high)
-    judge = _Judge(table)
+    fine = libm.geometric(*table.range, FINE)
+    judges, of_target = Oscillators(fine, STEP, DAMPING), (2.0 * np.pi / fine) ** 2 / table.target.at(fine)
     ends = smooth_step(times / FADE) * smooth_step((table.duration - times) / FADE)
     log_of, logs = -libm.log(np.maximum(frequency, 1e-3)), libm.log(periods)
 
@@ -236,14 +201,15 @@ def _brought_to_target(table: SpectrumMatch, random: np.random.Generator) -> Mat
     slow = 1.0 / (1.0 + (((0.5 / periods[-1] / np.maximum(frequency, 1e-3)) ** 2) ** 2) ** 2)
     gain = np.interp(log_of, logs, target) / np.sqrt(np.maximum(frequency, 0.1)) * slow
     a = shaped(random.standard_normal(count), gain) * envelope(times, table.rise, table.level, table.duration)
-    best = Match(integrate(a, STEP), np.inf, 0)
+    best = Match(integrate(a, STEP), np.inf)
     for turn in range(TURNS):
         motion = correct(integrate(a, STEP), ORDERS["quadratic"])
         lacking = target / (squares * oscillators.peaks(motion.acceleration))
         if turn > 0:  # the first one only finds the size
             worst = float(np.abs(1.0 / lacking[inside] - 1.0).max())
-            worst = worst if worst > min(best.worst, table.tolerance) else judge.worst(motion)
-            best = Match(motion, worst, turn) if worst < best.worst else best
+            if worst <= min(best.worst, table.tolerance):
+                worst = float(np.abs(of_target * judges.peaks(motion.acceleration) - 1.0).max())
+            best = Match(motion, worst) if worst < best.worst else best
             if best.worst <= 0.8 * table.tolerance:
                 break
         factor = lacking if turn > 0 else np.full(PERIODS, float(libm.exp(libm.log(lacking[inside]).mean())))
@@ -261,4 +227,8 @@ def _end(table: ArtificialTable, grid: RunGrid, where: str) -> float:
     return table.start + table.duration + table.latest(grid, where)
 
 
-KINDS = {"artificial": LoadKind(ArtificialTable, artificial, _end)}
+KINDS = {
+    "artificial": LoadKind(
+        ArtificialTable, artificial, _end, starter={"direction": "x", "spectrum": "EC8", "ag": 2.5, "level": 3.0, "duration": 8.0}
+    )
+}

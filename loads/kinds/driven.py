@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Pushes by displacement, and props: blocks whose motion along a direction is given, and whose reaction is recorded.
+r"""Guided blocks, of pushes by displacement and of props: their motion along a direction is given, and their reaction is recorded.
 
 A point of each block, its centre of mass when not given, moves along d by
 
@@ -22,15 +22,14 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema
+from pydantic import BaseModel, Field
 
 from loads.acted import Acted, share_of
 from loads.bars import PointLoad
-from loads.kinds.settlement import NAMES_SCHEMA, names_of_blocks
-from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, strict
-from loads.supports import select
+from loads.motion import Direction, Part, RunGrid, strict
+from loads.supports import Names, select
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.fields import MOST_STEPS, Instant, Numbers, is_number
+from masonry_cd.foundation.fields import MOST_STEPS, Instant, Numbers, Vector
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.guides import Guide
@@ -45,29 +44,16 @@ ACROSS = 1e-9
 Faces = Literal["x", "+x", "-x", "y", "+y", "-y", "z", "+z", "-z"]
 
 
-def _point(value: object) -> tuple[float, float, float] | None:
-    """Three numbers."""
-    if value is None:
-        return None
-    numbers = list(value) if isinstance(value, (list, tuple)) else []
-    if len(numbers) != 3 or not all(map(is_number, numbers)):
-        raise ValueError("must be three numbers [x, y, z]")
-    return float(numbers[0]), float(numbers[1]), float(numbers[2])
-
-
-Blocks = Annotated[tuple[str, ...] | None, BeforeValidator(names_of_blocks), WithJsonSchema(NAMES_SCHEMA)]
-
-
 class GuidedKeys(BaseModel):
     """Which points of which blocks are guided."""
 
     model_config = strict
 
-    blocks: Blocks = None
+    blocks: Names = None
     """Names of the blocks or groups that are moved; * stands for any letters."""
     face: Faces | None = None
     """Their outermost face on that side: of those blocks that reach it, its middle is moved, instead of the centre of mass."""
-    point: Annotated[tuple[float, float, float] | None, Unit("m"), BeforeValidator(_point)] = None
+    point: Annotated[Vector | None, Unit("m")] = None
     """Or the point that is moved, as built, of a single block."""
     rotation: Literal["free", "held"] = "free"
     """Whether the blocks may turn: "held" for double bending, or a beam that is kept level."""
@@ -93,14 +79,6 @@ class DrivenKeys(GuidedKeys):
     """Largest rate of the motion; slow enough for 0.2 % of inertia in the force when not given."""
     hold: Instant = 0.0
     """Rest at each target."""
-
-
-class PropTable(GuidedKeys, LoadTable):
-    """Keys of ``kind = "prop"``."""
-
-    kind: Literal["prop"] = "prop"
-    direction: DirectionKey
-    """Axis or vector along which the blocks are held; across it they are free, so one along x holds in the horizontal only."""
 
 
 @dataclass(frozen=True)
@@ -138,30 +116,16 @@ def driven(table: DrivenKeys, direction: Direction, start: float, grid: RunGrid,
         InputError: unknown or fixed blocks, a point off its block, targets beyond the blocks, or a leg that the steps cannot follow.
     """
     path, targets = path_of(table, start, grid, where), table.targets or ()
-    guide = _guide(table, direction, path.velocity(grid), grid, where)
+    guide = guide_of(table, direction, path.velocity(grid), grid, where)
     _check_reach(guide, targets, grid, where)
     legs = f"{len(targets)} targets" if len(targets) > 1 else f"{targets[0]:g} m"
     fastest = max(PEAK_SPEED * abs(far) / length for far, length in zip(path.ways, path.lengths, strict=True))
     turns = "held from turning" if guide.held else "free to turn"
     how = f"{legs}, {start:g} to {path.end:.4g} s, at most {fastest:.3g} m/s, {turns}"
-    line = f"{where} push of {_counted(guide)} along {direction.label}: {how}"
+    line = f"{where} push of {counted(guide)} along {direction.label}: {how}"
     summary = {"kind": "push", "control": "displacement", "direction": list(direction.vector), "start": start, "end": path.end}
-    more = {"targets": list(targets), "speed": fastest, "name": guide.name, "rotation": table.rotation, "blocks": _names(guide, grid)}
-    return Part(forces=(guide,), lines=(line,), summary=summary | more, acted=Acted(where, "path", path.end, path.passed))
-
-
-def prop(table: PropTable, grid: RunGrid, where: str) -> Part:
-    """The guide of blocks that are held along a direction.
-
-    Raises:
-        InputError: see :func:`driven`.
-    """
-    if table.blocks is None:
-        raise InputError(f"{where}.blocks", "missing")
-    guide = _guide(table, table.direction, np.zeros(grid.steps + 1), grid, where)
-    summary = {"kind": "prop", "direction": list(table.direction.vector), "name": guide.name, "blocks": _names(guide, grid)}
-    line = f"{where} prop: {_counted(guide)} held along {table.direction.label}{', and from turning' if guide.held else ''}"
-    return Part(forces=(guide,), lines=(line,), summary=summary)
+    summary |= {"targets": list(targets), "speed": fastest, "rotation": table.rotation, **named(guide, grid, where)}
+    return Part(forces=(guide,), lines=(line,), summary=summary, acted=Acted(where, "path", path.end, path.passed))
 
 
 def path_of(table: DrivenKeys, start: float, grid: RunGrid, where: str) -> Path:
@@ -229,18 +193,12 @@ def check_inertia(guides: Sequence[Guide], points: Sequence[PointLoad], grid: Ru
 
 def _friction(grid: RunGrid, where: str) -> float:
     """The largest coefficient of friction, SMOOTHEST at the least."""
-    return max(SMOOTHEST, float(_blocks(grid, where).friction.max()))
+    return max(SMOOTHEST, float(grid.blocks(where).friction.max()))
 
 
-def _blocks(grid: RunGrid, where: str) -> Assembly:
-    if grid.assembly is None:
-        raise InputError(where, "needs a structure, whose blocks it names")
-    return grid.assembly
-
-
-def _guide(table: GuidedKeys, direction: Direction, velocity: np.ndarray, grid: RunGrid, where: str) -> Guide:
+def guide_of(table: GuidedKeys, direction: Direction, velocity: np.ndarray, grid: RunGrid, where: str) -> Guide:
     """The guide of the blocks of a table."""
-    assembly, names = _blocks(grid, where), table.blocks or ()
+    assembly, names = grid.blocks(where), table.blocks or ()
     mask = select(names, assembly, f"{where}.blocks")
     stuck = np.flatnonzero(mask & assembly.fixed)
     if len(stuck):
@@ -281,7 +239,7 @@ def _check_reach(guide: Guide, targets: Sequence[float], grid: RunGrid, where: s
     Raises:
         InputError: names the target and the size.
     """
-    assembly = _blocks(grid, where)
+    assembly = grid.blocks(where)
     along = np.concatenate([np.sum(assembly.blocks[b].vertices * guide.direction, axis=1) for b in guide.blocks])
     size, farthest = float(np.ptp(along)), max(targets, key=abs)
     if abs(farthest) > size:
@@ -304,15 +262,11 @@ def check_together(guides: Sequence[Guide], assembly: Assembly, wheres: Sequence
                 raise InputError(f"{where}.direction", f'"{name}" is already guided by {there}, and not at right angles to this')
 
 
-def _counted(guide: Guide) -> str:
+def counted(guide: Guide) -> str:
     """How many blocks a guide moves, in words."""
     return f'"{guide.name}"' if len(guide.blocks) == 1 else f'"{guide.name}" ({len(guide.blocks)} blocks)'
 
 
-def _names(guide: Guide, grid: RunGrid) -> list[str]:
-    """Of its blocks."""
-    assert grid.assembly is not None
-    return [grid.assembly.names[b] for b in guide.blocks]
-
-
-KINDS = {"prop": LoadKind(PropTable, prop, lambda table, grid, where: 0.0)}
+def named(guide: Guide, grid: RunGrid, where: str) -> dict[str, object]:
+    """Of a guide and of its blocks, for summary.json."""
+    return {"name": guide.name, "blocks": [grid.blocks(where).names[b] for b in guide.blocks]}

@@ -52,14 +52,7 @@ def pulse(table: PulseTable, grid: RunGrid, where: str) -> Part:
     return Part(
         acceleration=table.direction.along(means),
         lines=(f"{line}, {table.start:g} to {end:g} s",),
-        summary={
-            "kind": "pulse",
-            "direction": list(table.direction.vector),
-            "acceleration": table.acceleration,
-            "shape": table.shape,
-            "start": table.start,
-            "duration": table.duration,
-        },
+        summary=table.facts("direction", "acceleration", "shape", "start", "duration"),
         acted=over_time(where, "impulse", table.start, table.duration, lambda x: _passed(table, x)),
     )
 
@@ -81,4 +74,4 @@ def _integral(table: PulseTable, times: np.ndarray) -> np.ndarray:
     return np.asarray(table.duration * (1.0 - libm.cos(turns * np.pi * x)) / (turns * np.pi))
 
 
-KINDS = {"pulse": LoadKind(PulseTable, pulse, lambda table, grid, where: table.start + table.duration)}
+KINDS = {"pulse": LoadKind(PulseTable, pulse, starter={"direction": "x", "acceleration": 1.5, "duration": 0.25})}

@@ -13,12 +13,13 @@ component then acts along its direction turned about the vertical, which is the 
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from loads.motion import DirectionKey, LoadKind, Part, RunGrid, smooth_step
-from loads.signal.accelerogram import Accelerogram, Scaled, describe_both, process, size_factor
+from loads.motion import DirectionKey, FromFile, LoadKind, Part, RunGrid, smooth_step
+from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_both, process
 from loads.signal.baseline import History
 from loads.signal.intensity import reached
 from loads.signal.plausible import doubts
@@ -28,12 +29,35 @@ from masonry_cd.foundation.units import Unit
 FADE = 1.0  # [s] in which the velocity of an uncorrected record goes to zero after its end
 
 
-class RecordTable(Scaled, Accelerogram, ShakingTable):
+class Recorded(Accelerogram):
+    """An accelerogram and where it acts."""
+
+    direction: DirectionKey
+    """Axis ("x", "-y" ...) or vector along which the base moves."""
+
+    @property
+    def fade(self) -> float:
+        """How long the base moves on after its end [s]."""
+        return FADE if self.correction == "none" else 0.0
+
+    def ready(self, grid: RunGrid, where: str) -> Processed:
+        """The motion, read and processed."""
+        return process(self, grid.folder, grid.dt, where)
+
+    def doubts(self, processed: Processed, where: str) -> list[str]:
+        """Whether it is what the user means, a line each."""
+        return doubts(processed, self.correction, where)
+
+    def lines(self, processed: Processed, how: str, where: str) -> list[str]:
+        """On the motion, which acts in a way said by ``how``."""
+        column = f" [{processed.column}]" if processed.column else ""
+        return [f"{where} record {self.path}{column} {how}", *describe_both(where, processed, self.correction)]
+
+
+class RecordTable(Scaled, Recorded, ShakingTable):
     """Keys of ``kind = "record"``."""
 
     kind: Literal["record"] = "record"
-    direction: DirectionKey
-    """Axis ("x", "-y" ...) or vector along which the base moves."""
     rotate: Annotated[float, Unit("degrees")] = 0.0
     """Turns the direction about z, counter-clockwise seen from above."""
 
@@ -44,29 +68,18 @@ def record(table: RecordTable, grid: RunGrid, where: str) -> Part:
     Raises:
         InputError: a file that cannot be read, named with its line; unknown units; a window outside the record.
     """
-    processed = process(table, grid.folder, grid.dt, where)
-    factor = size_factor(table.scale, table.target_pga, processed.after.numbers()["pga"])
+    processed = table.ready(grid, where)
+    factor = table.factor(processed.after.numbers()["pga"])
     processed = processed.scaled(factor)
     direction, after = table.direction.turned(table.rotate), processed.after
-    summary = {
-        "kind": "record",
-        "path": table.path,
-        "direction": list(direction.vector),
-        "factor": factor,
-        "correction": table.correction,
-        **processed.numbers(),
-    }
+    summary = table.facts("path", "correction") | {"direction": list(direction.vector), "factor": factor} | processed.numbers()
     begin, end = summary["window"]
-    column = f" [{processed.column}]" if processed.column else ""
-    first = (
-        f"{where} record {table.path}{column} along {direction.label}: {begin:g} to {end:g} s of it, "
-        f"from {table.start:g} s of the run, times {factor:.6g}"
-    )
+    how = f"along {direction.label}: {begin:g} to {end:g} s of it, from {table.start:g} s of the run, times {factor:.6g}"
     return Part(
         motion=lambda times: direction.along(sample(after, times - table.start)),
         delay=table.delay_of_blocks(grid, where),
-        lines=(first, *describe_both(where, processed, table.correction), *_warnings(table, grid, where, after)),
-        warnings=tuple(doubts(processed, table.correction, where)),
+        lines=(*table.lines(processed, how, where), *_warnings(table, grid, where, after)),
+        warnings=tuple(table.doubts(processed, where)),
         summary=summary,
         acted=reached(where, [(table.start + table.latest(grid, where), after)]),
     )
@@ -95,8 +108,22 @@ def record_end(table: RecordTable, grid: RunGrid, where: str) -> float:
     Raises:
         InputError: see :func:`record`.
     """
-    fades = FADE if table.correction == "none" else 0.0
-    return table.start + process(table, grid.folder, grid.dt, where).after.duration + fades + table.latest(grid, where)
+    return table.start + table.ready(grid, where).after.duration + table.fade + table.latest(grid, where)
 
 
-KINDS = {"record": LoadKind(RecordTable, record, record_end)}
+def grown(keys: Mapping[str, Any], factor: float) -> dict[str, Any]:
+    """The keys of a record, or of a shock, that is larger by a factor."""
+    key = next((key for key in Scaled.model_fields if key in keys), None)
+    return {**keys, "scale": factor} if key is None else {**keys, key: float(keys[key]) * factor}
+
+
+def _recorded(keys: Mapping[str, Any], made: Mapping[str, Any], where: str) -> list[FromFile]:
+    begin, (first, last) = keys.get("start", 0.0), made["window"]
+    return [FromFile(where, keys, made["factor"], begin, begin + last - first, ((where, keys, made),))]
+
+
+KINDS = {
+    "record": LoadKind(
+        RecordTable, record, record_end, grown=grown, recorded=_recorded, starter={"path": "quake.csv", "direction": "x", "units": "g"}
+    )
+}

@@ -18,25 +18,23 @@ the pause after the last shock is the end of the loads, so the run ends there.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from loads.kinds.artificial import SpectrumMatch, drawn
-from loads.kinds.record import FADE, sample
-from loads.motion import Direction, DirectionKey, LoadKind, Part, RunGrid, describe
-from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_both, process, size_factor
-from loads.signal.intensity import in_words, reached
-from loads.signal.plausible import doubts
+from loads.kinds.artificial import SpectrumMatch
+from loads.kinds.record import Recorded, grown, sample
+from loads.motion import Direction, FromFile, LoadKind, Part, Positive, RunGrid
+from loads.signal.accelerogram import Processed, Scaled
+from loads.signal.intensity import reached
 from loads.supports import ShakingTable
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.fields import Span, is_number
 from masonry_cd.foundation.table_schema import rows
 from masonry_cd.foundation.units import Unit
-
-Positive = Annotated[float, Field(gt=0.0)]
 
 
 def _rest(value: object) -> float | str:
@@ -48,26 +46,12 @@ def _rest(value: object) -> float | str:
     raise ValueError('must be a time in seconds, or "still": until the structure is')
 
 
-class Recorded(Accelerogram):
-    """A recorded component of a shock."""
-
-    direction: DirectionKey
-    """Axis ("x", "-y" ...) or vector along which the base moves."""
-
-
-class Artificial(SpectrumMatch):
-    """An artificial component of a shock."""
-
-    direction: DirectionKey
-    """Axis ("x", "-y" ...) or vector along which the base moves."""
-
-
 class ShockTable(Scaled):
     """One shock: ``[[loads.shocks]]``; ``target_pga`` is that of its strongest component."""
 
     name: Annotated[str, Field(min_length=1, max_length=40)] | None = None
     """Of the shock, in tables and closing lines."""
-    components: Annotated[list[dict[str, Any]], Field(min_length=1, json_schema_extra=rows(Recorded, Artificial))]
+    components: Annotated[list[dict[str, Any]], Field(min_length=1, json_schema_extra=rows(Recorded, SpectrumMatch))]
     """Each with a direction, and the keys of a record or of an artificial accelerogram."""
     rotate: Annotated[float, Unit("degrees")] = 0.0
     """Turns all directions about z, counter-clockwise seen from above."""
@@ -152,7 +136,9 @@ def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
 
     acting = [(start + latest, processed.after) for start, one in zip(starts, ready, strict=True) for _, processed in one.parts]
     end = pauses[-1].last if pauses else shocks[-1].last
-    timed = [line for shock, said in zip(shocks, lines, strict=True) for line in _timed(shock, said, grid)]
+    timed = list[str]()
+    for acts, said in zip(shocks, lines, strict=True):
+        timed += [f'shock "{acts.name}": {acts.first * grid.dt:g} to {acts.last * grid.dt:g} s of the loads', *said]
     if end > grid.steps:
         timed.append(f"{where} the run ends at {grid.end:g} s: run.duration = {end * grid.dt:g} would hold all shocks and rests")
     return Part(
@@ -168,45 +154,21 @@ def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
 
 
 def _prepare(shock: ShockTable, grid: RunGrid, where: str, place: int) -> tuple[_Ready, list[str]]:
-    """Read and scale the components of a shock; with the lines on them."""
-    keys = [f"{where}.components[{j}]" for j in range(len(shock.components))]
-    components = [_component(table, key) for table, key in zip(shock.components, keys, strict=True)]
-    raw = [_read(component, grid, key) for component, key in zip(components, keys, strict=True)]
-    factor = size_factor(shock.scale, shock.target_pga, max(one.after.numbers()["pga"] for one in raw))
+    """Read and scale the components of a shock, of which one with a ``spectrum`` is artificial; with the lines on them."""
+    keyed = [(f"{where}.components[{j}]", table) for j, table in enumerate(shock.components)]
+    components: list[Recorded | SpectrumMatch] = [
+        parse_table(SpectrumMatch, table, key) if "spectrum" in table else parse_table(Recorded, table, key) for key, table in keyed
+    ]
+    raw = [component.ready(grid, key) for component, (key, _) in zip(components, keyed, strict=True)]
+    factor = shock.factor(max(one.after.numbers()["pga"] for one in raw))
     scaled = [one.scaled(factor) for one in raw]
     directions = [component.direction.turned(shock.rotate) for component in components]
-    lines, unsure, length = [], [], 0.0
-    for component, direction, one, key in zip(components, directions, scaled, keys, strict=True):
-        lines += _described(component, direction, one, factor, key)
-        if isinstance(component, Recorded):
-            unsure += doubts(one, component.correction, key)
-        fades = isinstance(component, Recorded) and component.correction == "none"
-        length = max(length, one.after.duration + (FADE if fades else 0.0))
+    lines, unsure = list[str](), list[str]()
+    for component, direction, one, (key, _) in zip(components, directions, scaled, keyed, strict=True):
+        lines += component.lines(one, f"along {direction.label}, times {factor:.6g}", key)
+        unsure += component.doubts(one, key)
+    length = max(one.after.duration + component.fade for component, one in zip(components, scaled, strict=True))
     return _Ready(shock.name or f"shock {place + 1}", tuple(zip(directions, scaled, strict=True)), factor, length, tuple(unsure)), lines
-
-
-def _described(component: Recorded | Artificial, direction: Direction, processed: Processed, factor: float, where: str) -> list[str]:
-    """The lines on a component at its final size."""
-    how = f"along {direction.label}, times {factor:.6g}"
-    if isinstance(component, Recorded):
-        column = f" [{processed.column}]" if processed.column else ""
-        return [f"{where} {component.path}{column} {how}", *describe_both(where, processed, component.correction)]
-    numbers = processed.numbers()["after"]
-    origin = f"artificial, {component.spectrum} spectrum, ground {component.ground}, seed {component.seed}"
-    return [f"{where} {origin} {how}: {describe(numbers)}", f"{where}   {in_words(numbers)}"]
-
-
-def _component(table: dict[str, Any], where: str) -> Recorded | Artificial:
-    """A component by its keys: one with a ``spectrum`` is artificial."""
-    return parse_table(Artificial, table, where) if "spectrum" in table else parse_table(Recorded, table, where)
-
-
-def _read(component: Recorded | Artificial, grid: RunGrid, where: str) -> Processed:
-    """The motion of a component, not scaled yet."""
-    if isinstance(component, Recorded):
-        return process(component, grid.folder, grid.dt, where)
-    motion = drawn(component, where)
-    return Processed(motion, motion, 0.0, "artificial", "")
 
 
 def _lay_out(table: SequenceTable, ready: list[_Ready], grid: RunGrid, latest: float) -> tuple[list[Shock], list[Pause]]:
@@ -221,11 +183,6 @@ def _lay_out(table: SequenceTable, ready: list[_Ready], grid: RunGrid, latest: f
         pauses.append(Pause(last, after, table.still, max(1, math.ceil(table.hold / grid.dt)), one.name))
         first = after
     return shocks, pauses
-
-
-def _timed(shock: Shock, lines: list[str], grid: RunGrid) -> list[str]:
-    """The lines of a shock below one that says when it acts."""
-    return [f'shock "{shock.name}": {shock.first * grid.dt:g} to {shock.last * grid.dt:g} s of the loads', *lines]
 
 
 def _summary(shock: Shock, ready: _Ready, grid: RunGrid) -> dict[str, Any]:
@@ -245,4 +202,28 @@ def _end(table: SequenceTable, grid: RunGrid, where: str) -> float:
     return grid.dt * (pauses[-1].last if pauses else shocks[-1].last)
 
 
-KINDS = {"sequence": LoadKind(SequenceTable, sequence, _end)}
+def _grown(keys: Mapping[str, Any], factor: float) -> dict[str, Any]:
+    return {**keys, "shocks": [grown(shock, factor) for shock in keys.get("shocks", [])]}
+
+
+def _recorded(keys: Mapping[str, Any], made: Mapping[str, Any], where: str) -> list[FromFile]:
+    """A motion for each shock, of whose components some may be artificial."""
+    found = []
+    for i, (shock, one) in enumerate(zip(keys["shocks"], made["shocks"], strict=True)):
+        place = f"{where}.shocks[{i}]"
+        both = enumerate(zip(shock["components"], one["components"], strict=True))
+        parts = tuple((f"{place}.components[{j}]", own, its) for j, (own, its) in both)
+        found.append(FromFile(place, shock, one["factor"], one["start"], one["end"], parts))
+    return found
+
+
+KINDS = {
+    "sequence": LoadKind(
+        SequenceTable,
+        sequence,
+        _end,
+        grown=_grown,
+        recorded=_recorded,
+        starter={"rest": 0.5, "shocks": [{"components": [{"path": "quake.csv", "direction": "x", "units": "g"}]}]},
+    )
+}

@@ -17,16 +17,19 @@ middle and length being those of the supports along d. The outermost ones part b
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterator
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import Field
 
 from loads.acted import Acted, over_time
-from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid
-from loads.supports import select_supports, structure
+from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid, Static, lifts
+from loads.supports import Names, NeededNames, select_supports, structure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Instant, Span
+from masonry_cd.foundation.quantities import length
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 
@@ -34,40 +37,10 @@ FEWEST_STEPS = 10  # of the run in a pulse
 NEAR = 1e-6  # of the largest extent of a block: boxes closer than this meet
 
 
-def names_of_blocks(value: object) -> tuple[str, ...] | None:
-    """One name or a list of names."""
-    names = [value] if isinstance(value, str) else value
-    if names is None:
-        return None
-    if not isinstance(names, (list, tuple)) or not names or not all(isinstance(name, str) for name in names):
-        raise ValueError("must be the name of a fixed block or a group, or a list of names")
-    return tuple(names)
-
-
-NAMES_SCHEMA: dict[str, Any] = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]}
-Names = Annotated[tuple[str, ...] | None, BeforeValidator(names_of_blocks), WithJsonSchema(NAMES_SCHEMA)]
-
-
-class SettlementTable(LoadTable):
-    """Keys of ``kind = "settlement"``."""
-
-    kind: Literal["settlement"] = "settlement"
-    supports: Annotated[tuple[str, ...], BeforeValidator(names_of_blocks), WithJsonSchema(NAMES_SCHEMA)]
-    """Names of fixed blocks or groups; * stands for any letters."""
-    direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
-    """Axis or vector along which they move."""
-    displacement: Annotated[float, Unit("m")]
-    """How far they move."""
-    start: Instant = 0.0
-    """When they begin to move."""
-    duration: Span
-    """How long they move."""
-
-
 class SpreadingTable(LoadTable):
     """Keys of ``kind = "spreading"``."""
 
-    kind: Literal["spreading"] = "spreading"
+    kind: Literal["settlement", "spreading"] = "spreading"
     supports: Names = None
     """Names of fixed blocks or groups; all when not given."""
     direction: DirectionKey
@@ -80,22 +53,39 @@ class SpreadingTable(LoadTable):
     """How long they move."""
 
 
+class SettlementTable(SpreadingTable):
+    """Keys of ``kind = "settlement"``."""
+
+    kind: Literal["settlement"] = "settlement"
+    supports: NeededNames
+    """Names of fixed blocks or groups; * stands for any letters."""
+    direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
+    """Axis or vector along which they move."""
+    displacement: Annotated[float, Unit("m")]
+    """How far they move."""
+
+
 def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
     """The motion of the supports named.
 
     Raises:
         InputError: names that fit no support, or a pulse that the steps cannot follow.
     """
-    moving = select_supports(table.supports, grid, f"{where}.supports")
+    moving = _sinking(table, grid, where)
     along = f"{table.displacement:g} m along {table.direction.label}"
     return Part(
         motion=_pulse(table, grid, where),
-        share=moving.astype(float),
+        share=moving,
         lines=(f"{where} settlement of {_count(moving)} by {along}, {_when(table)}",),
-        warnings=_all_alike(moving, grid, where),
-        summary=_summary(table) | {"supports": _named(moving, grid)},
+        warnings=_all_alike(moving > 0.0, grid, where),
+        summary=_summary(table, moving, grid),
         acted=_acted(table, where),
     )
+
+
+def _sinking(table: SettlementTable, grid: RunGrid, where: str) -> np.ndarray:
+    """One of each support that moves, zero of the other blocks, (B,)."""
+    return select_supports(table.supports, grid, f"{where}.supports").astype(float)
 
 
 def _all_alike(moving: np.ndarray, grid: RunGrid, where: str) -> tuple[str, ...]:
@@ -128,23 +118,29 @@ def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
     Raises:
         InputError: names that fit no support, supports that all stand at one place, or a pulse that the steps cannot follow.
     """
+    share, extent = _parting(table, grid, where)
+    over = f"over {extent:.4g} m along {table.direction.label}"
+    moving = select_supports(table.supports, grid, f"{where}.supports")
+    return Part(
+        motion=_pulse(table, grid, where),
+        share=share,
+        lines=(f"{where} spreading of {_count(moving)} by {table.displacement:g} m {over}, {_when(table)}",),
+        summary=_summary(table, moving, grid),
+        acted=_acted(table, where),
+    )
+
+
+def _parting(table: SpreadingTable, grid: RunGrid, where: str) -> tuple[np.ndarray, float]:
+    """D(x) / displacement of the head of this file (B,), and the length of the supports along the direction [m]."""
     moving = select_supports(table.supports, grid, f"{where}.supports")
     place = np.sum(structure(grid, where).centre * table.direction.vector, axis=1)
     low, high = place[moving].min(), place[moving].max()
     if high - low < 1e-9 * max(1.0, abs(high)):
         raise InputError(f"{where}.direction", f"the supports all stand at one place along {table.direction.label}, nothing can spread")
-    share = np.where(moving, (place - 0.5 * (low + high)) / (high - low), 0.0)
-    over = f"over {high - low:.4g} m along {table.direction.label}"
-    return Part(
-        motion=_pulse(table, grid, where),
-        share=share,
-        lines=(f"{where} spreading of {_count(moving)} by {table.displacement:g} m {over}, {_when(table)}",),
-        summary=_summary(table) | {"supports": _named(moving, grid)},
-        acted=_acted(table, where),
-    )
+    return np.where(moving, (place - 0.5 * (low + high)) / (high - low), 0.0), float(high - low)
 
 
-def _pulse(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -> Motion:
+def _pulse(table: SpreadingTable, grid: RunGrid, where: str) -> Motion:
     """The velocity of the whole displacement as a function of time."""
     if table.duration < FEWEST_STEPS * grid.dt:
         raise InputError(f"{where}.duration", f"{table.duration:g} s are less than {FEWEST_STEPS} steps of run.dt {grid.dt:g} s")
@@ -160,40 +156,46 @@ def _pulse(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -
     return lambda times: table.direction.along(table.displacement / on_steps * shape(times))
 
 
-def _when(table: SettlementTable | SpreadingTable) -> str:
+def _when(table: SpreadingTable) -> str:
     return f"{table.start:g} to {table.start + table.duration:g} s"
 
 
-def _acted(table: SettlementTable | SpreadingTable, where: str) -> Acted:
+def _acted(table: SpreadingTable, where: str) -> Acted:
     """By the displacement reached, d(t) of the head of this file."""
     return over_time(where, "displacement", table.start, table.duration, lambda x: x * x * x * (10.0 + x * (6.0 * x - 15.0)))
 
 
 def _count(moving: np.ndarray) -> str:
     """How many supports a mask has, in words."""
-    count = int(moving.sum())
+    count = int(np.count_nonzero(moving))
     return f"{count} support{'s' if count > 1 else ''}"
 
 
-def _named(moving: np.ndarray, grid: RunGrid) -> list[str]:
-    """The names of the blocks in a mask."""
-    assert grid.assembly is not None
-    return [grid.assembly.names[b] for b in np.flatnonzero(moving)]
+def _summary(table: SpreadingTable, moving: np.ndarray, grid: RunGrid) -> dict[str, object]:
+    names = grid.blocks(table.kind).names
+    return table.facts("direction", "displacement", "start", "duration") | {"supports": [names[b] for b in np.flatnonzero(moving)]}
 
 
-def _summary(table: SettlementTable | SpreadingTable) -> dict[str, object]:
-    return {
-        "kind": table.kind,
-        "direction": list(table.direction.vector),
-        "displacement": table.displacement,
-        "start": table.start,
-        "duration": table.duration,
-    }
+def _static(table: SpreadingTable, grid: RunGrid, where: str) -> Static:
+    """The way of each support, against which it bears what it still bears."""
+    share = _sinking(table, grid, where) if isinstance(table, SettlementTable) else _parting(table, grid, where)[0]
+    sign = math.copysign(1.0, table.displacement)
+    return Static(f"{where} {table.kind} along {table.direction.label}", velocity=np.outer(sign * share, table.direction.vector))
 
 
-def _end(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -> float:
-    """When the supports have come to their place [s]."""
-    return table.start + table.duration
+def _senses(table: SettlementTable, down: np.ndarray, where: str) -> Iterator[tuple[str, str]]:
+    if lifts(table.displacement * np.asarray(table.direction.vector), down):
+        rises = f"these supports rise by {length(abs(table.displacement))}: what settles goes down, -z"
+        yield f"{where}.displacement", f"{where}.displacement: {rises}"
 
 
-KINDS = {"settlement": LoadKind(SettlementTable, settlement, _end), "spreading": LoadKind(SpreadingTable, spreading, _end)}
+def _kind(model: type[LoadTable], part: Callable[[Any, RunGrid, str], Part], **more: Any) -> LoadKind:
+    return LoadKind(model, part, static=_static, pattern=lambda table: "settlement", gentle=True, **more)
+
+
+KINDS = {
+    "settlement": _kind(
+        SettlementTable, settlement, senses=_senses, starter={"supports": "abutment2", "displacement": 0.02, "duration": 2.0}
+    ),
+    "spreading": _kind(SpreadingTable, spreading, starter={"direction": "x", "displacement": 0.02, "duration": 2.0}),
+}

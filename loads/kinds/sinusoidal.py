@@ -16,17 +16,15 @@ import math
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from loads.acted import over_time
-from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
+from loads.motion import DirectionKey, LoadKind, Part, Positive, RunGrid, describe, smooth_step
 from loads.supports import ShakingTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, Span
 from masonry_cd.foundation.units import Unit
-
-Positive = Annotated[float, Field(gt=0.0)]
 
 FINE = 400  # samples per cycle from which the peaks in the printed line are taken
 COARSE = 20  # a run with fewer steps per cycle than this is warned about
@@ -94,7 +92,7 @@ def sinusoidal(table: SinusoidalTable, grid: RunGrid, where: str) -> Part:
         motion=lambda times: table.direction.along(table.velocity(times - table.start)),
         delay=table.delay_of_blocks(grid, where),
         lines=_lines(table, grid, where, numbers),
-        summary={"kind": "sinusoidal", "direction": list(table.direction.vector), "after": numbers},
+        summary=table.facts("direction") | {"after": numbers},
         acted=over_time(where, "cycles", table.start + table.latest(grid, where), table.length),
     )
 
@@ -132,9 +130,11 @@ def _lines(table: SinusoidalTable, grid: RunGrid, where: str, n: dict[str, Any])
     return tuple(lines)
 
 
-def _end(table: SinusoidalTable, grid: RunGrid, where: str) -> float:
-    """When the base stands still again [s]."""
-    return table.start + table.length + table.latest(grid, where)
-
-
-KINDS = {"sinusoidal": LoadKind(SinusoidalTable, sinusoidal, _end)}
+KINDS = {
+    "sinusoidal": LoadKind(
+        SinusoidalTable,
+        sinusoidal,
+        grown=lambda keys, factor: {**keys, "amplitude": float(keys["amplitude"]) * factor},
+        starter={"direction": "x", "amplitude": 0.2, "frequency": 2.0, "cycles": 5},
+    )
+}

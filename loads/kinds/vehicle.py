@@ -28,16 +28,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from loads.acted import Acted, over_time
 from loads.bars import PointLoad
-from loads.motion import LoadKind, LoadTable, Part, RunGrid
+from loads.motion import LoadKind, LoadTable, Part, Places, RunGrid, Static
 from masonry_cd.foundation import libm
-from masonry_cd.foundation.errors import Fault, InputError
+from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.foundation.fields import Instant, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.fill import Fill, FillFace
@@ -228,8 +228,7 @@ def on_bridge(table: VehicleTable, fills: Sequence[Fill], where: str) -> Fill:
         InputError: there is none, several, or it stands beside the road.
     """
     fill = _bridge(fills, where)
-    if faults := _beside(table, fill, where):
-        raise InputError.of(faults)
+    _check_road(table, fill, where)
     return fill
 
 
@@ -240,19 +239,16 @@ def _bridge(fills: Sequence[Fill], where: str) -> Fill:
     return fills[0]
 
 
-def _beside(table: VehicleTable, fill: Fill, where: str) -> list[Fault]:
-    """A fault where wheels stand beside the road."""
+def _check_road(table: VehicleTable, fill: Fill, where: str) -> None:
+    """Refuse wheels that stand beside the road."""
     reach = 0.5 * (table.known.track + table.known.contact[1])
     low, high = table.offset - reach, table.offset + reach
-    if table.across != "wheels" or (low >= fill.clear[0] - 1e-9 and high <= fill.clear[1] + 1e-9):
-        return []
-    return [
-        Fault(
+    if table.across == "wheels" and (low < fill.clear[0] - 1e-9 or high > fill.clear[1] + 1e-9):
+        raise InputError(
             f"{where}.offset",
             f"the vehicle stands beside the road: its wheels from y = {low:.4g} to {high:.4g} m, the road from "
             f"{fill.clear[0]:.4g} to {fill.clear[1]:.4g} m",
         )
-    ]
 
 
 def axles_at(table: VehicleTable, first: np.ndarray) -> np.ndarray:
@@ -277,14 +273,22 @@ def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> Part:
     Raises:
         InputError: no bridge, no place, or one that is beside the road or never on it.
     """
-    fill = _bridge(grid.fills, where)
-    assert grid.assembly is not None
+    fill, loads = _loads(table, grid, where)
+    summary = table.facts("name", "offset", "position", "speed", "start")
+    summary |= {"axles": list(table.known.loads), "spacing": list(table.known.spacing)}
+    return Part(forces=tuple(loads), lines=(_line(table, fill, where),), summary=summary, acted=_acted(table, fill, where))
+
+
+def _loads(table: VehicleTable, grid: RunGrid, where: str) -> tuple[Fill, list[PointLoad]]:
+    """The bridge, and the loads on its blocks."""
+    fill, faults = _bridge(grid.fills, where), Faults()
     first = _begin(table, fill) + table.speed * np.maximum(grid.times - table.start, 0.0)
-    faults = [*_beside(table, fill, where), *_never_there(table, fill, grid, where, first)]
-    if faults:
-        raise InputError.of(faults)
-    loads, acted = point_loads(table, fill, grid, first), _acted(table, fill, where)
-    return Part(forces=tuple(loads), lines=(_line(table, fill, where),), summary=_summary(table), acted=acted)
+    with faults.of():
+        _check_road(table, fill, where)
+    with faults.of():
+        _check_on_deck(table, fill, grid, where, first)
+    faults.refuse()
+    return fill, point_loads(table, fill, grid, first)
 
 
 def _acted(table: VehicleTable, fill: Fill, where: str) -> Acted:
@@ -297,25 +301,21 @@ def _acted(table: VehicleTable, fill: Fill, where: str) -> Acted:
     return over_time(where, "way over the deck", table.start + before, (leaves - max(begin, fill.deck[0])) / table.speed)
 
 
-def _never_there(table: VehicleTable, fill: Fill, grid: RunGrid, where: str, first: np.ndarray) -> list[Fault]:
-    """A fault where a vehicle has no place, or none on the deck while the run lasts, with its first axle at places (N + 1,) [m]."""
+def _check_on_deck(table: VehicleTable, fill: Fill, grid: RunGrid, where: str, first: np.ndarray) -> None:
+    """Refuse a vehicle that has no place, or none on the deck while the run lasts, with its first axle at places (N + 1,) [m]."""
     if table.position is None and table.speed == 0.0:
         asked = "missing; give the place of the first axle along the road, or a speed (masonry-cd limit looks for it)"
-        return [Fault(f"{where}.position", asked)]
-    axles, found = axles_at(table, first), list[Fault]()
+        raise InputError(f"{where}.position", asked)
+    axles = axles_at(table, first)
     if not ((axles >= fill.deck[0]) & (axles <= fill.deck[1])).any():
-        key = "speed" if table.speed > 0.0 else "position"
-        reached = f"its first axle goes from x = {first[0]:.4g} to {first[-1]:.4g} m" if table.speed > 0.0 else f"x = {first[0]:.4g} m"
-        where_deck = f"which is from x = {fill.deck[0]:.4g} to {fill.deck[1]:.4g} m: {reached}"
-        found.append(Fault(f"{where}.{key}", f"the vehicle never stands on the deck, {where_deck}"))
+        key, reached = "position", f"x = {first[0]:.4g} m"
+        if table.speed > 0.0:
+            key, reached = "speed", f"its first axle goes from x = {first[0]:.4g} to {first[-1]:.4g} m"
+        deck = f"which is from x = {fill.deck[0]:.4g} to {fill.deck[1]:.4g} m"
+        raise InputError(f"{where}.{key}", f"the vehicle never stands on the deck, {deck}: {reached}")
     if table.start > grid.end:
-        found.append(
-            Fault(
-                f"{where}.start",
-                f"the vehicle never stands on the deck: it is there from {table.start:g} s on, the run ends at {grid.end:g} s",
-            )
-        )
-    return found
+        late = f"it is there from {table.start:g} s on, the run ends at {grid.end:g} s"
+        raise InputError(f"{where}.start", f"the vehicle never stands on the deck: {late}")
 
 
 def _begin(table: VehicleTable, fill: Fill) -> float:
@@ -325,8 +325,7 @@ def _begin(table: VehicleTable, fill: Fill) -> float:
 
 def point_loads(table: VehicleTable, fill: Fill, grid: RunGrid, first: np.ndarray) -> list[PointLoad]:
     """The loads of all strips on free blocks, over the times of a run; of blocks that are fixed the ground bears them."""
-    assembly = grid.assembly
-    assert assembly is not None
+    assembly = grid.blocks("loads")
     strips, load = strip_loads(table, fill, first)
     since = grid.times - table.start
     load = load * (np.clip(since / table.ramp, 0.0, 1.0) if table.ramp > 0.0 else (since >= 0.0).astype(float))[:, None]
@@ -349,20 +348,33 @@ def _line(table: VehicleTable, fill: Fill, where: str) -> str:
     return f"{where} vehicle{named} of {len(vehicle.loads)} axles, {total:.4g} N, its first axle {moves}; spread {spread}"
 
 
-def _summary(table: VehicleTable) -> dict[str, Any]:
-    vehicle = table.known
-    return {
-        "kind": "vehicle", "name": table.name, "axles": list(vehicle.loads), "spacing": list(vehicle.spacing), "offset": table.offset,
-        "position": table.position, "speed": table.speed, "start": table.start,
-    }  # fmt: skip
-
-
 def _end(table: VehicleTable, grid: RunGrid, where: str) -> float:
-    """When its last axle has left the bridge, or when it stands."""
-    if table.speed == 0.0:
-        return table.start + table.ramp
-    fill = on_bridge(table, grid.fills, where)
-    return table.start + max(fill.deck[1] + sum(table.known.spacing) - _begin(table, fill), 0.0) / table.speed
+    """When its last axle has left the bridge, or when it stands; the run that is not long enough yet need not have it on the deck."""
+    return _acted(table, on_bridge(table, grid.fills, where), where).end
 
 
-KINDS = {"vehicle": LoadKind(VehicleTable, vehicle, _end)}
+def _static(table: VehicleTable, grid: RunGrid, where: str) -> Static:
+    """All axles, standing where the first is at the position."""
+    standing = table.model_copy(update={"speed": 0.0, "start": 0.0, "ramp": 0.0})
+    return Static(f"{where} (vehicle)", tuple(_loads(standing, grid, where)[1]))
+
+
+def _places(table: VehicleTable, fills: Sequence[Fill], where: str) -> Places:
+    """Of the first axle, from where it comes onto the bridge to where the last one leaves it."""
+    fill, words = on_bridge(table, fills, where), f"vehicle {table.name}" if table.name else f"vehicle of {len(table.known.loads)} axles"
+    return Places(fill.deck[0], fill.deck[1] + sum(table.known.spacing), words)
+
+
+KINDS = {
+    "vehicle": LoadKind(
+        VehicleTable,
+        vehicle,
+        _end,
+        slow=lambda table: True,
+        static=_static,
+        pattern=lambda table: "live",
+        places=_places,
+        gentle=True,
+        starter={"name": "double", "position": 2.0},
+    )
+}

@@ -7,7 +7,9 @@ asked first.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Any
+
+from pydantic import AfterValidator
 
 from loads.readers.source import RawRecord, Reader, Request, Source
 from masonry_cd.foundation import plugins
@@ -15,13 +17,25 @@ from masonry_cd.foundation.extensions import Entries
 
 __all__ = ["READERS", "FormatName", "RawRecord", "Request", "Source", "formats", "read"]
 
-FormatName = Literal[
-    "auto", "afad", "at2", "bhrc", "columns", "cosmos", "counted", "csmip", "csv", "cwb", "esm", "fixed", "geonet", "knet", "mseed",
-    "renadic", "sac", "smc", "timeseries", "unam", "usc",
-]  # fmt: skip
-"""What a table may ask for: "auto", or one of ``READERS``, which a test compares."""
-
 READERS: Entries[Reader] = Entries("loads.readers", "FORMATS")
+
+
+class _Names:
+    """The formats in the schema of the key, which is asked for seldom: modules of readers are imported then."""
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
+        return {"enum": ["auto", *sorted(READERS)], "type": "string"}
+
+
+def _known(value: str) -> str:
+    """A format that there is a reader for, or "auto"."""
+    if value != "auto" and value not in READERS and value not in plugins.names("readers"):
+        raise ValueError(f"should be one of {', '.join(['auto', *sorted(READERS), *plugins.names('readers')])}; given: {value}")
+    return value
+
+
+FormatName = Annotated[str, AfterValidator(_known), _Names()]
+"""What a table may ask for."""
 
 
 def read(source: Source, name: str, request: Request) -> tuple[str, RawRecord]:
@@ -50,7 +64,11 @@ def read(source: Source, name: str, request: Request) -> tuple[str, RawRecord]:
         if found is None:
             raise source.error(f"not recognised as one of {', '.join(sorted(READERS))}; name the format by the key format")
         name = found
-    return name, reader_of(name).read(source, request)
+    reader = reader_of(name)
+    stray = next((key for key, value in request._asdict().items() if value is not None and key not in reader.takes), None)
+    if stray is not None:
+        raise source.error(f'the key {stray} does not apply to files of format "{name}"')
+    return name, reader.read(source, request)
 
 
 def formats() -> list[tuple[str, str, str]]:

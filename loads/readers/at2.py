@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from loads.readers.orientation import of_name
 from loads.readers.quantity import Stated, named
-from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
+from loads.readers.source import RawRecord, Reader, Request, Source
 from loads.readers.units import units_in
 
 COUNT_LINES = (
@@ -30,25 +30,15 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read the record.
-
-    Raises:
-        InputError: no NPTS and DT, a step that is not positive, text among the numbers, a wrong count.
-    """
+    """Read the record."""
     found = _count_line(source)
     if found is None:
         raise source.error("no line with NPTS and DT in the heading of an AT2 file")
-    refuse_keys(source, request, "AT2")
     index, count, step = found
     heading = " ".join(source.lines[:index])
-    points = source.number(count, index)
-    h = source.number(step, index)
-    if h <= 0.0:
-        raise source.error(f"the time step DT must be above zero, got {h:g}", index)
-    if points < 2 or points != int(points):
-        raise source.error(f"NPTS must be a whole number above one, got {count}", index)
+    h, points = source.positive(step, index, "the time step DT"), source.whole(count, index, "NPTS")
     values = source.stream(index + 1)
-    check_count(source, values, points, index)
+    source.check_count(values, points, index)
     unit = re.search(r"UNITS?\s*(?:\s(?:OF|ARE)\s|[:=])\s*(\S+)", heading, re.IGNORECASE)
     named_unit = unit[1].strip(".,;()[]") if unit else next(iter(units_in(source.lines[index - 1] if index else "")), None)
     return RawRecord(values, h, 0.0, named_unit, _component(source.lines[:index]), stated=_stated(source.lines[:index]))
@@ -80,4 +70,4 @@ def _count_line(source: Source) -> tuple[int, str, str] | None:
     return None
 
 
-FORMATS = {"at2": Reader(recognises, read, about="AT2, VT2, DT2, one component", by="PEER")}
+FORMATS = {"at2": Reader(recognises, read, about="AT2, VT2, DT2, one component", by="PEER", takes=())}

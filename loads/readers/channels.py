@@ -1,142 +1,91 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What files of several channels share: how the key ``column`` picks one, and numbers that stand in fields of a fixed width.
+"""Files of several channels, each a series in fields of a fixed width: where it stands, what is known of it, and how ``column`` picks one.
 
-Old formats are written by Fortran programs: ``(8F10.3)`` is eight numbers a line, ten characters each, which may touch. They are
-therefore cut by their place, not at blanks. Samples of film are read at uneven times; they are interpolated, and the record says so.
+Samples of film are read at uneven times; they are interpolated, and the record says so.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from loads.readers.source import Request, Source, refuse_calibration, refuse_layout
+from loads.readers.fixed import Fields, fixed
+from loads.readers.quantity import Stated
+from loads.readers.source import RawRecord, Request, Source
+from masonry_cd.foundation.errors import InputError, suggest
 
-FORMAT = re.compile(r"(\d+)\s*[FEGDI]\s*(\d+)", re.IGNORECASE)  # eight numbers in fields of ten: 8F10.3
 IRREGULAR = 0.2  # of a step: times with three digits at 200 Hz stay below
 DEGREES = re.compile(r"\s*\bDEG(?:REES)?\b\.?", re.IGNORECASE)
 LONGEST_NAME = 30  # characters
-MOST = 1e9  # values of a channel: 30 days at 400 Hz
 
 
-class Fields(NamedTuple):
-    """How many numbers stand on a line, in fields of which width, after how many characters."""
+class Channel(NamedTuple):
+    """A channel of a file, and its series as the heading announces it."""
 
-    each: int
-    width: int
-    lead: int = 0
+    name: str  # of its component
+    first: int  # index of the first line of values
+    points: int
+    step: float  # [s]
+    unit: str | None
+    stated: Stated | None
+    fields: Fields
+    timed: bool = False  # a time stands before each value
+    counts: bool = False  # of a digitiser
+    last: bool = True  # nothing may follow that could be more of them
 
 
-def fields_of(text: str, default: Fields) -> Fields:
-    """The fields of a Fortran format within a text; the default where there is none that can be."""
-    found = FORMAT.search(text)
-    each, width = (int(found[1][:4]), int(found[2][:4])) if found else (0, 0)
-    return Fields(each, width) if each and width else default
-
-
-def pick(source: Source, names: Sequence[str], request: Request, kind: str) -> int:
-    """The place of the channel that the user asks for by its name, or by its place counted from 0.
+def read_channel(source: Source, request: Request, channels: Sequence[Channel]) -> RawRecord:
+    """The channel that the user asks for.
 
     Raises:
-        InputError: several channels and none named, no such channel; keys that do not apply.
+        InputError: no such channel, text among the numbers, a wrong count, times that do not advance; a calibration of no counts.
     """
-    refuse_layout(source, request, kind)
-    if request.time_step is not None:
-        raise source.error(f"the key time_step does not apply to {kind} files, whose header gives it")
+    one = channels[pick([channel.name for channel in channels], request.column, source.error)]
+    if request.calibration is not None and not one.counts:
+        raise source.error("the key calibration does not apply to values that are no counts", one.first - 1)
+    values, _ = fixed(source, one.first, one.points * (2 if one.timed else 1), one.fields, one.last)
+    if one.timed:
+        even, step, notes = evenly(source, values[::2], values[1::2], one.first)
+        return RawRecord(even, step, float(values[0]), one.unit, one.name, stated=one.stated, notes=notes)
+    factor = request.calibration or 1.0
+    return RawRecord(factor * values, one.step, 0.0, one.unit, one.name, stated=one.stated, counts=one.counts)
+
+
+def pick(names: Sequence[str], asked: str | int | None, error: Callable[[str], InputError]) -> int:
+    """The place of the channel that the user asks for: by its name, by the end of one such as ``IV.AQK..HNE``, or by its place.
+
+    Raises:
+        InputError: no channel; several and none named; no such channel, or several of that name.
+    """
+    listed = f"channels: {', '.join(names)}"
     if not names:
-        raise source.error(f"no channel of a {kind} file found")
-    asked, listed = request.column, f"channels: {', '.join(names)}"
+        raise error("no channel found")
     if asked is None:
         if len(names) > 1:
-            raise source.error(f"several channels; say which by the key column; {listed}")
+            raise error(f"several channels; say which by the key column; {listed}")
         return 0
     if isinstance(asked, int) and 0 <= asked < len(names):
         return asked
     word = str(asked).strip().upper()
-    found = [k for k, name in enumerate(names) if name.upper() == word]
+    found = [k for k, name in enumerate(names) if word in (name.upper(), code_of(name).upper())]
     if len(found) > 1:
-        raise source.error(f'several channels are called "{asked}"; give the place of one, counted from 0; {listed}')
+        raise error(f'several channels are called "{asked}"; give the place of one, counted from 0; {listed}')
     if not found:
-        raise source.error(f'no channel "{asked}"; {listed}')
+        raise error(f'no channel "{asked}"{suggest(word, names)}; {listed}')
     return found[0]
 
 
-def only_physical(source: Source, request: Request, kind: str) -> None:
-    """Raise where a calibration is given for values that are no counts."""
-    refuse_calibration(source, request, kind)
+def code_of(name: str) -> str:
+    """The code of a channel in its whole name, ``IV.AQK..HNE``."""
+    return name.rpartition(".")[2]
 
 
 def component(text: str) -> str:
     """The name of a component as a line writes it, without the word for degrees: ``360``, ``N90E``, ``UP``."""
     return " ".join(DEGREES.sub("", text).split())[:LONGEST_NAME] or "?"
-
-
-def whole(source: Source, word: str, index: int, what: str) -> int:
-    """A whole number above one, as the header announces it.
-
-    Raises:
-        InputError: it is none.
-    """
-    number = source.number(word, index)
-    if number < 2 or number > MOST or number != int(number):
-        raise source.error(f"{what} must be a whole number above one, got {word.strip()[:40]}", index)
-    return int(number)
-
-
-def positive(source: Source, word: str, index: int, what: str) -> float:
-    """A number above zero.
-
-    Raises:
-        InputError: it is none.
-    """
-    number = source.number(word, index)
-    if number <= 0.0:
-        raise source.error(f"{what} must be above zero, got {word.strip()[:40]}", index)
-    return number
-
-
-def fixed(source: Source, first: int, count: int, fields: Fields, last: bool = False) -> tuple[np.ndarray, int]:
-    """Numbers in fields of a fixed width, and the index of the line behind them.
-
-    Args:
-        source: the file.
-        first: index of their first line.
-        count: how many.
-        fields: their width, and how many stand on a line.
-        last: whether nothing may follow that could be more of them.
-
-    Raises:
-        InputError: fewer or more of them, text among them.
-    """
-    rows = -(-count // fields.each)
-    after = first + rows
-    if after > len(source.lines):
-        held = (len(source.lines) - first) * fields.each
-        raise source.error(f"the header announces {count} values, the file has lines for {max(held, 0)}: cut short", max(first - 1, 0))
-    values: list[float] = []
-    for index in range(first, after):
-        line, here = source.lines[index][fields.lead :], min(fields.each, count - len(values))
-        words = [line[k * fields.width : (k + 1) * fields.width].strip() for k in range(here)]
-        if not all(words):
-            raise source.error(f"{sum(map(bool, words))} values on a line where {here} belong: cut short", index)
-        values += [source.number(word.upper().replace("D", "E"), index) for word in words]
-        if index == after - 1 and line[here * fields.width :].strip():
-            raise source.error(f"the header announces {count} values, more follow: longer than it says", index)
-    more = next((index for index in range(after, len(source.lines)) if source.lines[index].strip()), None)
-    if last and more is not None and numbers_alone(source.lines[more]):
-        raise source.error(f"the header announces {count} values, more follow: longer than it says", more)
-    return np.array(values), after
-
-
-def numbers_alone(line: str) -> bool:
-    """Whether a line holds numbers and nothing else."""
-    try:
-        return bool([float(word) for word in line.split()])
-    except ValueError:
-        return False
 
 
 def evenly(source: Source, times: np.ndarray, values: np.ndarray, index: int) -> tuple[np.ndarray, float, tuple[str, ...]]:

@@ -14,18 +14,21 @@ Places are counted from 1. Source: COSMOS, "Strong-Motion Data Format", version 
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 
-from loads.readers.channels import Fields, fields_of, fixed, only_physical, pick, whole
+from loads.readers.channels import Channel, read_channel
+from loads.readers.fixed import Fields, fields_of, fixed
 from loads.readers.quantity import Stated
 from loads.readers.source import RawRecord, Reader, Request, Source
+from loads.readers.units import measured_by
 
 BEGIN = re.compile(r"\(format v", re.IGNORECASE)
 SERIES = re.compile(r"^\s*(\d+)\s+(?:\w+\s+)?(accel|veloc|displ|count)(?:\w*|\.)\s+pts\b(.*)$", re.IGNORECASE)  # "raw accel.   pts"
 HEADER = re.compile(r"^\s*(\d+)\s+(integer|real)-header values follow(.*)$", re.IGNORECASE)
 WRITTEN = re.compile(r"units?\s*=\s*([^(,]+)", re.IGNORECASE)
+WORDS = ("acceleration", "velocity", "displacement", "counts")
 QUANTITIES = {1: "acceleration", 2: "velocity", 3: "displacement"}  # table 1
 UNITS = {2: "g", 4: "cm/s2", 5: "cm/s", 6: "cm", 7: "in/s2", 8: "in/s", 9: "in", 10: "gal", 11: "mg"}  # table 2
 COUNTS = 50  # of table 2
@@ -35,90 +38,70 @@ QUANTITY, UNIT, AZIMUTH, INTERVAL = 1, 2, 53, 61  # places in the headers, count
 USUAL = {"integer": Fields(10, 8), "real": Fields(6, 13), "series": Fields(8, 10)}
 
 
-class _Set(NamedTuple):
-    """A channel: its headers, and the line that announces its series."""
-
-    integers: np.ndarray
-    reals: np.ndarray
-    line: int
-    points: str
-    what: str
-    rest: str
-
-    @property
-    def name(self) -> str:
-        """Of its component: an azimuth in degrees, or a direction."""
-        code = int(self.integers[AZIMUTH])
-        return AZIMUTHS.get(code, str(code) if 0 <= code <= 360 else "?")
-
-
 def recognises(source: Source) -> bool:
     """True when the first line gives the version of the format."""
     return bool(source.lines) and bool(BEGIN.search(source.lines[0])) and "text lines" in source.lines[0].lower()
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read one channel.
-
-    Raises:
-        InputError: no such channel, a header that contradicts itself, text among the numbers, a wrong count.
-    """
-    found = _sets(source)
-    one = found[pick(source, [one.name for one in found], request, "COSMOS")]
-    step = 1e-3 * float(one.reals[INTERVAL])
-    if step <= 0.0:
-        raise source.error(
-            f"the interval of the series, real-header value {INTERVAL + 1}, must be above zero, got {1e3 * step:g} ms", one.line
-        )
-    values, _ = fixed(
-        source, one.line + 1, whole(source, one.points, one.line, "the number of points"), fields_of(one.rest, USUAL["series"]), last=True
-    )
-    if int(one.integers[UNIT]) == COUNTS or one.what == "counts":
-        factor = 1.0 if request.calibration is None else request.calibration
-        what = QUANTITIES.get(int(one.integers[QUANTITY])) if one.what == "counts" else one.what
-        of_counts = Stated(what, f"line {one.line + 1}", firm=True) if what else None
-        return RawRecord(factor * values, step, 0.0, None, one.name, stated=of_counts, counts=True)
-    only_physical(source, request, "COSMOS")
-    stated = Stated(one.what, f"line {one.line + 1}", firm=True)
-    announced = QUANTITIES.get(int(one.integers[QUANTITY]))
-    if announced not in (None, stated.quantity):
-        raise source.error(
-            f"a series of {stated.quantity}, but integer-header value {QUANTITY + 1} is that of {announced}: correct the file", one.line
-        )
-    return RawRecord(values, step, 0.0, _unit(source, one), one.name, stated=stated)
+    """Read one channel."""
+    return read_channel(source, request, _channels(source))
 
 
-def _unit(source: Source, one: _Set) -> str | None:
-    """The unit, in words and by its number, which have to agree."""
-    from loads.readers.units import measured_by
-
-    written = WRITTEN.search(one.rest)
-    word, coded = written[1].strip() if written else None, UNITS.get(int(one.integers[UNIT]))
-    if word and coded and measured_by(word) and measured_by(word) != measured_by(coded):
-        raise source.error(f'units "{word}", but integer-header value {UNIT + 1} is that of {coded}: correct the file', one.line)
-    return word or coded
-
-
-def _sets(source: Source) -> list[_Set]:
+def _channels(source: Source) -> list[Channel]:
     """The channels of a file that have a series."""
-    found: list[_Set] = []
+    found: list[Channel] = []
     headers: dict[str, np.ndarray] = {}
     for index, line in enumerate(source.lines):
         if BEGIN.search(line):
             headers = {}
         elif match := HEADER.match(line):
-            kind = match[2].lower()
-            headers[kind], _ = fixed(
-                source, index + 1, whole(source, match[1], index, "the number of values"), fields_of(match[3], USUAL[kind])
-            )
+            kind, count = match[2].lower(), source.whole(match[1], index, "the number of values")
+            headers[kind], _ = fixed(source, index + 1, count, fields_of(match[3], USUAL[kind]))
         elif match := SERIES.match(line):
             if len(headers.get("integer", ())) <= AZIMUTH or len(headers.get("real", ())) <= INTERVAL:
                 raise source.error("a series without the integer and real headers of a COSMOS file", index)
-            what = next(word for word in ("acceleration", "velocity", "displacement", "counts") if word.startswith(match[2].lower()))
-            found.append(_Set(headers["integer"], headers["real"], index, match[1], what, match[3]))
+            found.append(_channel(source, index, match, headers["integer"].astype(int).tolist(), float(headers["real"][INTERVAL])))
     return found
 
 
+def _channel(source: Source, index: int, announced: re.Match[str], codes: Sequence[int], interval: float) -> Channel:
+    """A channel by the line that announces its series, by the codes of its header, and by its interval [ms]."""
+    if interval <= 0.0:
+        raise source.error(f"the interval of the series, real-header value {INTERVAL + 1}, must be above zero, got {interval:g} ms", index)
+    what, by = next(word for word in WORDS if word.startswith(announced[2].lower())), f"line {index + 1}"
+    by_code, azimuth = QUANTITIES.get(codes[QUANTITY]), codes[AZIMUTH]
+    counts = codes[UNIT] == COUNTS or what == "counts"
+    if not counts and by_code not in (None, what):
+        raise source.error(f"a series of {what}, but integer-header value {QUANTITY + 1} is that of {by_code}: correct the file", index)
+    quantity = by_code if what == "counts" else what
+    return Channel(
+        name=AZIMUTHS.get(azimuth, str(azimuth) if 0 <= azimuth <= 360 else "?"),
+        first=index + 1,
+        points=source.whole(announced[1], index, "the number of points"),
+        step=1e-3 * interval,
+        unit=None if counts else _unit(source, index, announced[3], UNITS.get(codes[UNIT])),
+        stated=Stated(quantity, by, firm=True) if quantity else None,
+        fields=fields_of(announced[3], USUAL["series"]),
+        counts=counts,
+    )
+
+
+def _unit(source: Source, index: int, text: str, coded: str | None) -> str | None:
+    """The unit, in words and by its number, which have to agree."""
+    written = WRITTEN.search(text)
+    word = written[1].strip() if written else None
+    if word and coded and measured_by(word) and measured_by(word) != measured_by(coded):
+        raise source.error(f'units "{word}", but integer-header value {UNIT + 1} is that of {coded}: correct the file', index)
+    return word or coded
+
+
 FORMATS = {
-    "cosmos": Reader(recognises, read, about="V0 (counts), V1, V2, one or several channels", by="COSMOS; CESMD, USGS, CGS and others")
+    "cosmos": Reader(
+        recognises,
+        read,
+        about="V0 (counts), V1, V2, one or several channels",
+        by="COSMOS; CESMD, USGS, CGS and others",
+        takes=("column", "calibration"),
+    )
 }

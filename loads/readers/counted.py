@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from loads.readers.quantity import of_comments
-from loads.readers.rates import Spacing, agree, spacings
-from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source, refuse_keys
-from loads.readers.units import declared_unit, units_in
+from loads.readers.rates import Spacing, one_step, spacings
+from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source
+from loads.readers.units import one_unit
 from loads.readers.wrapped import advances
 
 HEADING = 20  # lines of text above the numbers, at most
@@ -43,24 +43,16 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read the series.
-
-    Raises:
-        InputError: no heading that counts the values and gives their step, one that gives several, or one number as both.
-    """
-    refuse_keys(source, request, "counted text")
+    """Read the series."""
     found = _found(source)
     if found is None:
         raise source.error("no line above the numbers gives how many there are, and, by another number, one step or rate")
-    step = found.steps[0]
-    if not agree(found.steps):
-        raise source.error(f"the heading gives steps of {min(found.steps):g} and {max(found.steps):g} s: correct the file", found.first - 1)
+    step = one_step(source, found.steps, found.first - 1)
     heading = [line for line in source.lines[: found.first] if line.strip()]
     if any(float(line[slice(*stated.place)]) == len(found.values) for line in heading for stated in spacings(line)):
         said = f"{len(found.values)} as the number of values and as their rate: correct the file, or leave one out"
         raise source.error(f"the heading gives {said}", found.first - 1)
-    units = {unit for line in heading for unit in units_in(line)} or {unit for line in heading if (unit := declared_unit(line))}
-    return RawRecord(found.values, step, found.origin, units.pop() if len(units) == 1 else None, stated=of_comments(heading))
+    return RawRecord(found.values, step, found.origin, one_unit(heading), stated=of_comments(heading))
 
 
 def _found(source: Source) -> _Found | None:
@@ -123,5 +115,6 @@ FORMATS = {
         loose=True,
         about="one series below a heading with count and step, any number of values a line",
         by="spectrum-matching and other programs",
+        takes=(),
     )
 }

@@ -7,18 +7,18 @@ A line announces each series, its unit and the Fortran format of its values:
     Volume 1    13200 Accelerogram points at 200 pts/sec in units of g .      Format: (8f9.6)
 
 Of a channel the accelerations are read; its velocities and displacements follow from them. Older files of Volume 1 announce none and hold
-(time, value) pairs, see :mod:`.volumes`. Source: OSMS 85-03, California Strong Motion Instrumentation Program.
+(time, value) pairs, see :mod:`.usc`. Source: OSMS 85-03, California Strong Motion Instrumentation Program.
 """
 
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
 
-from loads.readers.channels import Fields, component, fields_of, fixed, only_physical, pick, positive, whole
+from loads.readers.channels import Channel, component, read_channel
+from loads.readers.fixed import Fields, fields_of
 from loads.readers.quantity import Stated
 from loads.readers.source import RawRecord, Reader, Request, Source
-from loads.readers.volumes import read_volume
+from loads.readers.usc import read_volume
 
 MARK = re.compile(r"(?<!\d )\b(?:UN)?CORRECTED ACCELEROGRAM", re.IGNORECASE)  # SMC files number theirs
 CORRECTED = re.compile(r"^\s*(\d+)\s+points of acc\w*\s+data\s+equally spaced at\s+(\S+)\s*sec\b(.*)$", re.IGNORECASE)
@@ -26,18 +26,7 @@ RAW = re.compile(r"^\s*(\d+)\s+accelerogram points at\s+(\S+)\s+pts/sec(.*)$", r
 UNIT = re.compile(r"(?:\bunits?\s*(?:of\b|[:=])?|\bin(?!\s+units?\b))\s*([A-Za-z%][A-Za-z0-9/^*]*)", re.IGNORECASE)
 CHANNEL = re.compile(r"\bCHAN(?:NEL)?\s*(\d+)\s*:\s*(.*?)(?:\s+from\b.*|\s{3,}.*)?$", re.IGNORECASE)
 COMPONENT = re.compile(r"COMP\s+(\S+)")  # of volume 2 as USC wrote it: IN UNITS CM/SEC/SEC
-USUAL = {"corrected": Fields(8, 10), "raw": Fields(8, 9)}
-
-
-class _Series(NamedTuple):
-    """A series of accelerations: its component, the line that announces it, and what that says."""
-
-    name: str
-    line: int
-    points: str
-    step: str  # [s], or samples a second
-    rest: str
-    raw: bool
+USUAL = (Fields(8, 10), Fields(8, 9))  # of corrected and raw ones
 
 
 def recognises(source: Source) -> bool:
@@ -47,28 +36,14 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read the accelerations of one channel.
-
-    Raises:
-        InputError: no such channel, text among the numbers, a wrong count.
-    """
+    """Read the accelerations of one channel."""
     found = _series(source)
-    if not found:
-        return read_volume(source, request, "CSMIP")
-    only_physical(source, request, "CSMIP")
-    one = found[pick(source, [series.name for series in found], request, "CSMIP")]
-    count = whole(source, one.points, one.line, "the number of points")
-    step = positive(source, one.step.rstrip(",."), one.line, "the sampling")
-    unit = UNIT.search(one.rest)
-    values, _ = fixed(source, one.line + 1, count, fields_of(one.rest, USUAL["raw" if one.raw else "corrected"]), last=True)
-    stated = Stated("acceleration", f"line {one.line + 1}", firm=True)
-    return RawRecord(values, 1.0 / step if one.raw else step, 0.0, unit[1] if unit else None, one.name, stated=stated)
+    return read_channel(source, request, found) if found else read_volume(source, request, "CSMIP")
 
 
-def _series(source: Source) -> list[_Series]:
+def _series(source: Source) -> list[Channel]:
     """The series of accelerations, each with the component that was named last."""
-    found: list[_Series] = []
-    name = ""
+    found, name = list[Channel](), ""
     for index, line in enumerate(source.lines):
         if channel := CHANNEL.search(line.rstrip()):
             name = component(channel[2]) if channel[2].strip() else channel[1]
@@ -76,12 +51,19 @@ def _series(source: Source) -> list[_Series]:
             name = component(of_usc[1])
         for pattern, raw in ((CORRECTED, False), (RAW, True)):
             if match := pattern.match(line):
-                found.append(_Series(name, index, match[1], match[2], match[3], raw))
+                count = source.whole(match[1], index, "the number of points")
+                step, unit = source.positive(match[2].rstrip(",."), index, "the sampling"), UNIT.search(match[3])
+                stated, fields = Stated("acceleration", f"line {index + 1}", firm=True), fields_of(match[3], USUAL[raw])
+                found.append(Channel(name, index + 1, count, 1.0 / step if raw else step, unit[1] if unit else None, stated, fields))
     return found
 
 
 FORMATS = {
     "csmip": Reader(
-        recognises, read, about="Volumes 1 and 2, one or several channels", by="CSMIP, California Geological Survey; CDMG, CESMD"
+        recognises,
+        read,
+        about="Volumes 1 and 2, one or several channels",
+        by="CSMIP, California Geological Survey; CDMG, CESMD",
+        takes=("column",),
     )
 }

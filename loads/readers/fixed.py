@@ -1,21 +1,83 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One series in fields of a fixed width, which may touch, below a heading that gives their Fortran format and the step.
+"""Numbers in fields of a fixed width, which may touch, as Fortran programs write them; and one series of them.
+
+``(8F10.3)`` is eight numbers a line, ten characters each. They are cut by their place, not at blanks. One series stands below a heading
+that gives the format and the step; what stands behind the fields, such as numbers of lines, is passed over:
 
     A SHOCK, 8F9.6, DT=0.005 SEC, UNITS G
      0.000389 0.000431 ... 0.000643 0.000683       1
-
-What stands behind the fields, such as numbers of lines, is passed over.
 """
 
 from __future__ import annotations
 
+import re
 from typing import NamedTuple
 
-from loads.readers.channels import FORMAT, Fields, fields_of, fixed, numbers_alone
+import numpy as np
+
 from loads.readers.quantity import of_comments
-from loads.readers.rates import LONGEST, agree, firm
-from loads.readers.source import RawRecord, Reader, Request, Source, refuse_keys
-from loads.readers.units import declared_unit, units_in
+from loads.readers.rates import LONGEST, firm, one_step
+from loads.readers.source import RawRecord, Reader, Request, Source
+from loads.readers.units import one_unit
+
+FORMAT = re.compile(r"(\d+)\s*[FEGDI]\s*(\d+)", re.IGNORECASE)  # eight numbers in fields of ten: 8F10.3
+
+
+class Fields(NamedTuple):
+    """How many numbers stand on a line, in fields of which width, after how many characters."""
+
+    each: int
+    width: int
+    lead: int = 0
+
+
+def fields_of(text: str, default: Fields) -> Fields:
+    """The fields of a Fortran format within a text; the default where there is none that can be."""
+    found = FORMAT.search(text)
+    each, width = (int(found[1][:4]), int(found[2][:4])) if found else (0, 0)
+    return Fields(each, width) if each and width else default
+
+
+def fixed(source: Source, first: int, count: int, fields: Fields, last: bool = False) -> tuple[np.ndarray, int]:
+    """Numbers in fields of a fixed width, and the index of the line behind them.
+
+    Args:
+        source: the file.
+        first: index of their first line.
+        count: how many.
+        fields: their width, and how many stand on a line.
+        last: whether nothing may follow that could be more of them.
+
+    Raises:
+        InputError: fewer or more of them, text among them.
+    """
+    rows = -(-count // fields.each)
+    after = first + rows
+    if after > len(source.lines):
+        held = (len(source.lines) - first) * fields.each
+        raise source.error(f"the header announces {count} values, the file has lines for {max(held, 0)}: cut short", max(first - 1, 0))
+    values: list[float] = []
+    for index in range(first, after):
+        line, here = source.lines[index][fields.lead :], min(fields.each, count - len(values))
+        words = [line[k * fields.width : (k + 1) * fields.width].strip() for k in range(here)]
+        if not all(words):
+            raise source.error(f"{sum(map(bool, words))} values on a line where {here} belong: cut short", index)
+        values += [source.number(word.upper().replace("D", "E"), index) for word in words]
+        if index == after - 1 and line[here * fields.width :].strip():
+            raise source.error(f"the header announces {count} values, more follow: longer than it says", index)
+    more = next((index for index in range(after, len(source.lines)) if source.lines[index].strip()), None)
+    if last and more is not None and numbers_alone(source.lines[more]):
+        raise source.error(f"the header announces {count} values, more follow: longer than it says", more)
+    return np.array(values), after
+
+
+def numbers_alone(line: str) -> bool:
+    """Whether a line holds numbers and nothing else."""
+    try:
+        return bool([float(word) for word in line.split()])
+    except ValueError:
+        return False
+
 
 HEADING = 20  # lines in which the format is looked for
 NONE = Fields(0, 0)
@@ -33,26 +95,18 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read the series.
-
-    Raises:
-        InputError: no such heading, several steps, text among the numbers, a line that is not full before the last.
-    """
-    refuse_keys(source, request, "fixed-width")
+    """Read the series."""
     found = _found(source)
     if found is None:
         raise source.error("no line above the numbers gives their Fortran format, such as 8F9.6, and their step")
-    if not agree(found.steps):
-        raise source.error(f"the heading gives steps of {min(found.steps):g} and {max(found.steps):g} s: correct the file", found.first - 1)
+    step = one_step(source, found.steps, found.first - 1)
     each, width, _ = found.fields
     last = max(index for index, line in enumerate(source.lines) if line.strip())
     here = sum(bool(source.lines[last][k * width : (k + 1) * width].strip()) for k in range(each))
     whole = Source(source.label, tuple(line[: each * width] for line in source.lines[: last + 1]))
     values, _ = fixed(whole, found.first, each * (last - found.first) + here, found.fields)
     heading = [line for line in source.lines[: found.first] if line.strip()]
-    units = {unit for line in heading for unit in units_in(line)} or {unit for line in heading if (unit := declared_unit(line))}
-    unit = units.pop() if len(units) == 1 else None
-    return RawRecord(values, found.steps[0], 0.0, unit, stated=of_comments(heading))
+    return RawRecord(values, step, 0.0, one_unit(heading), stated=of_comments(heading))
 
 
 def _found(source: Source) -> _Found | None:
@@ -69,4 +123,4 @@ def _found(source: Source) -> _Found | None:
     return _Found(fields, first, steps)
 
 
-FORMATS = {"fixed": Reader(recognises, read, loose=True, about="one series in fields of a Fortran format", by="older programs")}
+FORMATS = {"fixed": Reader(recognises, read, loose=True, about="one series in fields of a Fortran format", by="older programs", takes=())}

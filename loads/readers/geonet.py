@@ -9,12 +9,12 @@ follow from the accelerations and are passed over. Source: GNS Science, "Acceler
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
 
 import numpy as np
 
-from loads.readers.channels import Fields, component, fixed, only_physical, pick
-from loads.readers.quantity import Stated
+from loads.readers.channels import Channel, component, read_channel
+from loads.readers.fixed import Fields, fixed
+from loads.readers.quantity import of_format
 from loads.readers.source import RawRecord, Reader, Request, Source
 
 TEXT, INTEGERS, REALS = 16, 40, 60
@@ -25,13 +25,6 @@ UNIT = "mm/s2"  # of all files, by the description of the format
 MOST = 12  # components looked for: a file has three
 
 
-class _Component(NamedTuple):
-    name: str
-    first: int  # index of the line of its first accelerations
-    points: int
-    step: float
-
-
 def recognises(source: Source) -> bool:
     """True when the first line names GNS Science and an accelerogram."""
     first = source.lines[0] if source.lines else ""
@@ -39,34 +32,25 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read the accelerations of one component.
-
-    Raises:
-        InputError: no such component, text among the numbers, fewer values than the header announces.
-    """
-    only_physical(source, request, "GeoNet")
-    found = _components(source)
-    one = found[pick(source, [one.name for one in found], request, "GeoNet")]
-    values, _ = fixed(source, one.first, one.points, FIELDS)
-    return RawRecord(values, one.step, 0.0, UNIT, one.name, stated=Stated("acceleration", "the format of GeoNet files", firm=True))
+    """Read the accelerations of one component."""
+    return read_channel(source, request, _components(source))
 
 
-def _components(source: Source) -> list[_Component]:
+def _components(source: Source) -> list[Channel]:
     """Those of the file, each behind the series of the one before."""
-    found: list[_Component] = []
-    at = 0
+    found, at = list[Channel](), 0
     while len(found) < MOST and any(line.strip() for line in source.lines[at : at + TEXT]):
         integers, after = fixed(source, at + TEXT, INTEGERS, FIELDS)
         reals, first = fixed(source, after, REALS, FIELDS)
-        counts = integers[COUNTS].astype(np.int64)
+        counts, step = integers[COUNTS].astype(np.int64), float(reals[INTERVAL])
         if counts[0] < 2 or (counts < 0).any():
             raise source.error(f"{counts[0]} accelerations are announced, which is no record", at + TEXT + 3)
-        if reals[INTERVAL] <= 0.0:
-            raise source.error(f"the interval of the samples must be above zero, got {reals[INTERVAL]:g}", after + 2)
+        if step <= 0.0:
+            raise source.error(f"the interval of the samples must be above zero, got {step:g}", after + 2)
         name = component(source.lines[at + NAME_LINE].partition("omponent")[2])
-        found.append(_Component(name, first, int(counts[0]), float(reals[INTERVAL])))
+        found.append(Channel(name, first, int(counts[0]), step, UNIT, of_format("GeoNet"), FIELDS, last=False))
         at = first + int(sum(-(-int(count) // FIELDS.each) for count in counts))
     return found
 
 
-FORMATS = {"geonet": Reader(recognises, read, about="V1A, V2A, three components", by="GeoNet, GNS Science, New Zealand")}
+FORMATS = {"geonet": Reader(recognises, read, about="V1A, V2A, three components", by="GeoNet, GNS Science, New Zealand", takes=("column",))}

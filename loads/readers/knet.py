@@ -10,47 +10,39 @@ from __future__ import annotations
 
 import re
 
-from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
+from loads.readers.heading import Heading
+from loads.readers.source import RawRecord, Reader, Request, Source
 
 LAST = "Memo"  # the heading's last line begins so
 HIGHEST = 1e6  # [Hz]: the shortest step that a record may have is its inverse
 KIKNET = {"1": "NS1", "2": "EW1", "3": "UD1", "4": "NS2", "5": "EW2", "6": "UD2"}  # borehole and surface, as its files are called
 HEADING = 40  # lines in which it is looked for
-SCALE = re.compile(r"^\s*([^\s(]+)\s*\(\s*([^)]+?)\s*\)\s*/\s*(\S+)\s*$")
+RATE, SCALE = "Sampling Freq(Hz)", "Scale Factor"
+FACTOR = re.compile(r"^\s*([^\s(]+)\s*\(\s*([^)]+?)\s*\)\s*/\s*(\S+)\s*$")
 
 
 def recognises(source: Source) -> bool:
     """True when the heading has the scale factor and the sampling frequency of K-NET."""
-    heading = _heading(source)
-    return "Scale Factor" in heading and "Sampling Freq(Hz)" in heading
+    return _heading(source).has(SCALE, RATE)
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read the record.
-
-    Raises:
-        InputError: a missing or broken line of the heading, text among the numbers, more or fewer values than the heading announces.
-    """
+    """Read the record."""
     heading = _heading(source)
-    for key in ("Sampling Freq(Hz)", "Duration Time(s)", "Scale Factor", LAST):
-        if key not in heading:
-            raise source.error(f"no line {key} in the heading of a K-NET file")
-    refuse_keys(source, request, "K-NET")
-    line, text = heading["Sampling Freq(Hz)"]
+    line, text = heading.find(RATE)
     frequency = source.number(re.sub(r"Hz\s*$", "", text, flags=re.IGNORECASE), line)
     if not 0.0 < frequency <= HIGHEST:
         raise source.error(f"the sampling frequency must be above zero and at most {HIGHEST:g} Hz, got {text}", line)
-    factor, unit = _scale(source, *heading["Scale Factor"])
-    values = source.stream(heading[LAST][0] + 1)
-    line, text = heading["Duration Time(s)"]
-    check_count(source, values, source.number(text, line) * frequency, line)
-    direction = heading.get("Dir.", heading.get("Dir", (0, "")))[1]
+    factor, unit = _scale(source, *heading.find(SCALE))
+    values = source.stream(heading.find(LAST)[0] + 1)
+    heading.check_count("Duration Time(s)", values, times=frequency)
+    direction = heading.text("Dir.") or heading.text("Dir")
     return RawRecord(factor * values, 1.0 / frequency, 0.0, unit, KIKNET.get(direction, direction))
 
 
 def _scale(source: Source, line: int, text: str) -> tuple[float, str]:
     """What one count means, and in which unit."""
-    match = SCALE.match(text)
+    match = FACTOR.match(text)
     if match is None:
         raise source.error(f'a scale factor such as 2000(gal)/8388608 is needed, got "{text}"', line)
     size, counts = source.number(match[1], line), source.number(match[3], line)
@@ -59,15 +51,15 @@ def _scale(source: Source, line: int, text: str) -> tuple[float, str]:
     return size / counts, match[2]
 
 
-def _heading(source: Source) -> dict[str, tuple[int, str]]:
-    """Key -> (index of its line, value). Keys take the first eighteen characters of a line."""
+def _heading(source: Source) -> Heading:
+    """The first lines up to the last of the heading. Keys take the first eighteen characters of a line."""
     found: dict[str, tuple[int, str]] = {}
     for index, line in enumerate(source.lines[:HEADING]):
         key = line[:18].strip().rstrip(".") if line.startswith(LAST) else line[:18].strip()
         found.setdefault(key, (index, line[18:].strip()))
         if key == LAST:
             break
-    return found
+    return Heading(source, "K-NET", found)
 
 
-FORMATS = {"knet": Reader(recognises, read, about="K-NET and KiK-net text, one component", by="NIED, Japan")}
+FORMATS = {"knet": Reader(recognises, read, about="K-NET and KiK-net text, one component", by="NIED, Japan", takes=())}

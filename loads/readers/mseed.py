@@ -14,7 +14,7 @@ import warnings
 from typing import Any
 
 from loads.readers.pieces import joined, of_channel_asked, of_traces
-from loads.readers.source import RawRecord, Reader, Request, Source, refuse_layout
+from loads.readers.source import RawRecord, Reader, Request, Source
 from masonry_cd.foundation.extras import require
 
 BEGINNINGS = (re.compile(rb"\d{6}[DRQM][ \0]"), re.compile(rb"MS\x03"))  # of files of version 2 and 3
@@ -26,18 +26,11 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read one channel.
-
-    Raises:
-        InputError: obspy is not installed, a file cut short, several channels and none named, a gap or an overlap in the channel.
-    """
-    if request.time_step is not None:
-        raise source.error("the key time_step does not apply to miniSEED files, whose header gives it")
-    refuse_layout(source, request, "miniSEED")
+    """Read one channel."""
     if not recognises(source):
         raise source.error("not a miniSEED file")
     pieces = of_traces(_open(source), source.error)
-    return joined(of_channel_asked(pieces, request.column, "miniSEED", source.error), source.error, request.calibration)
+    return joined(of_channel_asked(pieces, request.column, source.error), source.error, request.calibration)
 
 
 def _open(source: Source) -> list[Any]:
@@ -56,4 +49,5 @@ def _open(source: Source) -> list[Any]:
     return sorted(stream, key=lambda trace: trace.id)
 
 
-FORMATS = {"mseed": Reader(recognises, read, about="miniSEED 2 and 3, by channel (extra records)", by="networks of the FDSN")}
+ABOUT = "miniSEED 2 and 3, by channel (extra records)"
+FORMATS = {"mseed": Reader(recognises, read, about=ABOUT, by="networks of the FDSN", takes=("column", "calibration"))}

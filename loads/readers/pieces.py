@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from loads.readers.channels import code_of, pick
 from loads.readers.quantity import Stated, of_channel
 from loads.readers.source import RawRecord
-from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError
 
 SLACK = 0.5  # of a step: by how much pieces may be off the times of one series
 LADDER = ("displacement", "velocity", "acceleration")
@@ -60,27 +61,15 @@ def _of_trace(trace: Any, begin: float, error: Error) -> Piece:
     return Piece(name, begin, float(stats.delta), data.astype(float), data.dtype.kind in "iu", done)
 
 
-def of_channel_asked(pieces: Sequence[Piece], column: str | int | None, kind: str, error: Error) -> list[Piece]:
-    """The pieces of the channel that the user asks for, by its code ("HNE") or its whole name, in order of time.
+def of_channel_asked(pieces: Sequence[Piece], column: str | int | None, error: Error) -> list[Piece]:
+    """The pieces of the channel that the user asks for, in order of time.
 
     Raises:
         InputError: several channels and none named, or no such channel.
     """
     names = list(dict.fromkeys(piece.name for piece in pieces))
-    listed = f"channels: {', '.join(names)}"
-    if column is None:
-        if len(names) > 1:
-            raise error(f"several channels; say which by the key column; {listed}")
-        fitting = names
-    elif isinstance(column, int):
-        raise error(f'the key column names a channel of {kind}, such as "HNE"; {listed}')
-    else:
-        word = column.strip().upper()
-        fitting = [name for name in names if word in (name.upper(), code_of(name).upper())]
-    if len(fitting) != 1:
-        why = f'several channels are called "{column}"' if fitting else f'no channel "{column}"{suggest(str(column).upper(), names)}'
-        raise error(f"{why}; {listed}")
-    return sorted((piece for piece in pieces if piece.name == fitting[0]), key=lambda piece: piece.begin)
+    name = names[pick(names, column, error)]
+    return sorted((piece for piece in pieces if piece.name == name), key=lambda piece: piece.begin)
 
 
 def joined(pieces: Sequence[Piece], error: Error, calibration: float | None = None) -> RawRecord:
@@ -108,11 +97,6 @@ def joined(pieces: Sequence[Piece], error: Error, calibration: float | None = No
     factor = 1.0 if calibration is None else calibration
     stated = of_processing(first.done, of_channel(code_of(first.name)))
     return RawRecord(factor * values, first.step, 0.0, first.unit, first.name, stated=stated, counts=counts)
-
-
-def code_of(name: str) -> str:
-    """The code of a channel in its whole name, ``IV.AQK..HNE``."""
-    return name.rpartition(".")[2]
 
 
 def of_processing(done: Iterable[str], stated: Stated | None) -> Stated | None:

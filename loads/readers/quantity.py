@@ -51,6 +51,11 @@ class Stated(NamedTuple):
     firm: bool  # the user cannot say otherwise
 
 
+def of_format(kind: str) -> Stated:
+    """Of a format that has nothing but accelerations."""
+    return Stated("acceleration", f"the format of {kind} files", firm=True)
+
+
 def of_channel(code: str) -> Stated | None:
     """By a channel code such as "HNE"; None where it is none, or names no instrument that is known."""
     known = INSTRUMENTS.get(code[1:2].upper()) if CODE.fullmatch(code.strip().upper()) else None

@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from loads.readers.source import Source
+
 ALIKE = 1e-3  # statements of one step agree so far: 0.0033 and 300 Hz do not
 EVEN = 0.2  # of a step: times whose steps differ by less show it well enough
 FEWEST, PARTS = 40, 8  # times that show a rounding; parts of them that are compared
@@ -47,6 +49,17 @@ class Spacing(NamedTuple):
 def agree(steps: Sequence[float]) -> bool:
     """Whether steps, at least one, are one."""
     return max(steps) - min(steps) <= ALIKE * min(steps)
+
+
+def one_step(source: Source, steps: Sequence[float], index: int) -> float:
+    """The step that a heading gives, which ends at a line [s].
+
+    Raises:
+        InputError: it gives several.
+    """
+    if not agree(steps):
+        raise source.error(f"the lines above the numbers give steps of {min(steps):g} and {max(steps):g} s: correct the file", index)
+    return steps[0]
 
 
 def firm(lines: Iterable[str]) -> list[float]:

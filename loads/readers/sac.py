@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from loads.readers.quantity import Stated, of_channel
-from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_layout
+from loads.readers.source import RawRecord, Reader, Request, Source
 
 REALS, INTEGERS, TEXT = 70, 40, 192
 BYTES = 4 * (REALS + INTEGERS) + TEXT  # of the header
@@ -31,18 +31,10 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read the series.
-
-    Raises:
-        InputError: no SAC file, a spectrum, uneven samples, a file cut short, samples that are no numbers.
-    """
+    """Read the series."""
     order = _order(source)
     if order is None:
         raise source.error("not a SAC file")
-    refuse_layout(source, request, "SAC")
-    if request.column is not None or request.time_step is not None:
-        key = "time_step" if request.column is None else "column"
-        raise source.error(f"the key {key} does not apply to SAC files, which hold one series and its step")
     reals, integers, text = _header(source.data, order)
     if integers[TYPE] != TIME_SERIES or not integers[EVEN]:
         raise source.error("no evenly sampled time series: spectra, xy data and uneven samples are not read")
@@ -51,7 +43,7 @@ def read(source: Source, request: Request) -> RawRecord:
         raise source.error(f"the time step DELTA must be above zero, got {step:g}")
     held = max(0, len(source.data) - BYTES - FOOTER[int(integers[VERSION])]) // 4
     values = np.frombuffer(source.data, dtype=f"{order}f4", count=held, offset=BYTES).astype(float)
-    check_count(source, values, count)
+    source.check_count(values, count)
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         raise source.error(f"sample {bad[0] + 1} is not a finite number")
@@ -86,5 +78,11 @@ def _header(data: bytes, order: str) -> tuple[np.ndarray, np.ndarray, bytes]:
 
 
 FORMATS = {
-    "sac": Reader(recognises, read, about="binary, one series; units by key", by="Seismic Analysis Code; IRIS/EarthScope and others")
+    "sac": Reader(
+        recognises,
+        read,
+        about="binary, one series; units by key",
+        by="Seismic Analysis Code; IRIS/EarthScope and others",
+        takes=("calibration",),
+    )
 }

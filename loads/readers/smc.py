@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import re
 
-from loads.readers.channels import Fields, component, fixed, only_physical, pick
+from loads.readers.channels import Channel, component, read_channel
+from loads.readers.fixed import Fields, fixed
 from loads.readers.quantity import Stated
 from loads.readers.source import RawRecord, Reader, Request, Source
 
@@ -30,15 +31,10 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read the series.
-
-    Raises:
-        InputError: no SMC file, text among the numbers, a wrong count.
-    """
+    """Read the series."""
     quantity = _kind(source)
     if quantity is None:
         raise source.error("no first line of an SMC file, such as 2 CORRECTED ACCELEROGRAM", 0)
-    only_physical(source, request, "SMC")
     integers, after = fixed(source, TEXT, *INTEGERS)
     reals, first = fixed(source, after, *REALS)
     comments, count, rate = int(integers[COMMENTS]), int(integers[COUNT]), float(reals[RATE])
@@ -47,9 +43,9 @@ def read(source: Source, request: Request) -> RawRecord:
     if count < 2 or comments < 0:
         raise source.error(f"{count} values and {comments} comments are announced, which is no record", TEXT)
     name = next((component(found[1]) for line in source.lines[:TEXT] if (found := NAME.search(line))), "")
-    pick(source, [name], request, "SMC")
-    values, _ = fixed(source, first + comments, count, _fields(source, first + comments, count), last=True)
-    return RawRecord(values, 1.0 / rate, 0.0, UNITS[quantity], name, stated=Stated(quantity, "line 1", firm=True))
+    first, stated = first + comments, Stated(quantity, "line 1", firm=True)
+    one = Channel(name, first, count, 1.0 / rate, UNITS[quantity], stated, _fields(source, first, count))
+    return read_channel(source, request, [one])
 
 
 def _kind(source: Source) -> str | None:
@@ -64,4 +60,5 @@ def _fields(source: Source, first: int, count: int) -> Fields:
     return PRECISE if lines == -(-count // PRECISE.each) != -(-count // USUAL.each) else USUAL
 
 
-FORMATS = {"smc": Reader(recognises, read, about="accelerations, velocities or displacements, one component", by="U.S. Geological Survey")}
+ABOUT = "accelerations, velocities or displacements, one component"
+FORMATS = {"smc": Reader(recognises, read, about=ABOUT, by="U.S. Geological Survey", takes=("column",))}

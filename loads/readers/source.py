@@ -19,6 +19,7 @@ from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.files import read_bytes
 
 COMMENTS = ("#", "%", "//")
+MOST = 1e9  # values of a channel: 30 days at 400 Hz
 FORTRAN = re.compile(r"(\d\.\d*|\.\d+)D([+-]?\d{1,3})(?!\w)", re.IGNORECASE)  # double precision: 1.5D-03
 
 
@@ -72,16 +73,35 @@ class Source:
         """All numbers from a line on, separated by blanks."""
         return np.array([self.number(word, i) for i in range(first, len(self.lines)) for word in self.lines[i].split()], dtype=float)
 
+    def positive(self, word: str, index: int, what: str) -> float:
+        """A number above zero; ``what`` names it."""
+        number = self.number(word, index)
+        if number <= 0.0:
+            raise self.error(f"{what} must be above zero, got {word.strip()[:40]}", index)
+        return number
+
+    def whole(self, word: str, index: int, what: str) -> int:
+        """A whole number above one, as a header announces it; ``what`` names it."""
+        number = self.number(word, index)
+        if number < 2 or number > MOST or number != int(number):
+            raise self.error(f"{what} must be a whole number above one, got {word.strip()[:40]}", index)
+        return int(number)
+
+    def check_count(self, values: np.ndarray, announced: float, index: int | None = None) -> None:
+        """Raise unless there are as many values as the header announces, which may be any number."""
+        if abs(len(values) - announced) > 0.5:
+            what = "cut short" if len(values) < announced else "longer than it says"
+            raise self.error(f"the header announces {announced:.10g} values, the file holds {len(values)}: {what}", index)
+
     def content(self) -> Iterable[tuple[int, str]]:
         """Index and text of the lines that are neither blank nor comments."""
         return ((i, line) for i, line in enumerate(self.lines) if line.strip() and not line.lstrip().startswith(COMMENTS))
 
 
-@dataclass(frozen=True)
-class Request:
+class Request(NamedTuple):
     """What the user says about the file."""
 
-    column: str | int | None = None
+    column: str | int | None = None  # a heading, channel or component, or its place counted from 0
     time_step: float | None = None  # [s]
     calibration: float | None = None  # what one count of a digitiser means, in the key units
     layout: str | None = None  # of a table of numbers: "columns", "series" or "pairs"
@@ -103,13 +123,23 @@ class RawRecord:
 
 
 class Reader(NamedTuple):
-    """A format of record files."""
+    """A format of record files.
+
+    ``read`` raises an InputError, with the line at fault, where a heading lacks something or contradicts itself, a channel is not there or
+    not named among several, text stands among the numbers, or there are more or fewer of them than is announced.
+    """
 
     recognises: Callable[[Source], bool]
     read: Callable[[Source, Request], RawRecord]
     loose: bool = False  # recognises much, so that it is asked last
     about: str = ""  # what is read of it
     by: str = ""  # who publishes it
+    takes: tuple[str, ...] = Request._fields  # what the user may say: what the format itself fixes, or has not, is refused
+
+
+def begins(mark: str, lines: int = 1) -> Callable[[Source], bool]:
+    """What recognises files that have some words in capitals in one of their first lines."""
+    return lambda source: any(mark in line.upper() for line in source.lines[:lines])
 
 
 def _decoded(data: bytes) -> str | None:
@@ -123,32 +153,3 @@ def _decoded(data: bytes) -> str | None:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("latin-1")  # old headers hold accents in this encoding; numbers read the same
-
-
-def check_count(source: Source, values: np.ndarray, announced: float, index: int | None = None) -> None:
-    """Raise unless the file holds as many values as its header announces, which may be any number."""
-    if abs(len(values) - announced) > 0.5:
-        what = "cut short" if len(values) < announced else "longer than it says"
-        raise source.error(f"the header announces {announced:.10g} values, the file holds {len(values)}: {what}", index)
-
-
-def refuse_keys(source: Source, request: Request, kind: str) -> None:
-    """Raise where the user gives a column, a time step or a calibration that the format itself fixes."""
-    if request.column is not None:
-        raise source.error(f"the key column does not apply to {kind} files, which hold one component")
-    refuse_calibration(source, request, kind)
-    refuse_layout(source, request, kind)
-    if request.time_step is not None:
-        raise source.error(f"the key time_step does not apply to {kind} files, whose header gives it")
-
-
-def refuse_layout(source: Source, request: Request, kind: str) -> None:
-    """Raise where the user gives the layout of a table for a format that fixes it."""
-    if request.layout is not None:
-        raise source.error(f"the key layout does not apply to {kind} files, only to tables of numbers")
-
-
-def refuse_calibration(source: Source, request: Request, kind: str) -> None:
-    """Raise where the user gives a calibration for values that are no counts, or whose header has one: it is applied once."""
-    if request.calibration is not None:
-        raise source.error(f"the key calibration does not apply to {kind} files, only to those of counts, such as miniSEED")

@@ -9,6 +9,7 @@ needs the key time_step. A table that could be one series in reading order is re
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from loads.readers.fields import DECIMAL_COMMA, decimal, delimiter_of, is_number, split
 from loads.readers.quantity import Stated, named, of_comments, of_spoken_channel
 from loads.readers.rates import agree, firm, unrounded
-from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source, refuse_calibration
+from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source
 from loads.readers.units import TIME, declared_unit, measured_by, split_heading
 from loads.readers.wrapped import FEWEST_ROWS, advances, filled, in_reading_order, paired, times_of
 from masonry_cd.foundation.errors import suggest
@@ -38,10 +39,6 @@ class Layout:
     headings: tuple[str, ...]  # empty when there are none
     width: int  # columns
     above: tuple[str, ...] = ()  # lines of text above the headings
-
-    def split(self, line: str) -> list[str]:
-        """The fields of a line."""
-        return split(line, self.delimiter)
 
     def name(self, column: int) -> str:
         """What to call a column."""
@@ -85,7 +82,6 @@ def _read(source: Source, request: Request, delimiter: str | None) -> RawRecord:
     Raises:
         InputError: text among the numbers, a row of another width, an unknown column, a time column that does not advance evenly.
     """
-    refuse_calibration(source, request, "text")
     if request.layout in ("series", "pairs"):
         return _read_wrapped(source, request, delimiter)
     layout = _layout(source, delimiter)
@@ -94,11 +90,8 @@ def _read(source: Source, request: Request, delimiter: str | None) -> RawRecord:
     time = max((c for c in times if c < column), default=times[0]) if times else None
     wanted = [column] if time is None else [column, time]  # the others may hold anything
     rows, places = [], []
-    for index, line in source.content():
-        if index < layout.first:
-            continue
-        fields = layout.split(line)
-        rows.append([source.number(decimal(fields[c], delimiter), index) for c in wanted if c < len(fields)])
+    for index, fields in _fields(source, delimiter, layout.first):
+        rows.append([source.number(fields[c], index) for c in wanted if c < len(fields)])
         if len(fields) != layout.width:
             raise source.error(f"{len(fields)} columns, where the table has {layout.width}", index)
         places.append(index)
@@ -164,37 +157,37 @@ def _read_wrapped(source: Source, request: Request, delimiter: str | None) -> Ra
     return RawRecord(found[:, 1], step, float(found[0, 0]), None, stated=stated)
 
 
+def _fields(source: Source, delimiter: str | None, first: int = 0) -> Iterator[tuple[int, list[str]]]:
+    """Index and fields of the lines from one on, with decimal points."""
+    for index, line in source.content():
+        if index >= first:
+            yield index, [decimal(field, delimiter) for field in split(line, delimiter)]
+
+
 def _rows(source: Source, delimiter: str | None) -> tuple[list[list[float]], list[int], list[str]]:
     """The numbers line by line, the indices of these lines, and the text above them."""
-    rows: list[list[float]] = []
-    places: list[int] = []
+    rows, places = list[list[float]](), list[int]()
     text = [line for line in source.lines if line.lstrip().startswith(COMMENTS)]
-    for index, line in source.content():
-        fields = split(line, delimiter)
+    for index, fields in _fields(source, delimiter):
         while delimiter is not None and fields and not fields[-1]:
             fields.pop()  # the line ends with a delimiter
-        if not rows and not all(is_number(decimal(field, delimiter)) for field in fields):
-            text.append(line)
+        if not rows and not all(map(is_number, fields)):
+            text.append(source.lines[index])
             continue
-        rows.append([source.number(decimal(field, delimiter), index) for field in fields])
+        rows.append([source.number(field, index) for field in fields])
         places.append(index)
     if sum(map(len, rows)) < 2:
         raise source.error("no lines of numbers")
-    for k, row in enumerate(rows):
-        if len(row) != len(rows[0]) and (k + 1 < len(rows) or len(row) > len(rows[0])):
-            raise source.error(
-                f"{len(row)} values, where the first line has {len(rows[0])}: all but the last line have to be full", places[k]
-            )
+    for row, place in zip(rows, places, strict=True):
+        if len(row) != len(rows[0]) and (row is not rows[-1] or len(row) > len(rows[0])):
+            raise source.error(f"{len(row)} values, where the first line has {len(rows[0])}: all but the last line have to be full", place)
     return rows, places, text
 
 
 def _table(source: Source, layout: Layout) -> np.ndarray:
     """All numbers of a table (n, w), nan where a field is none; none where a line above the last is of another width."""
-    rows = []
-    for index, line in source.content():
-        if index >= layout.first:
-            fields = (decimal(field, layout.delimiter) for field in layout.split(line))
-            rows.append([finite_number(field) or 0.0 if is_number(field) else np.nan for field in fields])
+    every = _fields(source, layout.delimiter, layout.first)
+    rows = [[finite_number(field) or 0.0 if is_number(field) else np.nan for field in fields] for _, fields in every]
     if not rows or any(len(row) != layout.width for row in rows[:-1]) or len(rows[-1]) > layout.width:
         return np.empty((0, layout.width))
     table = filled(rows)
@@ -379,7 +372,8 @@ def _even_step(source: Source, times: np.ndarray, places: list[int]) -> float:
     return step
 
 
+TAKES = ("column", "time_step", "layout")
 FORMATS = {
-    "csv": Reader(recognises_csv, read_csv, loose=True, about="tables with commas, semicolons or tabs", by="anyone"),
-    "columns": Reader(recognises_columns, read_columns, loose=True, about="numbers separated by blanks", by="anyone"),
+    "csv": Reader(recognises_csv, read_csv, loose=True, about="tables with commas, semicolons or tabs", by="anyone", takes=TAKES),
+    "columns": Reader(recognises_columns, read_columns, loose=True, about="numbers separated by blanks", by="anyone", takes=TAKES),
 }

@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 from loads.readers.pieces import Piece, joined, of_channel_asked
-from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_layout
+from loads.readers.source import RawRecord, Reader, Request, Source
 from loads.readers.units import measured_by
 
 HEAD, EXAMPLE = "TIMESERIES", "TIMESERIES NET_STA_LOC_CHA_Q, 1600 samples, 200 sps, START, SLIST, FLOAT, M/S**2"
@@ -38,19 +38,12 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, request: Request) -> RawRecord:
-    """Read one channel.
-
-    Raises:
-        InputError: a line that announces no series, several channels and none named, a wrong count, text among the numbers, a gap.
-    """
-    if request.time_step is not None:
-        raise source.error("the key time_step does not apply to SLIST and TSPAIR files, whose lines give the rate")
-    refuse_layout(source, request, "SLIST and TSPAIR")
+    """Read one channel."""
     heads = [index for index, line in enumerate(source.lines) if line.upper().startswith(HEAD)]
     if not heads:
         raise source.error(f"no line begins with {HEAD}, as that of a series in SLIST or TSPAIR does")
     pieces = [_piece(source, head, after) for head, after in pairwise([*heads, len(source.lines)])]
-    channel = of_channel_asked(pieces, request.column, "SLIST and TSPAIR files", source.error)
+    channel = of_channel_asked(pieces, request.column, source.error)
     if request.calibration is not None and channel[0].unit is not None:
         raise source.error(f"the key calibration is given, but the samples are in {channel[0].unit}, not in counts")
     return joined(channel, source.error, request.calibration)
@@ -60,9 +53,7 @@ def _piece(source: Source, head: int, after: int) -> Piece:
     """The piece of a channel between two lines."""
     found = LINE.match(source.lines[head].strip()[:LONGEST])
     if found is None:
-        raise source.error(
-            "a line such as TIMESERIES NET_STA_LOC_CHA_Q, 1600 samples, 200 sps, START, SLIST, FLOAT, M/S**2 belongs here", head
-        )
+        raise source.error(f"a line such as {EXAMPLE} belongs here", head)
     rate = source.number(found["rate"], head)
     if not 0.0 < rate <= FASTEST:
         raise source.error(f"{rate:g} samples a second are not possible", head)
@@ -72,7 +63,7 @@ def _piece(source: Source, head: int, after: int) -> Piece:
     if odd is not None:
         raise source.error("a time and a sample belong on a line of TSPAIR", odd)
     values = np.array([source.number(word, index) for index, words in rows for word in words[pairs:]], dtype=float)
-    check_count(source, values, source.number(found["count"], head), head)
+    source.check_count(values, source.number(found["count"], head), head)
     for k, (index, words) in enumerate(rows if pairs else []):
         if abs(_seconds(source, words[0], index) - begin - k / rate) > SLACK / rate:
             raise source.error(f"{words[0]} is not the time of sample {k + 1} at {rate:g} samples a second", index)
@@ -97,4 +88,5 @@ def _seconds(source: Source, text: str, index: int) -> float:
     return time.replace(tzinfo=time.tzinfo or UTC).timestamp()
 
 
-FORMATS = {"timeseries": Reader(recognises, read, about="SLIST and TSPAIR, channels as text", by="web services of the FDSN")}
+ABOUT = "SLIST and TSPAIR, channels as text"
+FORMATS = {"timeseries": Reader(recognises, read, about=ABOUT, by="web services of the FDSN", takes=("column", "calibration"))}

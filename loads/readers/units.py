@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from loads.motion import STANDARD_GRAVITY
 
@@ -83,6 +84,13 @@ def declared_unit(text: str) -> str | None:
     found = DECLARED.search(text)
     word = found[1].partition("(")[0].strip(".,;:()[]#\"'") if found else ""
     return word if word and measured_by(word) else None
+
+
+def one_unit(lines: Iterable[str]) -> str | None:
+    """The one unit that lines of text name, or declare where they name none; None of several."""
+    every = list(lines)
+    units = {unit for line in every for unit in units_in(line)} or {unit for line in every if (unit := declared_unit(line))}
+    return units.pop() if len(units) == 1 else None
 
 
 def split_heading(heading: str) -> tuple[str, str | None]:

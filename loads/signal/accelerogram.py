@@ -12,19 +12,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
-from loads.motion import describe, strict
+from loads.motion import Positive, describe, strict
 from loads.readers import FormatName, RawRecord, Request, Source, read
 from loads.readers.units import acceleration_unit, measured_by
 from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.filters import band_pass, resample, taper_factors
 from loads.signal.intensity import arias, in_words, intensity
 from loads.signal.series import Keys, accelerations
-from masonry_cd.foundation import plugins
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, is_number
 from masonry_cd.foundation.units import Unit
@@ -33,36 +32,20 @@ FEWEST = 8  # samples
 LEVEL = 1e-9  # of the largest sample: a record that varies by less is an offset and rounding
 OFFSET = 0.02  # of the PGA: means of sound records stay below, also of windows with some shaking left at their ends
 
-FORMATS: tuple[str, ...] = get_args(FormatName)  # our own; packages may add others
 
+def between(what: str, above: float = -np.inf, most: float = np.inf) -> BeforeValidator:
+    """Of a key of two numbers in a unit, the first below the second."""
 
-def _known_format(value: str) -> str:
-    """A format that there is a reader for."""
-    if value not in FORMATS and value not in plugins.names("readers"):
-        raise ValueError(f"should be one of {', '.join([*FORMATS, *plugins.names('readers')])}; given: {value}")
-    return value
+    def read(value: object) -> tuple[float, float] | None:
+        if value is None:
+            return None
+        numbers = list(value) if isinstance(value, (list, tuple)) else []
+        if len(numbers) != 2 or not all(map(is_number, numbers)) or not above < numbers[0] < numbers[1] <= most:
+            limits = f", from {above:g} to {most:g}" if most < np.inf else f", above {above:g}" if above > -np.inf else ""
+            raise ValueError(f"must be [from, to] in {what}, from < to{limits}; given: {value}")
+        return float(numbers[0]), float(numbers[1])
 
-
-Positive = Annotated[float, Field(gt=0.0)]
-
-
-def _two_numbers(value: object, what: str) -> tuple[float, float]:
-    """Two numbers, the first below the second."""
-    numbers = list(value) if isinstance(value, (list, tuple)) else []
-    if len(numbers) != 2 or not all(map(is_number, numbers)) or not numbers[0] < numbers[1]:
-        raise ValueError(f"must be [from, to] in {what}, from < to" + (f"; given: {numbers}" if numbers else ""))
-    return float(numbers[0]), float(numbers[1])
-
-
-def _window(value: object) -> tuple[float, float]:
-    return _two_numbers(value, "seconds of the record")
-
-
-def _band(value: object) -> tuple[float, float]:
-    low, high = _two_numbers(value, "Hz")
-    if low <= 0.0:
-        raise ValueError(f"must be [from, to] in Hz, above zero; given: {[low, high]}")
-    return low, high
+    return BeforeValidator(read)
 
 
 def _column(value: object) -> str | int | None:
@@ -80,8 +63,6 @@ def _resampling(value: object) -> float | str | None:
     raise ValueError('must be a time step above zero, in seconds, or "run" for that of the run')
 
 
-Window = Annotated[tuple[float, float], Unit("s"), BeforeValidator(_window)]
-Band = Annotated[tuple[float, float], Unit("Hz"), BeforeValidator(_band)]
 Column = Annotated[str | int | None, BeforeValidator(_column)]
 Resampling = Annotated[float | str | None, Unit("s"), BeforeValidator(_resampling)]
 
@@ -93,7 +74,7 @@ class Accelerogram(BaseModel):
 
     path: str
     """Of the record, relative to the scene file."""
-    format: Annotated[str, AfterValidator(_known_format), WithJsonSchema({"enum": [*FORMATS], "type": "string"})] = "auto"
+    format: FormatName = "auto"
     """Recognised by the content of the file when "auto"."""
     column: Column = None
     """Of a file with several: its heading, or its place counted from 0; the channel or component of other formats."""
@@ -107,13 +88,13 @@ class Accelerogram(BaseModel):
     """What one count means, in units; of files that hold counts, such as miniSEED."""
     time_step: Annotated[Positive, Unit("s")] | None = None
     """Where the file has no times."""
-    window: Window | None = None
+    window: Annotated[tuple[float, float] | None, Unit("s"), between("seconds of the record")] = None
     """Part of the record to use, [from, to], in its own time."""
     taper: Instant = 0.0
     """Over which the acceleration rises and falls at the ends of the window."""
     resample: Resampling = None
     """To this time step, or to that of the "run", without aliasing."""
-    band: Band | None = None
+    band: Annotated[tuple[float, float] | None, Unit("Hz"), between("Hz", 0.0)] = None
     """Corners of a zero-phase Butterworth band-pass, [from, to]."""
     band_order: Annotated[int, Field(ge=1, le=8)] = 4
     """Order of the band-pass."""
@@ -187,6 +168,10 @@ class Scaled(BaseModel):
             raise ValueError("scale: must not be zero")
         return self
 
+    def factor(self, peak: float) -> float:
+        """What to multiply a motion of a given peak acceleration with."""
+        return self.target_pga / peak if self.target_pga is not None else 1.0 if self.scale is None else self.scale
+
 
 def process(table: Accelerogram, folder: Path, dt: float, where: str) -> Processed:
     """Read an accelerogram and do to it what its keys say.
@@ -234,13 +219,6 @@ def _clean(values: np.ndarray, step: float, table: Accelerogram, dt: float, wher
     except ValueError as failure:
         raise InputError(f"{where}.{key}", str(failure)) from None
     return values, step
-
-
-def size_factor(scale: float | None, target_pga: float | None, peak: float) -> float:
-    """What to multiply a record of a given peak acceleration with."""
-    if target_pga is not None:
-        return target_pga / peak
-    return 1.0 if scale is None else scale
 
 
 def describe_both(where: str, processed: Processed, correction: str) -> list[str]:

@@ -20,7 +20,6 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 
@@ -38,19 +37,6 @@ PERIODS = 10  # of AvgSA
 MOST_PERIODS = 1000
 SHOWN = (0.1, 0.2, 0.5, 1.0, 2.0)  # periods of Sa where no measures are named [s]
 HOUSNER = np.linspace(0.1, 2.5, 49)  # [s]
-
-
-class Quantity(Protocol):
-    """What is measured: k numbers of an accelerogram, of which one is made."""
-
-    def ordinates(self, history: History) -> np.ndarray:
-        """(k,) of one component."""
-
-    def around(self, x: History, y: History) -> np.ndarray:
-        """(k, angles) of the directions of ``ANGLES``."""
-
-    def combined(self, ordinates: np.ndarray) -> float:
-        """The measure, of (k,)."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +92,7 @@ class Measure:
     name: str  # as it would be parsed
     unit: str
     order: int  # the measure grows with this power of the motion; 0: not at all
-    quantity: Quantity
+    quantity: Single | Spectral  # k numbers of an accelerogram, of which one is made
     rule: str  # of the components, see loads.signal.directions
 
     def value(self, motion: Motion) -> float:
@@ -163,22 +149,22 @@ def _velocity_spectrum_intensity(ordinates: np.ndarray) -> float:
     return math.fsum(0.5 * np.diff(HOUSNER) * (velocity[:-1] + velocity[1:]))
 
 
-def _sa(period: float, damping: float = DAMPING) -> Quantity:
+def _sa(period: float, damping: float = DAMPING) -> Spectral:
     _check(period >= 0.0, "T must not be negative")
     return Spectral(np.array([period]), _ratio(damping), _first)
 
 
-def _average(begin: float, end: float, count: float = PERIODS, damping: float = DAMPING) -> Quantity:
+def _average(begin: float, end: float, count: float = PERIODS, damping: float = DAMPING) -> Spectral:
     _check(0.0 < begin < end, "the periods must be from < to, above zero")
     _check(count == int(count) and 2 <= count <= MOST_PERIODS, f"count must be a whole number from 2 to {MOST_PERIODS}")
     return Spectral(np.linspace(begin, end, int(count)), _ratio(damping), _geometric_mean)
 
 
-def _housner(damping: float = DAMPING) -> Quantity:
+def _housner(damping: float = DAMPING) -> Spectral:
     return Spectral(HOUSNER, _ratio(damping), _velocity_spectrum_intensity)
 
 
-def _fiv3(period: float, alpha: float = ALPHA, beta: float = BETA) -> Quantity:
+def _fiv3(period: float, alpha: float = ALPHA, beta: float = BETA) -> Single:
     _check(min(period, alpha, beta) > 0.0, "its numbers must be above zero")
     return Single(partial(fiv3, period=period, alpha=alpha, beta=beta))
 
@@ -199,7 +185,7 @@ class Family:
 
     unit: str
     order: int
-    make: Callable[..., Quantity]  # raises ValueError with a word on numbers out of range
+    make: Callable[..., Single | Spectral]  # raises ValueError with a word on numbers out of range
     numbers: tuple[str, ...] = ()
     needed: int = 0  # of these numbers
 

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from loads.readers import RawRecord
+from loads.readers.quantity import Stated
 from loads.readers.units import UNITS, measured_by
 from masonry_cd.foundation.errors import InputError
 
@@ -27,13 +28,6 @@ DERIVATIVES = {"acceleration": 0, "velocity": 1, "displacement": 2}
 REACH = 32  # samples beyond an end that its slope depends on: 0.43^32 is 2e-12
 SHORTEST, LONGEST = 1e-6, 10.0  # step [s]: no digitiser is faster, and no shaking is left in what is slower
 LARGEST = 1e12  # [m/s2]: beyond it squares and sums of samples lose their sense; counts of 32 bit in g are below
-
-
-class _Claim(NamedTuple):
-    """That a series is of a quantity, and what says so."""
-
-    quantity: str
-    by: str
 
 
 class Keys(NamedTuple):
@@ -106,11 +100,11 @@ def _quantity(raw: RawRecord, keys: Keys, where: str, path: str) -> str:
         )
     hint = None if raw.stated is None or raw.stated.firm else raw.stated
     if firm is None and asked is None and hint is not None and hint.quantity != "acceleration":
-        raise InputError(f"{where}.quantity", _asking(_Claim(hint.quantity, hint.by), path, overrule=True))
+        raise InputError(f"{where}.quantity", _asking(hint, path, overrule=True))
     if asked is not None:
-        found = _Claim(asked, f'quantity = "{asked}"')
+        found = Stated(asked, f'quantity = "{asked}"', firm=True)
     else:
-        found = firm or (_Claim(hint.quantity, hint.by) if hint else by_key) or _Claim("acceleration", "")
+        found = firm or hint or by_key or Stated("acceleration", "", firm=False)
     if by_key and by_key.quantity != found.quantity:
         raise InputError(f"{where}.units", f'"{units}" is a unit of {by_key.quantity}, but {path} is one of {found.quantity} ({found.by})')
     if asked is None and found.quantity != "acceleration":
@@ -118,22 +112,22 @@ def _quantity(raw: RawRecord, keys: Keys, where: str, path: str) -> str:
     return found.quantity
 
 
-def _firm(raw: RawRecord, path: str) -> _Claim | None:
+def _firm(raw: RawRecord, path: str) -> Stated | None:
     """What the file itself says beyond doubt."""
     unit = None if raw.unit is None else _by_unit(raw.unit, f'its unit "{raw.unit}"')
-    heading = _Claim(raw.stated.quantity, raw.stated.by) if raw.stated is not None and raw.stated.firm else None
+    heading = raw.stated if raw.stated is not None and raw.stated.firm else None
     if unit and heading and unit.quantity != heading.quantity:
         both = f"of {heading.quantity} by {heading.by}, of {unit.quantity} by {unit.by}"
         raise InputError(path, f"contradicts itself: {both}; correct the file")
     return heading or unit
 
 
-def _by_unit(unit: str | None, by: str) -> _Claim | None:
+def _by_unit(unit: str | None, by: str) -> Stated | None:
     known = None if unit is None else measured_by(unit)
-    return _Claim(known[0], by) if known else None
+    return Stated(known[0], by, firm=True) if known else None
 
 
-def _asking(claim: _Claim, path: str, overrule: bool) -> str:
+def _asking(claim: Stated, path: str, overrule: bool) -> str:
     """That the user has to say what the series is."""
     start = f"missing, and {path} is "
     if not claim.quantity:

@@ -41,7 +41,7 @@ def _crushed_at_rest(case: Case) -> InputError | None:
         return None
     from masonry_cd.analysis.limit.analysis import at_rest, refuse_crushed
     from masonry_cd.app.limit_structure import limit_structure
-    from masonry_cd.app.static_loads import limit_table
+    from masonry_cd.app.limit_table import limit_table
 
     try:  # what limit analysis does not know is no fault of the run
         built = limit_structure(case.scene)

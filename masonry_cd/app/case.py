@@ -183,6 +183,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         InputError: anything wrong with the structure, the material or the loads.
     """
     import loads
+    from masonry_cd.app.limit_table import limit_table
 
     begin = time.perf_counter()
     scene.refuse_static()
@@ -190,7 +191,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     scene, lasting = _timed(scene, structure)
     with scene.locating(), _explained(scene, structure):
         if scene.limit:
-            from masonry_cd.app.static_loads import limit_table
+            from masonry_cd.app.limit_table import limit_table
 
             limit_table(scene.limit)
         strength_by_group(scene.material.strength, structure.assembly.groups)

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from loads.kinds.forces import one_block
 from loads.signal.plausible import doubts as implausible
-from loads.supports import select
+from loads.supports import one_block, select
 from masonry_cd.analysis.code_check.ground import record_of
 from masonry_cd.app.ranges import RANGES, G, range_of
 from masonry_cd.app.record_doubts import record_doubts, size_doubts
@@ -282,12 +281,8 @@ def _across(polygon: np.ndarray) -> float:
 
 
 def _shaken(table: Mapping[str, Any], where: str, summary: Mapping[str, Any]) -> list[Doubt]:
-    """The peak acceleration of a sine; the scale of a record and of the shocks of a sequence, or else theirs."""
-    if table.get("kind") == "sinusoidal":
-        pga, value = summary["after"]["pga"], float(table["amplitude"])
-        return _doubt(f"{where}.amplitude", value, "sine", f"a PGA of {pga / G:.2g} g", abs(value) / pga) if pga else []
-    made = zip(table.get("shocks", []), summary.get("shocks", []), strict=False)
-    tables = [(shock, f"{where}.shocks[{i}]", one["components"]) for i, (shock, one) in enumerate(made)]
-    if table.get("kind") == "record":
-        tables = [(table, where, [summary])]
-    return [Doubt(key, None, line) for one, place, components in tables for key, line in size_doubts(one, place, components)]
+    """The peak acceleration of a sine."""
+    if table.get("kind") != "sinusoidal":
+        return []
+    pga, value = summary["after"]["pga"], float(table["amplitude"])
+    return _doubt(f"{where}.amplitude", value, "sine", f"a PGA of {pga / G:.2g} g", abs(value) / pga) if pga else []

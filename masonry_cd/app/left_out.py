@@ -28,10 +28,6 @@ def elasticity_left_out(case: Case) -> dict[str, Any]:
 
 def _shaken(case: Case) -> bool:
     """Whether a load shakes the base; a settlement moves it once."""
-    from loads import KINDS
-    from loads.supports import ShakingTable
+    from loads import shakes
 
-    kinds = {str(table.get("kind")) for table in case.scene.loads}
-    return bool(case.loading.support_velocity.any()) and any(
-        kind in KINDS and issubclass(KINDS[kind].table, ShakingTable) for kind in kinds
-    )
+    return bool(case.loading.support_velocity.any()) and shakes(case.scene.loads)

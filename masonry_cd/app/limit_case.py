@@ -114,7 +114,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
     Raises:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
     """
-    from masonry_cd.app.static_loads import CurveTable
+    from masonry_cd.app.limit_table import CurveTable
 
     begin = time.perf_counter()
     scene, crossing = at_worst(scene, quiet)

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from masonry_cd.app.limit_macro import MacroCase
 
 PATTERNS = ("push", "tilt", "live")  # keys of [limit] that multiply something
-KINDS = ("push", "tilt", "settlement", "spreading")  # loads that do
 
 
 @dataclass(frozen=True)
@@ -102,6 +101,9 @@ def looked_at(
 
 def has_pattern(scene: Scene) -> bool:
     """Whether a scene names what a limit analysis of the whole multiplies."""
-    return any(scene.limit.get(name) for name in PATTERNS) or any(
-        load.get("kind") == "vehicle" or (load.get("kind") in KINDS and load.get("control") != "displacement") for load in scene.loads
-    )
+    if any(scene.limit.get(name) for name in PATTERNS):
+        return True
+    from loads.static import patterns
+
+    with scene.locating():
+        return any(patterns(scene.loads, scene.folder))

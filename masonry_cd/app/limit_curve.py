@@ -16,7 +16,8 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
-    from masonry_cd.app.static_loads import CurveTable, StaticLoads
+    from masonry_cd.app.limit_table import CurveTable
+    from masonry_cd.app.static_loads import StaticLoads
 
 CURVE_OUTPUTS = ("capacity.csv", "capacity.json", "capacity.png")
 COLUMNS = ("point", "displacement_m", "factor", "associated_factor", "moving_blocks", "hinges", "slides", "changed")

@@ -15,7 +15,8 @@ import numpy as np
 
 from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.analysis.limit.analysis import Analysis
-from masonry_cd.app.static_loads import LimitTable, StaticLoads
+from masonry_cd.app.limit_table import LimitTable
+from masonry_cd.app.static_loads import StaticLoads
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results

@@ -33,7 +33,8 @@ from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.solvers.options import cores
 
 if TYPE_CHECKING:
-    from masonry_cd.app.static_loads import LimitTable, StaticLoads
+    from masonry_cd.app.limit_table import LimitTable
+    from masonry_cd.app.static_loads import StaticLoads
     from structures.macro_elements import MacroElement
 
 STARTS = 2  # of the free search within a part, beside those at the mechanisms of practice

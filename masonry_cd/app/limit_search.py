@@ -16,7 +16,8 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
-    from masonry_cd.app.static_loads import LimitTable, StaticLoads
+    from masonry_cd.app.limit_table import LimitTable
+    from masonry_cd.app.static_loads import StaticLoads
 
 STARTS = 4  # of the search in a plane; for a check in space at most, until starts agree: two from each end of what normal forces may be
 FIRST = 2  # of these that are made in any case, one from each end

@@ -11,8 +11,9 @@ from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
+    from masonry_cd.app.limit_table import LimitTable
     from masonry_cd.app.scene import Scene
-    from masonry_cd.app.static_loads import LimitTable, StaticLoads
+    from masonry_cd.app.static_loads import StaticLoads
     from structures import Made
 
 
@@ -45,7 +46,7 @@ def limit_structure(scene: Scene) -> LimitStructure:
         InputError: with file and line of the scene where a key is at fault.
     """
     from masonry_cd.app.case import make_structures
-    from masonry_cd.app.static_loads import limit_table
+    from masonry_cd.app.limit_table import limit_table
 
     made, material = make_structures(scene), scene.material
     with scene.locating():

@@ -26,7 +26,7 @@ from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 
 if TYPE_CHECKING:
-    from loads.kinds.vehicle import VehicleTable
+    from loads.motion import Places
     from masonry_cd.app.limit_structure import LimitStructure
     from masonry_cd.mechanics.model.fill import Fill
 
@@ -86,7 +86,7 @@ def at_worst(scene: Scene, quiet: bool = True) -> tuple[Scene, Crossing | None]:
     with scene.locating():
         found = _crossing(middle, structure, number, quiet)
     if found is None:
-        return _placed(middle, number, _range(structure, number)[0]), None
+        return _placed(middle, number, _places(structure, number).low), None
     return _placed(middle, number, float(found.position[found.worst])), found
 
 
@@ -101,17 +101,21 @@ def somewhere(scene: Scene) -> Scene:
 
 def _vehicle(scene: Scene) -> int | None:
     """The one vehicle that is multiplied: named in limit.live, or the only load that could be."""
-    kinds = [load.get("kind") for load in scene.loads]
+    from loads import kind_of
+    from loads.static import patterns
+
+    with scene.locating():
+        every = patterns(scene.loads, scene.folder)
+    vehicles = [i for i, load in enumerate(scene.loads) if (kind := kind_of(load)) is not None and kind.places is not None]
     live = scene.limit.get("live")
     if live is not None:
-        some = [i for i in live if isinstance(i, int) and 0 <= i < len(kinds) and kinds[i] == "vehicle"]
+        some = [i for i in vehicles if i in live]
         free = [i for i in some if "position" not in scene.loads[i]]
         if len(free) > 1:
             raise InputError("limit.live", f"the worst place of one vehicle is looked for; give loads{free[1:]} a position")
         return free[0] if free else (some[0] if some else None)
-    vehicles = [i for i, kind in enumerate(kinds) if kind == "vehicle"]
-    others = [kind for kind in kinds if kind in ("push", "tilt", "settlement", "spreading")]
-    return vehicles[0] if len(vehicles) == 1 and not others and not any(scene.limit.get(name) for name in PATTERNS) else None
+    alone = len(vehicles) == 1 and not any(pattern not in ("", "live") for pattern in every)
+    return vehicles[0] if alone and not any(scene.limit.get(name) for name in PATTERNS) else None
 
 
 def _placed(scene: Scene, number: int, position: float) -> Scene:
@@ -121,21 +125,14 @@ def _placed(scene: Scene, number: int, position: float) -> Scene:
     return replace(scene, loads=tuple(tables))
 
 
-def _asked(structure: LimitStructure, number: int) -> tuple[VehicleTable, Fill]:
-    """The table of the vehicle and its bridge."""
-    import loads
-    from loads.kinds.vehicle import VehicleTable, on_bridge
+def _places(structure: LimitStructure, number: int) -> Places:
+    """Between which places of the first axle any of them stands on the bridge."""
+    from loads import kind_of, parse_load
 
-    where = f"loads[{number}]"
-    table = loads.parse_load(structure.scene.loads[number], where)
-    assert isinstance(table, VehicleTable)
-    return table, on_bridge(table, structure.made.fills, where)
-
-
-def _range(structure: LimitStructure, number: int) -> tuple[float, float]:
-    """Between which places of the first axle any of them stands on the bridge [m]."""
-    table, fill = _asked(structure, number)
-    return fill.deck[0], fill.deck[1] + sum(table.known.spacing)
+    given, where = structure.scene.loads[number], f"loads[{number}]"
+    kind = kind_of(given)
+    assert kind is not None and kind.places is not None
+    return kind.places(parse_load(given, where, structure.scene.folder), structure.made.fills, where)
 
 
 def _crossing(scene: Scene, structure: LimitStructure, number: int, quiet: bool) -> Crossing | None:
@@ -143,7 +140,7 @@ def _crossing(scene: Scene, structure: LimitStructure, number: int, quiet: bool)
     from masonry_cd.app.limit_search import ways
     from masonry_cd.app.progress import Progress
 
-    low, high = _range(structure, number)
+    low, high, words = _places(structure, number)
     first = structure.loads()
     options = replace(ways(structure.assembly, structure.joints, first, structure.asked, scene.run.seed).analysis, starts=0)
     problem, alone = at_rest(structure.assembly, structure.joints, first.at(), options)
@@ -161,9 +158,8 @@ def _crossing(scene: Scene, structure: LimitStructure, number: int, quiet: bool)
     with Progress(count, quiet, what="place of the vehicle") as progress:
         _look(at, np.linspace(low, high, count + 2)[1:-1].tolist(), CLOSE * (high - low))
     places = np.array(sorted(known))
-    table, fill = _asked(structure, number)
-    words = f"vehicle {table.name}" if table.name else f"vehicle of {len(table.known.loads)} axles"
-    return Crossing(number, words, places, np.array([known[p] for p in places.tolist()]), _spans(fill))
+    factors = np.array([known[place] for place in places.tolist()])
+    return Crossing(number, words, places, factors, _spans(structure.made.fills[0]))
 
 
 def _look(at: Callable[[float], float], places: Sequence[float], close: float) -> None:

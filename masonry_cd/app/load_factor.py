@@ -7,7 +7,6 @@ block, and the structure carries less than the load applied (:mod:`masonry_cd.ap
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,7 +40,7 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
     """lambda at the end, and when the structure gave way."""
     gravity, free = np.array(case.scene.run.gravity), ~case.assembly.fixed
     load_step = results.per_step("load_step").astype(np.int64)
-    if not gravity.any() or not len(load_step) or not any(map(_grows, case.scene.loads)):
+    if not gravity.any() or not len(load_step) or not set(_patterns(case)) & {"push", "tilt"}:  # no pulse, no push by displacement
         return {}
     factor = case.loading.load_factor(case.scene.run.gravity)[load_step]  # after each step
     if not factor.any():
@@ -54,9 +53,11 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
     return {"load_factor": found | ({} if bracket is None else {"limit_analysis": bracket})}
 
 
-def _grows(table: Mapping[str, Any]) -> bool:
-    """Whether a load is one whose factor grows until the structure gives way: no pulse, and no push by displacement."""
-    return table.get("kind") == "tilt" or (table.get("kind") == "push" and table.get("control", "force") == "force")
+def _patterns(case: Case) -> list[str]:
+    """What limit analysis would multiply of the loads; a push and a tilt grow until the structure gives way."""
+    from loads.static import patterns
+
+    return [pattern for pattern in patterns(case.scene.loads, case.scene.folder) if pattern not in ("", "live")]
 
 
 def _given_way(case: Case, results: Results, factor: np.ndarray, limit: float) -> dict[str, float]:
@@ -106,17 +107,18 @@ def limit_bracket(case: Case) -> dict[str, float | None] | None:
     from masonry_cd.analysis.limit.analysis import Options, analyse
     from masonry_cd.analysis.limit.interfaces import interfaces
     from masonry_cd.analysis.limit.problem import plane_of
-    from masonry_cd.app.static_loads import limit_table, static_loads
+    from masonry_cd.app.limit_table import limit_table
+    from masonry_cd.app.static_loads import static_loads
 
     scene, assembly, forces = case.scene, case.assembly, case.loading.forces
-    own = sum(table.get("kind") == "tie" for table in scene.loads)
     filled = any(block.carried is not None for block in assembly.blocks)  # what fill presses and resists with is not among these loads
-    if assembly.count > FEW or filled or not assembly.fixed.any() or (forces is not None and len(forces.ties) != own):
+    if assembly.count > FEW or filled or not assembly.fixed.any():
         return None
-    patterns = [table for table in scene.loads if _grows(table) or table.get("kind") in ("settlement", "spreading")]
-    if len(patterns) != 1 or patterns[0]["kind"] not in ("push", "tilt"):
+    if _patterns(case) not in (["push"], ["tilt"]):
         return None
     loads = static_loads(scene.loads, limit_table({}), scene.run.gravity, scene.folder, assembly)
+    if forces is not None and len(forces.ties) != len(loads.bars.strength):  # those of the structure are not among them
+        return None
     if plane_of(assembly, loads.at()) is None and interfaces(assembly, case.joints, None).count > FEW_POINTS:
         return None
     if loads.kind == "tilt" and not (loads.only_gravity and not assembly.laws.apex.any()):

@@ -31,7 +31,7 @@ MACRO_OUTPUTS = files_of("limit --macro-elements")
 def macro_summary(case: MacroCase) -> dict[str, Any]:
     """What macro_elements.json holds."""
     from masonry_cd import __version__
-    from masonry_cd.app.static_loads import limit_table
+    from masonry_cd.app.limit_table import limit_table
 
     table = limit_table(case.scene.limit).check
     return {

@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from loads.motion import STANDARD_GRAVITY
+from loads import kind_of
+from loads.motion import STANDARD_GRAVITY, FromFile
 from loads.readers.orientation import Orientation, of_record
 from masonry_cd.app.ranges import RANGES, G
 
@@ -58,7 +59,11 @@ def record_doubts(loads: Sequence[Mapping[str, Any]], summaries: Sequence[Mappin
         loads: the tables [[loads]] in SI.
         summaries: of the same as they are built, in their order.
     """
-    found = [one for i, (load, made) in enumerate(zip(loads, summaries, strict=False)) for one in _acting(load, f"loads[{i}]", made)]
+    both = enumerate(zip(loads, summaries, strict=False))
+    motions = [motion for i, (load, made) in both for motion in from_files(load, f"loads[{i}]", made)]
+    for motion in motions:
+        yield from size_doubts(motion.keys, motion.where, [made for _, _, made in motion.components])
+    found = [one for motion in motions for one in _acting(motion)]
     for one in found:
         yield from _upright(one)
     for one, other in combinations(found, 2):
@@ -96,21 +101,18 @@ def unusual_pga(pga: float, what: str) -> str:
     return "" if usual.holds(pga) else f"{what} PGA of {pga:.3g} m/s2 ({pga / G:.3g} g): {usual.reason}"
 
 
-def _acting(load: Mapping[str, Any], where: str, made: Mapping[str, Any]) -> Iterator[_Acting]:
-    """The components of a record or of the shocks of a sequence that come from files."""
-    if load.get("kind") == "record" and "before" in made:
-        start = load.get("start", 0.0)
-        yield _one(load, where, made, made["factor"], start, start + made["window"][1] - made["window"][0])
-    for i, (shock, done) in enumerate(zip(load.get("shocks", []), made.get("shocks", []), strict=False)):
-        for j, (component, one) in enumerate(zip(shock["components"], done["components"], strict=True)):
-            if "path" in component and "before" in one:
-                yield _one(component, f"{where}.shocks[{i}].components[{j}]", one, done["factor"], done["start"], done["end"])
+def from_files(table: Mapping[str, Any], where: str, made: Mapping[str, Any]) -> list[FromFile]:
+    """The motions that a load has from files, by its keys in SI and by its summary; none of a kind that has none."""
+    kind = kind_of(table)
+    return [] if kind is None or kind.recorded is None else kind.recorded(table, made, where)
 
 
-def _one(table: Mapping[str, Any], where: str, made: Mapping[str, Any], factor: float, begin: float, end: float) -> _Acting:
-    size, before = abs(factor), made["before"]
-    motion = (before["pga"] / size, before["pgv"] / size, before["arias"] / size**2, made["window"][1] - made["window"][0])
-    return _Acting(where, table["path"], made["column"], np.array(made["direction"]), begin, end, motion)
+def _acting(motion: FromFile) -> Iterator[_Acting]:
+    """The components of a motion that were read."""
+    for where, keys, made in (one for one in motion.components if "path" in one[1] and "before" in one[2]):
+        size, before = abs(motion.factor), made["before"]
+        numbers = (before["pga"] / size, before["pgv"] / size, before["arias"] / size**2, made["window"][1] - made["window"][0])
+        yield _Acting(where, keys["path"], made["column"], np.array(made["direction"]), motion.begin, motion.end, numbers)
 
 
 def _upright(one: _Acting) -> Iterator[tuple[str, str]]:

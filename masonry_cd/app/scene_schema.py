@@ -60,7 +60,7 @@ def scene_schema() -> Schema:
 
 def limit_schema() -> Schema:
     """The schema of ``[limit]``."""
-    from masonry_cd.app.static_loads import LimitTable
+    from masonry_cd.app.limit_table import LimitTable
 
     return table_schema(LimitTable)
 

@@ -64,7 +64,7 @@ def _models(name: str, table: Mapping[str, Any]) -> Models:
 
         return (KINDS[kind].table,) if kind in KINDS else ()
     if name == "limit":
-        from masonry_cd.app.static_loads import LimitTable
+        from masonry_cd.app.limit_table import LimitTable
 
         return (LimitTable,)
     one: dict[str, type[BaseModel]] = {"material": Material, "run": Run, "report": Report, "assess": AssessTable, "output": OutputTable}

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from loads.motion import parse_direction
+from loads import kind_of, parse_load
+from loads.motion import STEEP, lifts, parse_direction
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, length
 from masonry_cd.mechanics.contact.find_joints import gaping
@@ -20,8 +21,6 @@ from masonry_cd.mechanics.contact.find_joints import gaping
 if TYPE_CHECKING:
     from masonry_cd.mechanics.model.blocks import Assembly
     from masonry_cd.mechanics.model.joints import Joints
-
-STEEP = math.cos(math.radians(45.0))  # of the angle to the vertical up to which something counts as vertical
 
 
 def astray(tables: Mapping[str, Any], gravity: Sequence[float], built: tuple[Assembly, Joints] | None = None) -> Iterator[tuple[str, str]]:
@@ -32,29 +31,15 @@ def astray(tables: Mapping[str, Any], gravity: Sequence[float], built: tuple[Ass
         yield "run.gravity", f"run.gravity = {way} m/s2 does not act along -z: heights, courses, floors and what stands on what are along z"
     down = np.asarray(gravity) / size if size else np.zeros(3)
     for i, table in enumerate(tables.get("loads", [])):
-        yield from _load(table, f"loads[{i}]", down)
+        kind = kind_of(table)
+        if kind is not None and kind.senses is not None:
+            yield from kind.senses(parse_load(table, f"loads[{i}]"), down, f"loads[{i}]")
     limit = tables.get("limit", {})
-    if "push" in limit and _along(limit["push"]) @ down < -STEEP:
+    if "push" in limit and lifts(_along(limit["push"]), down):
         yield "limit.push", "limit.push lifts the blocks: it acts against gravity"
     yield from _code(limit.get("check", {}))
     if built is not None:
         yield from _open(tables, *built)
-
-
-def _load(table: Mapping[str, Any], where: str, down: np.ndarray) -> Iterator[tuple[str, str]]:
-    """Supports that rise, and forces and pushes that lift."""
-    kind = table.get("kind")
-    if kind == "settlement":
-        moves = float(table["displacement"]) * _along(table.get("direction", "-z"))
-        if moves @ down < -STEEP * math.hypot(*moves):
-            yield (
-                f"{where}.displacement",
-                f"{where}.displacement: these supports rise by {length(abs(table['displacement']))}: what settles goes down, -z",
-            )
-    if kind == "point" and np.asarray(table["force"]) @ down < -STEEP * math.hypot(*table["force"]):
-        yield f"{where}.force", f"{where}.force = {list(table['force'])} N lifts its block: weights act along -z"
-    if kind == "push" and "direction" in table and _along(table["direction"]) @ down < -STEEP:
-        yield f"{where}.direction", f"{where}.direction lifts what is pushed: it acts against gravity"
 
 
 def _along(direction: object) -> np.ndarray:

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from loads import KINDS as LOADS
 from masonry_cd.app.scene_schema import TITLE, limit_schema, load_schema, schema_text, structure_schema
 from masonry_cd.app.scene_text import toml_text
 from masonry_cd.foundation.errors import InputError, one_line, suggest
@@ -49,7 +50,7 @@ FIRST: dict[str, dict[str, Any]] = {
 MATERIAL = {"density": 2200.0, "friction": 0.6}
 MASONRY = {"wall": "squared stone", "tower": "squared stone", "building": "split stone", "church": "split stone"}
 """Of kinds whose elasticity decides how they are shaken; the others keep rigid joints, as the method has them."""
-LOAD = {"kind": "sinusoidal", "direction": "x", "amplitude": 0.2, "frequency": 2.0, "cycles": 5}
+LOAD = "sinusoidal"
 RUN = {"dt": 2e-3, "duration": 4.0, "tolerance": 1e-6}
 REPORT = {"crack_map": True, "html": True}
 GEO = """// A wall of 3 x 0.5 x 2 m: put your own solid in its place, or name a .step file.
@@ -104,7 +105,7 @@ def starter(kind: str, path: Path) -> str:
         *_line("title", f"A first scene: {kind}", "Of pictures and closing lines."),
         *_table("structure", structure, {"kind": kind} | FIRST.get(kind, {})),
         *_table("material", table_schema(Material), _material(kind)),
-        *_table("loads", load_schema("sinusoidal"), LOAD, row=True),
+        *_table("loads", load_schema(LOAD), {"kind": LOAD, **LOADS[LOAD].starter}, row=True),
         *_table("run", table_schema(Run), RUN),
         *_table("report", table_schema(Report), REPORT),
         *_table("limit", limit_schema(), {}),

@@ -86,7 +86,8 @@ CASES = [
     ('loads=[{kind="vehicle", name="LM1", speed=60}]', "loads[0].speed = 60 m/s: ", 'if km/h is meant: "60 km/h"'),
     ('structure={kind="bridge", fill={density=20}}', "structure.fill.density = 20 kg/m3: ", 'kN/m3 is meant: "2039 kg/m3"'),
     ('structure={kind="building", walls=[{density=1.8}]}', "structure.walls[0].density = 1.8 kg/m3: ", 't/m3 is meant: "1.8 t/m3"'),
-    ('loads=[{kind="push", control="displacement", blocks="stone", targets=[0.1, -0.5]}]', "loads[0].targets = -0.5 m is 0.5", '"-0.5 mm"'),
+    ('loads=[{kind="push", control="displacement", direction="x", blocks="stone", targets=[0.1, -0.5]}]',
+     "loads[0].targets = -0.5 m is 0.5", '"-0.5 mm"'),
     ("material.joints={normal_stiffness=1e10, damping=5}", "material.joints.damping = 5: ", "0.05 for 5 %"),
     ('structure={kind="bridge", fill={friction_angle=0.6}}', "structure.fill.friction_angle = 0.6 degrees: ", '"0.6 rad"'),
     ('structure={kind="bridge", cover=500}', "structure.cover = 500 m: ", '"500 mm"'),
@@ -151,7 +152,7 @@ def test_a_name_in_quiet_checks_that_is_no_key_of_the_scene_is_refused(name: str
 
 def test_the_key_that_silences_the_record_of_a_shock_is_one_of_the_scene() -> None:
     load = 'loads=[{kind="sequence", shocks=[{components=[{path="a", direction="x"}]}]}]'
-    weak = ({"shocks": [{"components": [{"after": {"pga": 0.02}}]}]},)
+    weak = ({"shocks": [{"factor": 1.0, "start": 0.0, "end": 2.0, "components": [{"after": {"pga": 0.02}}]}]},)
     (line,) = lines(load, summaries=weak)
     assert line.startswith("loads[0].shocks[0].components makes a PGA")
     assert lines(load, 'quiet_checks=["loads[0].shocks[0].components"]', summaries=weak) == []
@@ -186,7 +187,7 @@ def test_a_force_on_the_one_block_of_a_group_is_compared_with_it() -> None:
 @pytest.mark.parametrize(("pga", "doubted"), [(0.02, True), (3.0, False), (25.0, True)])
 def test_a_record_is_judged_by_what_its_scale_makes_of_it(pga: float, doubted: bool) -> None:
     load = 'loads=[{kind="record", path="a", direction="x", scale=9.81}]'
-    found = lines(load, summaries=({"after": {"pga": pga}},))
+    found = lines(load, summaries=({"factor": 9.81, "window": [0.0, 2.0], "after": {"pga": pga}},))
     assert [line.startswith("loads[0].scale = 9.81 makes a PGA of ") for line in found] == [True] * doubted
     assert bool(unusual_pga(pga, "quake.txt has a")) == doubted
 

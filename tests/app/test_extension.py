@@ -14,6 +14,8 @@ from textwrap import dedent
 import numpy as np
 import pytest
 from made_run import at_rest, box, write_run
+from models import box as free
+from models import ground
 from places import ROOT
 
 import loads
@@ -22,13 +24,17 @@ import structures
 from loads import readers
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.app.commands.solve import solve
+from masonry_cd.app.limit_table import limit_table
 from masonry_cd.app.run_case import file_names
 from masonry_cd.app.scene import read_scene
+from masonry_cd.app.static_loads import static_loads
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.foundation.table_schema import table_schema
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.solvers import SOLVERS
+from masonry_cd.studies.study.perturb import perturb
 from reports.files import Job, known_files
 from reports.settings import report_of
 
@@ -62,16 +68,24 @@ ONE_CONTACT = """\
 """
 JOLT = """\
     import numpy as np
-    from loads.motion import LoadKind, LoadTable, Part
+    from loads.motion import LoadKind, LoadTable, Part, Static, parse_direction
 
     class JoltTable(LoadTable):
-        "The base moves along x at a constant speed [m/s]."
+        "The base moves along x at a constant speed [m/s]; limit analysis pushes."
         speed: float
 
     def jolt(table, grid, where):
         return Part(motion=lambda times: np.outer(np.full(len(times), table.speed), [1.0, 0.0, 0.0]), lines=(f"{where} jolt",))
 
-    KINDS = {"jolt": LoadKind(JoltTable, jolt)}
+    KINDS = {
+        "jolt": LoadKind(
+            JoltTable,
+            jolt,
+            static=lambda table, grid, where: Static("a jolt", direction=parse_direction("x")),
+            pattern=lambda table: "push",
+            grown=lambda keys, factor: {**keys, "speed": factor * keys["speed"]},
+        )
+    }
 """
 TALLY = """\
     import numpy as np
@@ -141,6 +155,12 @@ def test_a_load(add, tmp_path):
     assert loading.lines[0] == "loads[0] jolt"
     with pytest.raises(InputError, match=r"loads\[0\]\.speed: missing"):
         loads.build([{"kind": "jolt"}], 1e-3, 10, (0.0, 0.0, -9.81), tmp_path)
+    standing = Assembly.from_blocks([ground(2.0), free("stone", (-0.5, -0.5, 0.0), (0.5, 0.5, 1.0))], 0.6)
+    pushed = static_loads([table], limit_table({}), (0.0, 0.0, -9.81), tmp_path, standing)
+    assert (pushed.kind, pushed.words) == ("push", "a jolt") and pushed.live[1, 0] == pytest.approx(9.81 * standing.mass[1])
+    tables = {"loads": [dict(table)]}
+    perturb(tables, "loads", 0.5)
+    assert tables["loads"][0]["speed"] == pytest.approx(0.6)
 
 
 def test_a_format_of_records(add, tmp_path):

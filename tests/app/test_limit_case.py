@@ -210,7 +210,7 @@ def test_what_falls_by_itself_is_named(tmp_path):
         ("[limit]\npush = 'x'\ntilt = 'y'\n", "one pattern"),
         ("[limit]\npush = ['x', 'y']\n", "vector of three numbers"),
         ("[limit]\ntilt = 'z'\n", "must be level"),
-        ("[limit]\nlive = [0]\n", "no load of kind point"),
+        ("[limit]\nlive = [0]\n", "no load of this scene"),
         ("[limit]\nlive = [0, 0]\n", "each of the [[loads]] once"),
         ("[limit]\npsuh = 'x'\n", 'did you mean "push"'),
         ("[limit]\npush = 'x'\nsides = 2\n", "at least 3"),

@@ -93,7 +93,7 @@ def test_masses_count_in_macro_elements(tmp_path: Path) -> None:
     ("tables", "message"),
     [
         (f"{TOP}[limit]\nlive = [0]\nmasses = [0]\n", "limit.masses: a push or a tilt moves masses"),
-        (f"{TOP}[limit]\npush = 'x'\nmasses = [1]\n", r"limit.masses: loads\[1\] is no load of kind point"),
+        (f"{TOP}[limit]\npush = 'x'\nmasses = [1]\n", r"limit.masses: loads\[1\]: no load of this scene"),
         (f"{TOP.replace('[0, 0,', '[0, 9,')}[limit]\npush = 'x'\nmasses = [0]\n", r"limit.masses: loads\[0\] is no weight"),
     ],
 )

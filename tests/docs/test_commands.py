@@ -15,7 +15,7 @@ from doc_pages import DOCS, PAGES, Reader, command_lines, fences, page_name, typ
 from places import ROOT
 from typer.testing import CliRunner
 
-from masonry_cd.app.static_loads import limit_table
+from masonry_cd.app.limit_table import limit_table
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.plugins import GROUPS, OWN_FILE

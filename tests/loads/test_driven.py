@@ -12,7 +12,6 @@ from models import box
 
 import loads
 from masonry_cd.app.step_contacts import contacts_of, reactions_of
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -98,54 +97,3 @@ def test_a_prop_holds_along_its_direction_and_leaves_the_way_across_free() -> No
     ground, held = reactions_of(stepper, contacts)[0, 0], stepper.driven().force[0]  # which share each takes is not unique
     assert ground + held == pytest.approx(-0.5 * weight(assembly), rel=1e-3)
     assert held <= -0.199 * weight(assembly)
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"blocks": "q"}, 'loads[0].blocks: "q" is no block or group'),
-        ({"blocks": "ground"}, 'loads[0].blocks: "ground" is fixed; kind = "settlement" moves supports'),
-        ({"targets": [0.6]}, "loads[0].targets: 0.6 m is beyond the blocks that are moved, which are 0.5 m long along the way"),
-        ({"targets": [0.0]}, "loads[0].targets: none is away from 0"),
-        ({"targets": ["a"]}, "loads[0].targets: "),
-        ({"speed": 0.4}, "loads[0].speed: at 0.4 m/s the inertia of the blocks is "),
-        ({"speed": 4.0}, "loads[0].speed: at 4 m/s the leg of 0.02 m takes "),
-        ({"point": [2.0, 0.5, 1.0]}, "loads[0].point: (2, 0.5, 1) m lies 1.5 m outside"),
-        ({"point": [0.5, 0.5, 1.0], "face": "x"}, "loads[0]: give face or point, not both"),
-        ({"rate": 0.1}, 'loads[0]: rate: of no use with control = "displacement", which takes speed instead; its keys: blocks, '),
-        (
-            {"control": "force"},
-            'loads[0]: blocks: of no use with control = "force"; its keys: rate, initial, peak; control = "displacement" takes ',
-        ),
-        ({"velocity": 0.1}, "loads[0].velocity: unknown key; known keys: kind, blocks, face, point, rotation, name, targets, speed, hold"),
-        ({"target": 0.1}, 'loads[0].target: unknown key (did you mean "targets"?)'),
-    ],
-)
-def test_bad_pushes_are_refused_in_one_line(change: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError) as refused:
-        loads.build([PUSH | change], 1e-3, 100, GRAVITY, Path(), standing())
-    assert str(refused.value).startswith(said)
-    assert "\n" not in str(refused.value)
-
-
-def test_a_push_whose_control_is_forgotten_says_what_takes_its_keys() -> None:
-    for table, said in (
-        ({"targets": [0.01], "speed": 0.1}, 'targets: of no use with control = "force", which takes peak instead; '),
-        ({"speed": 0.1, "rate": 0.1}, 'speed: of no use with control = "force", which takes rate instead; '),
-        ({}, 'rate: missing, control = "force" needs it'),
-    ):
-        with pytest.raises(InputError) as refused:
-            loads.build([{"kind": "push", "direction": "x"} | table], 1e-3, 100, GRAVITY, Path(), standing())
-        assert str(refused.value).startswith(f"loads[0]: {said}")
-
-
-@pytest.mark.parametrize("kind", sorted(loads.KINDS))
-def test_an_unknown_key_of_any_load_has_those_that_exist_beside_it(kind: str) -> None:
-    with pytest.raises(InputError, match=r"^loads\[0\]\.zzqq: unknown key; known keys: kind, "):
-        loads.build([{"kind": kind, "zzqq": 1}], 1e-3, 100, GRAVITY, Path(), standing())
-
-
-def test_two_pushes_of_one_block_along_one_line_are_refused() -> None:
-    with pytest.raises(InputError, match=r'loads\[1\]\.direction: "b" is already guided by loads\[0\]'):
-        loads.build([PUSH, PUSH | {"direction": [1.0, 0.0, 1.0]}], 1e-3, 100, GRAVITY, Path(), standing())
-    loads.build([PUSH, PUSH | {"direction": "y"}], 1e-3, 100, GRAVITY, Path(), standing())

@@ -11,7 +11,7 @@ import pytest
 from bridge_scenes import GRAVITY, bridge, grid
 
 from loads import build, fill
-from loads.bars import Forces, PointLoad, Tie
+from loads.bars import Forces, Tie
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 
@@ -21,9 +21,9 @@ SOLID = [{"rigid": False, "height": 2.0}]
 def of_fill(shaken: bool = False, **keys: object) -> tuple:
     made, assembly = bridge(width=3.0, cover=0.4, abutments=SOLID, **keys)
     part = fill.at_collapse(made.fills[0], grid(made, assembly), shaken)
-    forces = [f for f in part.forces if isinstance(f, PointLoad)]
-    assert bool(part.lines) == bool(forces)
-    return made.fills[0], assembly, forces, [f for f in part.forces if isinstance(f, Tie)]
+    forces = list(part.points)
+    assert bool(part.words) == bool(forces)
+    return made.fills[0], assembly, forces, list(part.ties)
 
 
 @pytest.mark.parametrize(("pressure", "k"), [("at_rest", 1.0 / 3.0), ("active", 1.0 / 3.0), ("none", 0.0)])
@@ -149,13 +149,6 @@ def test_the_back_of_an_abutment_meets_its_share_of_k_p_in_all_and_no_more() -> 
     assert resisting + sum(float(np.abs(load.force[0])) for load in forces) == pytest.approx(3.0 * gamma_h)
     in_a_run = [bar for bar in fill.part(found, grid(made, assembly), False).forces if bar.name.startswith("fill of abutment")]
     assert sum(bar.limit for bar in in_a_run) == pytest.approx(3.0 * gamma_h)
-
-
-def test_a_run_names_the_law_of_the_pressure_among_its_assumptions() -> None:
-    made, assembly = bridge(width=3.0, walls={})
-    part = fill.part(made.fills[0], grid(made, assembly), False)
-    assert "K_0 = 0.5, which falls as a face moves away: to K_a = 0.333 within 0.002, to nothing 0.289 of the depth" in part.lines[0]
-    assert (part.summary["active_at"], part.summary["gone_at"]) == (0.002, pytest.approx(1.0 / (6.0 * math.tan(math.radians(30.0)))))
 
 
 def test_gravity_is_not_ramped_beside_fill_that_presses() -> None:

@@ -115,24 +115,6 @@ def test_channels_are_picked_and_pieces_put_together(tmp_path: Path) -> None:
         load(tmp_path, text.replace("07.250000", "08.250000"), column="HNE")
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (head(count=N + 1) + BODY, f"line 1: the header announces {N + 1} values, the file holds {N}: cut short"),
-        (head() + BODY.replace("0.", "O.", 1), "where a number belongs"),
-        (head().replace("200 sps", "0 sps") + BODY, "line 1: 0 samples a second"),
-        (head().replace("SLIST", "SLIT") + BODY, "line 1: a line such as TIMESERIES"),
-        (head(start="yesterday") + BODY, 'line 1: "yesterday" where a time'),
-        (tspair(step=0.01), "line 3: 2021-03-04T05:06:07.010000 is not the time of sample 2"),
-        (head("TSPAIR") + BODY, "line 2: a time and a sample belong on a line"),
-    ],
-)
-def test_what_is_wrong_with_such_a_text_is_named_with_its_line(tmp_path: Path, text: str, message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        load(tmp_path, text)
-    assert message in str(failure.value)
-
-
 @pytest.mark.parametrize(("kind", "unit"), [("INTEGER", ", COUNTS"), ("FLOAT", ", Counts"), ("INTEGER", "")])
 def test_counts_of_such_a_text_need_a_calibration(tmp_path: Path, kind: str, unit: str) -> None:
     counts = "\n".join(f"{v:.0f}" for v in 1000.0 * VALUES) + "\n"

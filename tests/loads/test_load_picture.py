@@ -12,9 +12,7 @@ import pytest
 from pictures import main_colours
 from places import ROOT
 
-from loads.picture import AFTER, BEFORE, file_picture, record_picture, thin_curve
-from loads.signal.baseline import integrate
-from loads.signal.response import default_periods
+from loads.picture import AFTER, BEFORE, file_picture, thin_curve
 from masonry_cd.foundation.errors import InputError
 
 TIME = 0.01 * np.arange(1001)
@@ -36,14 +34,6 @@ def test_a_file_is_drawn_and_its_numbers_returned(quake: Path) -> None:
     assert numbers["before"]["pga"] == pytest.approx(abs(WAVE + 0.5).max(), rel=1e-6)
     assert numbers["after"]["pga"] == pytest.approx(abs(WAVE).max(), rel=0.02)
     assert abs(numbers["after"]["end_displacement"]) < 1e-12
-
-
-def test_two_motions_with_a_target_spectrum(tmp_path: Path) -> None:
-    motion, periods = integrate(WAVE, 0.01), default_periods(20)
-    record_picture(motion, motion.scaled(0.5), tmp_path / "with.svg", "title", target=(periods, np.ones(20)))
-    record_picture(motion, motion.scaled(0.5), tmp_path / "without.svg", "title")
-    assert "#c7372f" in (tmp_path / "with.svg").read_text()
-    assert "#c7372f" not in (tmp_path / "without.svg").read_text()
 
 
 def test_long_curves_keep_their_peaks_when_thinned() -> None:

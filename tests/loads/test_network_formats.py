@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +13,7 @@ from places import ROOT
 from typer.testing import CliRunner
 
 from loads.picture import file_picture
-from loads.readers import READERS, FormatName, RawRecord, Request, Source, formats, read
-from loads.readers.units import acceleration_unit
+from loads.readers import READERS, RawRecord, Request, Source, formats, read
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 
@@ -69,37 +68,6 @@ def cut(text: str, lines: int) -> str:
     return "\n".join(text.splitlines()[:lines])
 
 
-@pytest.mark.parametrize(
-    ("content", "request_", "message"),
-    [
-        (files.cosmos(unit="g"), {}, 'units "g", but integer-header value 3 is that of cm/s2'),
-        (files.cosmos(kind=2), {}, "a series of acceleration, but integer-header value 2 is that of velocity"),
-        (cut(files.cosmos(), 50), {}, "cut short"),
-        (files.cosmos() + files.cosmos(), {"column": "340"}, 'several channels are called "340"; give the place of one'),
-        (files.cosmos() + files.cosmos(azimuth=70), {}, "several channels; say which by the key column; channels: 340, 70"),
-        (files.csmip2(), {"column": "90"}, 'no channel "90"; channels: 360'),
-        (cut(files.csmip2(), 50), {}, "cut short"),
-        (files.csmip2().replace(f"{files.COUNT} points of accel", "90 points of accel"), {}, "more follow: longer than it says"),
-        (files.csmip2(), {"time_step": 0.01}, "the key time_step does not apply to CSMIP files, whose header gives it"),
-        (files.csmip2(), {"calibration": 2.0}, "the key calibration does not apply to CSMIP files"),
-        (cut(files.geonet(), 30), {"column": 0}, "cut short"),
-        (cut(files.smc(), 35), {}, "cut short"),
-        (files.afad().replace(f": {files.COUNT}", ": 99"), {"column": 0}, "the header announces 99 values, the file holds 103"),
-        (files.unam().replace("N00E/N90E", "N00E"), {"column": 1}, "3 columns, where the table has 2"),
-        (files.cwb(100), {"column": 0}, "100 samples a second, but the times are 0.005 s apart: correct the file"),
-        (files.sac(count=50), {}, "the header announces 50 values, the file holds 103: longer than it says"),
-        (files.sac()[:-40], {}, "the header announces 103 values, the file holds 93: cut short"),
-        (files.sac(scale=2.0), {}, "SCALE is 2 in its header, which programs apply or not; the key calibration"),
-        (files.volume(*VOLUME["usc"][:2]).replace("  0.010", "  0.001", 1), {}, "the time does not advance"),
-    ],
-)
-def test_what_is_wrong_is_one_line(tmp_path: Path, content: str | bytes, request_: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        load(tmp_path, content, **request_)
-    assert message in str(failure.value)
-    assert "\n" not in str(failure.value)
-
-
 def test_a_velocity_is_refused_and_differentiated_where_asked_for(tmp_path: Path) -> None:
     (tmp_path / "quake.smc").write_text(files.smc("3 VELOCITY"))
     with pytest.raises(InputError, match=r'is a record of velocity .*; quantity = "velocity" differentiates it'):
@@ -137,17 +105,6 @@ def test_each_file_is_recognised_by_one_strict_format(tmp_path: Path) -> None:
         assert strict == [] if name == "counted" else strict == [name], content[:60]
 
 
-@pytest.mark.parametrize(
-    ("unit", "size"),
-    [
-        ("G/10", 0.1 * G), ("%g", 0.01 * G), ("g%", 0.01 * G), ("cm/s/s", 0.01), ("cm/seg2", 0.01), ("cm/sec/sec", 0.01), ("Gallons", None),
-        ("Gal", 0.01), ("in/sec2", 0.0254),
-    ],
-)  # fmt: skip
-def test_units_as_networks_write_them(unit: str, size: float | None) -> None:
-    assert acceleration_unit(unit) == (None if size is None else pytest.approx(size))
-
-
 @pytest.mark.parametrize("heading", ["Tempo [s];Accelerazione [cm/s2]", "Tiempo (seg);Aceleración (cm/seg2)", "tiempo_s;aceleracion_cm_s2"])
 def test_headings_in_italian_and_spanish(tmp_path: Path, heading: str) -> None:
     body = "".join(f"{t:.3f};{100.0 * v:.6f}\n" for t, v in zip(files.TIME, files.WAVE, strict=True)).replace(".", ",")
@@ -171,7 +128,6 @@ def test_the_page_on_records_has_a_row_for_each_format() -> None:
 
 
 def test_formats_are_listed_with_what_is_read_and_who_publishes_them() -> None:
-    assert set(get_args(FormatName)) == {"auto", *READERS}
     assert all(about and by for _, about, by in formats())
     shown = CliRunner().invoke(app, ["record", "--formats"])
     assert shown.exit_code == 0

@@ -12,8 +12,6 @@ from places import SHARED
 
 import loads
 from loads.signal import flaws
-from masonry_cd.app.case import prepare
-from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 
 STEP = 0.01
@@ -153,31 +151,3 @@ def test_recorded_motions_have_no_flaws_until_they_are_made() -> None:
         struck[at + 40], held[at : at + 100] = 1.5 * peak, 0.0
         assert flaws.spikes(struck)[0].tolist() == [at + 40] and flaws.gaps(held, 0.005, peak), file.name
         assert flaws.flat_tops(np.clip(values, -0.6 * peak, 0.6 * peak)), file.name
-
-
-SCENE = """
-[structure]
-kind = "column"
-height = {height}
-diameter = {diameter}
-plinth = 0
-capital = 0
-base_depth = {diameter}
-[material]
-density = 2000.0
-friction = 0.6
-[run]
-dt = 1e-4
-duration = 1e-3
-"""
-
-
-@pytest.mark.parametrize(
-    ("height", "said"),
-    [(0.25, "smaller than 0.3 m"), (0.35, ""), (40.0, ""), (290.0, "and no block thinner than "), (310.0, "larger than 300 m")],
-)
-def test_a_structure_of_odd_size_asks_for_its_unit(tmp_path: Path, height: float, said: str) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE.format(height=height, diameter=height / 6))
-    found = [line for line in prepare(read_scene(path)).warnings if line.startswith("structure: ")]
-    assert [said in line for line in found] == ([True] if said else [])

@@ -28,11 +28,6 @@ def test_a_pulse_puts_in_its_impulse_and_ends(shape: str, impulse: float, dt: fl
     assert (found.acceleration[:, 2] == -9.81).all()
 
 
-def test_a_pulse_shorter_than_a_step_is_refused() -> None:
-    with pytest.raises(InputError, match=r"loads\[0\]\.duration: 0\.25 s are less than a step"):
-        loads.build([PULSE], 0.3, 10, GRAVITY, Path())
-
-
 @pytest.mark.parametrize("values", [np.sin(np.pi * np.linspace(0.0, 1.0, 30)), np.r_[np.ones(30), np.zeros(5)]])
 def test_a_pulse_in_a_file_does_not_begin_while_the_ground_shakes(values: np.ndarray, tmp_path: Path) -> None:
     table = "time,acceleration\n" + "\n".join(f"{0.01 * k:g},{value:.6g}" for k, value in enumerate(values))

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from records import at2, esm
 
-import loads
 from loads.readers import RawRecord, quantity
 from loads.signal.accelerogram import Accelerogram, Processed, process
 from loads.signal.series import Keys, accelerations, derivative
@@ -105,14 +104,6 @@ def test_differentiated_on_request_the_peak_is_that_of_the_motion(tmp_path: Path
     (tmp_path / "d.csv").write_text("t,d_mm\n" + "".join(f"{x:.2f},{1000.0 * y:.14g}\n" for x, y in zip(t, d, strict=True)))
     twice = process(Accelerogram(path="d.csv", quantity="displacement"), tmp_path, 1e-3, "loads[0]")
     assert twice.before.numbers()["pga"] == pytest.approx(abs(a).max(), rel=0.01)
-
-
-def test_the_run_says_that_it_has_differentiated(tmp_path: Path) -> None:
-    (tmp_path / "v.csv").write_text(rows("t,v [m/s]", np.sin(20.0 * TIME)))
-    table = {"kind": "record", "path": "v.csv", "direction": "x", "quantity": "velocity"}
-    assert any(
-        "a record of velocity, differentiated once" in line for line in loads.build([table], 0.01, 10, (0, 0, -9.81), tmp_path).lines
-    )
 
 
 @pytest.mark.parametrize("share", [0.05, 0.1, 0.2, 0.25])

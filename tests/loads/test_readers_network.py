@@ -5,30 +5,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
+from records import COUNTS, knet
 
 import loads
 from loads.readers import RawRecord, Request, Source, read
 from masonry_cd.foundation.errors import InputError
-
-COUNTS = np.round(1000.0 * np.sin(np.linspace(0.0, 9.0, 40))).astype(int) - 500
-HEADING = {
-    "Origin Time": "1996/08/11 03:12:00",
-    "Station Code": "AKT013",
-    "Record Time": "1996/08/11 03:12:39",
-    "Sampling Freq(Hz)": "100Hz",
-    "Duration Time(s)": "0.4",
-    "Dir.": "N-S",
-    "Scale Factor": "2000(gal)/8388608",
-    "Max. Acc. (gal)": "0.3",
-    "Memo.": "",
-}
-
-
-def knet(**change: str | None) -> str:
-    heading = [f"{key:18}{value}".rstrip() for key, value in (HEADING | change).items() if value is not None]
-    return "\n".join([*heading, *("".join(f"{c:9d}" for c in COUNTS[i : i + 8]) for i in range(0, 40, 8))]) + "\n"
 
 
 def load(folder: Path, text: str | bytes, **request: object) -> tuple[str, RawRecord]:
@@ -42,36 +24,6 @@ def test_knet_counts_are_scaled_once(tmp_path: Path) -> None:
     assert name == "knet"
     assert record.values == pytest.approx(COUNTS * 2000.0 / 8388608)
     assert (record.step, record.unit, record.name) == (pytest.approx(0.01), "gal", "N-S")
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (knet(**{"Duration Time(s)": "0.5"}), ", line 5: the header announces 50 values, the file holds 40: cut short"),
-        (knet(**{"Duration Time(s)": "inf"}), ", line 5: inf is not a finite number"),
-        (
-            knet(**{"Duration Time(s)": "1e300", "Sampling Freq(Hz)": "1e300Hz"}),
-            ", line 4: the sampling frequency must be above zero and at most 1e+06 Hz, got 1e300Hz",
-        ),
-        (knet(**{"Duration Time(s)": None}), ": no line Duration Time(s) in the heading of a K-NET file"),
-        (knet(**{"Sampling Freq(Hz)": "0Hz"}), ", line 4: the sampling frequency must be above zero and at most 1e+06 Hz, got 0Hz"),
-        (knet(**{"Scale Factor": "2000/8388608"}), ", line 7: a scale factor such as 2000(gal)/8388608 is needed"),
-        (knet(**{"Scale Factor": "2000(gal)/0"}), ", line 7: the scale factor must be above zero"),
-        (knet().replace("     -500", "      nan", 1), ", line 10: nan is not a finite number"),
-        (knet().replace("     -500", "     -5OO", 1), ', line 10: "-5OO" where a number belongs'),
-    ],
-)
-def test_bad_knet_files_are_named_with_their_line(tmp_path: Path, text: str, message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        load(tmp_path, text)
-    assert message in str(failure.value)
-    assert "\n" not in str(failure.value)
-
-
-def test_only_counts_take_a_calibration(tmp_path: Path) -> None:
-    for text in (knet(), "0.00 1\n0.01 2\n0.02 1\n"):
-        with pytest.raises(InputError, match=r"the key calibration does not apply to .* files, only to those of counts"):
-            load(tmp_path, text, calibration=0.1)
 
 
 @pytest.fixture

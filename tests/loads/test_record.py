@@ -108,53 +108,18 @@ def test_units_of_header_and_key_mean_the_same_motion(folder: Path) -> None:
     assert velocity(folder, path="bare.txt", units="g") == pytest.approx(wanted, abs=1e-8)
     assert velocity(folder, path="headed.txt") == pytest.approx(wanted, abs=1e-8)
     assert velocity(folder, path="headed.txt", units="G") == pytest.approx(wanted, abs=1e-8)
-    with pytest.raises(InputError, match=r"loads\[0\].units: missing, and bare.txt does not name its unit; give one of m/s2, cm/s2"):
-        build(folder, path="bare.txt")
     with pytest.raises(InputError, match=r'loads\[0\].units: "m/s2", but headed.txt says "g"'):
         build(folder, path="headed.txt", units="m/s2")
-    with pytest.raises(InputError, match=r'loads\[0\].units: unknown unit "furlong"'):
-        build(folder, path="headed.txt", units="furlong")
     (folder / "counts.txt").write_text("t a[counts]\n" + rows)
     with pytest.raises(InputError, match=r'counts.txt says "counts", which is no known unit'):
         build(folder, path="counts.txt")
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"scale": 2.0, "target_pga": 1.0}, "loads[0]: give scale or target_pga, not both"),
-        ({"scale": 0.0}, "loads[0]: scale: must not be zero"),
-        ({"target_pga": -1.0}, "loads[0].target_pga: "),
-        ({"window": [5.0, 2.0]}, "loads[0].window: must be [from, to] in seconds of the record, from < to; given: [5.0, 2.0]"),
-        ({"window": [5.0]}, "loads[0].window: must be [from, to]"),
-        ({"window": ["a", 5]}, "loads[0].window: must be [from, to]"),
-        ({"column": 1.5}, "loads[0].column: must be the heading of a column, or its place counted from 0"),
-        ({"window": [5.0, 20.0]}, "loads[0].window: [5.0, 20.0] reaches outside the record, 0 to 10 s"),
-        ({"window": [5.0, 5.02]}, "loads[0]: 3 samples of quake.txt are too few"),
-        ({"taper": 6.0}, "loads[0].taper: 6 s at both ends do not fit into the 10 s of the record"),
-        ({"path": "quack.txt"}, 'loads[0].path: quack.txt: no such file (did you mean "quake.txt"?)'),
-        ({"correction": "quadratc"}, "loads[0].correction: "),
-        ({"format": "xls"}, "loads[0].format: "),
-        ({"start": -1.0}, "loads[0].start: "),
-    ],
-)
-def test_bad_keys_are_named(folder: Path, keys: dict, message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build(folder, **keys)
-    assert str(failure.value).startswith(message)
-    assert "\n" not in str(failure.value)
-
-
-def test_a_silent_record_is_refused(folder: Path) -> None:
-    (folder / "silent.txt").write_text("t a_g\n" + "".join(f"{t:.2f} 0\n" for t in TIME))
-    with pytest.raises(InputError, match=r"silent.txt: the record is zero throughout"):
-        build(folder, path="silent.txt")
-
-
 @pytest.mark.parametrize("keys", [{}, {"correction": "none"}, {"target_pga": 2.0}])
-def test_a_record_that_never_changes_is_an_offset_and_is_refused(folder: Path, keys: dict[str, object]) -> None:
-    (folder / "level.txt").write_text("t a_g\n" + "".join(f"{t:.2f} 0.1\n" for t in TIME))
-    with pytest.raises(InputError, match=r"level.txt: the record is constant throughout, at 0\.9807 m/s2"):
+@pytest.mark.parametrize(("value", "said"), [(0.0, "zero"), (0.1, "constant")])
+def test_a_record_that_never_changes_is_refused(folder: Path, value: float, said: str, keys: dict[str, object]) -> None:
+    (folder / "level.txt").write_text("t a_g\n" + "".join(f"{t:.2f} {value}\n" for t in TIME))
+    with pytest.raises(InputError, match=f"level.txt: the record is {said} throughout"):
         build(folder, path="level.txt", **keys)
 
 
@@ -214,29 +179,3 @@ def test_an_offset_of_the_instrument_does_not_survive_taper_and_correction(folde
     )
     keys: dict = {"taper": 1.0, "band": [0.2, 20.0]}
     assert velocity(folder, path="offset.txt", **keys) == pytest.approx(velocity(folder, **keys), abs=1e-9)
-
-
-def test_intensity_is_reported(folder: Path) -> None:
-    loading = build(folder, scale=2.0)
-    assert numbers(loading)["arias"] == pytest.approx(4.0 * numbers(build(folder))["arias"])
-    assert 1.0 < numbers(loading)["significant_duration"] < 9.0
-    assert any("Arias intensity" in line and "significant duration" in line for line in loading.lines)
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"band": [1.0, 60.0]}, "loads[0].band: its upper corner 60 Hz must lie below 50 Hz"),
-        ({"band": [0.0, 20.0]}, "loads[0].band: must be [from, to] in Hz, above zero"),
-        ({"band": [20.0, 1.0]}, "loads[0].band: must be [from, to] in Hz, from < to"),
-        ({"band": [1.0, 20.0], "band_order": 0}, "loads[0].band_order: "),
-        ({"resample": "fast"}, 'loads[0].resample: must be a time step above zero, in seconds, or "run"'),
-        ({"resample": -0.01}, "loads[0].resample: must be a time step above zero"),
-        ({"resample": 0.0141421356}, "loads[0].resample: 0.0141421 s and the record's 0.01 s are in no ratio of whole numbers"),
-        ({"resample": 9.0}, "loads[0].resample: 2 samples are left, at least 8 are needed"),
-    ],
-)
-def test_bad_filters_are_named(folder: Path, keys: dict, message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build(folder, **keys)
-    assert str(failure.value).startswith(message)

@@ -11,7 +11,6 @@ import pytest
 from models import box
 
 import loads
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -113,42 +112,3 @@ def test_a_pier_goes_down_with_its_foot(three_piers: Assembly) -> None:
         run.step()
     down = (run.state.position - assembly.centre)[:, 2]
     assert down == pytest.approx([0.0, -0.02, 0.0, 0.0, -0.02, 0.0], abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({**SETTLES, "supports": ["foot7"]}, 'loads[0].supports: "foot7" is no block or group (did you mean "foot'),
-        ({**SETTLES, "supports": ["pier0"]}, 'loads[0].supports: "pier0" is not fixed; supports: foot0, foot1, foot2'),
-        ({**SETTLES, "supports": []}, "loads[0].supports: must be the name of a fixed block or a group"),
-        ({**SETTLES, "start": 1e200}, "loads[0].start: input should be less than or equal to 1000000"),
-        ({**SETTLES, "duration": 9e5}, "loads[0].duration: 900000 s take more than 2e+07 steps of run.dt 0.001 s"),
-        ({**SETTLES, "duration": 0.005}, "loads[0].duration: 0.005 s are less than 10 steps of run.dt 0.001 s"),
-        ({k: v for k, v in SETTLES.items() if k != "supports"}, "loads[0].supports: missing"),
-        (
-            {"kind": "spreading", "direction": "y", "displacement": 0.1, "duration": 1.0},
-            "loads[0].direction: the supports all stand at",
-        ),
-        ({**SINE, "delay": {"direction": "x"}}, "loads[0].delay: give direction and speed, or seconds by names"),
-        ({**SINE, "delay": {"direction": "x", "speed": 9.0, "seconds": {}}}, "loads[0].delay: give direction and speed, or seconds"),
-        ({**SINE, "delay": {"direction": "x", "speed": 0.0}}, "loads[0].delay.speed: "),
-        ({**SINE, "delay": {"seconds": {"foot9": 1.0}}}, 'loads[0].delay.seconds: "foot9" is no block or group'),
-        ({**SINE, "delay": {"seconds": {"foot1": -1.0}}}, "loads[0].delay.seconds.foot1: "),
-    ],
-)
-def test_bad_tables_are_named(three_piers: Assembly, table: dict, message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build(three_piers, table)
-    assert str(failure.value).startswith(message)
-    assert "\n" not in str(failure.value)
-
-
-def test_what_names_blocks_needs_a_structure() -> None:
-    with pytest.raises(InputError, match=r"loads\[0\].supports: needs a structure, whose blocks it names"):
-        build(None, SETTLES)
-    with pytest.raises(InputError, match=r"loads\[0\].delay: needs a structure"):
-        build(None, {**SINE, "delay": {"direction": "x", "speed": 9.0}})
-
-
-def test_a_run_too_short_for_the_settlement_says_so(three_piers: Assembly) -> None:
-    assert any("displacement" in line and "run.duration" in line for line in build(three_piers, SETTLES, steps=1000).lines)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import loads
-from masonry_cd.foundation.errors import InputError
 
 G = (0.0, 0.0, -9.81)
 DT = 5e-3
@@ -69,23 +68,3 @@ def test_components_share_one_factor_and_may_be_artificial(folder: Path) -> None
     own = build(folder, {"components": [DRAWN]}, rest=0.0)
     assert own.support_velocity[: round(7.5 / DT)] == pytest.approx(alone.support_velocity[: round(7.5 / DT)])
     assert any("artificial, EC8 spectrum, ground A, seed 3 along y" in line for line in own.lines)
-
-
-@pytest.mark.parametrize(
-    ("shock", "message"),
-    [
-        ({"components": []}, "loads[0].shocks[1].components: "),
-        ({"components": [{**SINE, "paht": "a"}]}, 'loads[0].shocks[1].components[0].paht: unknown key (did you mean "path"?)'),
-        ({"components": [SINE, {**DRAWN, "ag": -1.0}]}, "loads[0].shocks[1].components[1].ag: "),
-        ({"components": [{"direction": "x"}]}, "loads[0].shocks[1].components[0].path: missing"),
-        ({"components": [SINE], "nmae": "a"}, 'loads[0].shocks[1].nmae: unknown key (did you mean "name"?)'),
-        ({"components": [SINE], "name": "n" * 41}, "loads[0].shocks[1].name: "),
-        ({"components": [SINE], "scale": 1.0, "target_pga": 1.0}, "loads[0].shocks[1]: give scale or target_pga, not both"),
-        ({"components": [{**SINE, "path": "none.csv"}]}, "loads[0].shocks[1].components[0].path: none.csv"),
-    ],
-)
-def test_bad_keys_are_named_by_their_full_path(folder: Path, shock: dict, message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build(folder, {"components": [SINE]}, shock)
-    assert str(failure.value).startswith(message)
-    assert "\n" not in str(failure.value)

@@ -11,7 +11,6 @@ from models import box, ground
 
 import loads
 from loads.kinds.tilt import load_factors
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
@@ -50,34 +49,6 @@ def test_a_push_grows_linearly_and_load_factors_read_both_back() -> None:
     tilted = build({"kind": "tilt", "direction": [1, 1, 0], "rate": 2.0})
     assert tilted.load_factor(G) == pytest.approx(np.tan(np.radians(2.0 * t)))
     assert load_factors(np.array([[1.0, 0.0, 0.0]]), np.array(G))[0] == np.inf
-
-
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"kind": "tilt", "rate": 1.0}, "loads[0]: give exactly one of direction and axis"),
-        ({"kind": "tilt", "direction": "x", "axis": "y", "rate": 1.0}, "loads[0]: give exactly one of direction and axis"),
-        ({"kind": "tilt", "direction": [1, 0, 1], "rate": 1.0}, "loads[0].direction: must be level"),
-        ({"kind": "tilt", "axis": "z", "rate": 1.0}, "loads[0].axis: must be level"),
-        ({"kind": "tilt", "direction": "x", "rate": 0.0}, "loads[0].rate: "),
-        ({"kind": "tilt", "direction": "x", "rate": 1.0, "angle": 91.0}, "loads[0].angle: "),
-        ({"kind": "tilt", "direction": "x", "rate": 1.0, "angle": 5.0, "initial": 9.0}, "loads[0]: angle: 5 degrees lie below initial, 9"),
-        ({"kind": "push", "direction": "x", "rate": -1.0}, "loads[0].rate: "),
-        ({"kind": "push", "direction": "x", "rate": 1.0, "peak": 0.1, "initial": 0.2}, "loads[0]: peak: 0.1 lies below initial, 0.2"),
-    ],
-)
-def test_bad_keys_are_named(table: dict, message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build(table)
-    assert str(failure.value).startswith(message)
-
-
-def test_without_gravity_nothing_can_be_turned_and_a_ramp_has_to_be_over() -> None:
-    for kind in ("tilt", "push"):
-        with pytest.raises(InputError, match=r"loads\[0\]: needs gravity, but run.gravity is zero"):
-            build({"kind": kind, "direction": "x", "rate": 1.0}, gravity=(0.0, 0.0, 0.0))
-    with pytest.raises(InputError, match=r"loads\[1\]: gravity is ramped over 2 s; begin the tilt after that"):
-        build({"kind": "gravity", "ramp": 2.0}, {"kind": "tilt", "direction": "x", "rate": 1.0, "start": 1.0})
 
 
 def gives_way_at(blocks: list[Block], mu: float, table: dict, dt: float, limit: float = 0.01, seconds: float = 10.0) -> float:

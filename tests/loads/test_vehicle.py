@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from bridge_scenes import SPAN, bridge, grid
 
 from loads.kinds.vehicle import VEHICLES, VehicleTable, strip_loads, vehicle
-from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.errors import parse_table
 
 
 def table(**keys: object) -> VehicleTable:
@@ -60,49 +59,3 @@ def test_a_crossing_comes_and_goes() -> None:
     assert total[on] == pytest.approx(2 * 10.0 * 9810.0, rel=1e-3)
     assert total[-1] == 0.0
     assert float(np.abs(np.diff(total)).max()) < 0.1 * 2 * 98100.0  # no axle jumps onto the arch
-
-
-@pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        ({"name": "single", "position": 80.0}, "loads[0].position: the vehicle never stands on the deck, which is from x = -1.5 to 7.5 m"),
-        ({"name": "single", "position": 8.0, "speed": 2.0}, "loads[0].speed: the vehicle never stands on the deck"),
-        (
-            {"name": "single", "position": 3.0, "offset": 1.0},
-            "loads[0].offset: the vehicle stands beside the road: its wheels from y = -0.05",
-        ),
-        ({"name": "single"}, "loads[0].position: missing"),
-        (
-            {"name": "single", "speed": 2.0, "start": 9.0},
-            "loads[0].start: the vehicle never stands on the deck: it is there from 9 s on, the run ends at 0.01 s",
-        ),
-        ({"axles": [1e3, 2e3], "position": 1.0}, "spacing: 2 axles have 1 distances, got 0"),
-        ({"name": "LM2", "axles": [1e3], "position": 1.0}, "give exactly one of name and axles"),
-        ({"name": "lm3", "position": 1.0}, "loads[0].name"),
-    ],
-)
-def test_refusals(keys: dict, words: str) -> None:
-    made, assembly = bridge(width=3.0)
-    with pytest.raises(InputError) as failure:
-        vehicle(table(**keys), grid(made, assembly, steps=10), "loads[0]")
-    assert words in str(failure.value)
-
-
-def test_all_that_is_wrong_with_its_place_is_said_at_once() -> None:
-    made, assembly = bridge(width=3.0)
-    with pytest.raises(InputError) as failure:
-        vehicle(table(name="single", position=80.0, offset=1.0), grid(made, assembly, steps=10), "loads[0]")
-    assert [line.split(":")[0] for line in str(failure.value).splitlines()] == ["loads[0].offset", "loads[0].position"]
-
-
-def test_a_crossing_that_the_run_cuts_short_is_said() -> None:
-    made, assembly = bridge(width=3.0)
-    acted = vehicle(table(name="single", speed=1.0), grid(made, assembly, 100, 0.01), "loads[0]").acted
-    assert acted is not None and acted.end == pytest.approx(9.0)
-    assert len(acted.lines(1.0)) == 1 and not acted.lines(9.0)
-
-
-def test_a_vehicle_needs_a_bridge() -> None:
-    made, assembly = bridge()
-    with pytest.raises(InputError, match='needs one structure of kind "bridge"'):
-        vehicle(table(name="single", position=1.0), replace(grid(made, assembly), fills=()), "loads[0]")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from records import side_by_side, wrapped
 
 from loads.readers import RawRecord, Request, Source, read
 from loads.readers.wrapped import in_reading_order
@@ -16,14 +17,6 @@ STEP = 0.01
 TIME = STEP * np.arange(402)
 QUAKE = np.round(np.sin(np.pi * TIME / 4.02) ** 2 * (np.sin(21.0 * TIME) + 0.4 * np.sin(47.0 * TIME + 1.0)), 6)
 OTHER = np.round(np.sin(np.pi * TIME / 4.02) ** 2 * (np.sin(26.0 * TIME + 2.0) + 0.4 * np.sin(39.0 * TIME)), 6)
-
-
-def wrapped(values: np.ndarray, width: int, between: str = "  ") -> str:
-    return "".join(between.join(f"{v:.6f}" for v in values[i : i + width]) + "\n" for i in range(0, len(values), width))
-
-
-def side_by_side(*columns: np.ndarray, between: str = "  ") -> str:
-    return "".join(between.join(f"{v:.6f}" for v in row) + "\n" for row in zip(*columns, strict=True))
 
 
 def load(folder: Path, text: str, **request: object) -> RawRecord:
@@ -138,39 +131,7 @@ def test_a_time_column_is_not_taken_for_values(tmp_path: Path) -> None:
         load(tmp_path, side_by_side(TIME, QUAKE), column=0, time_step=STEP)
 
 
-@pytest.mark.parametrize(
-    ("text", "request_", "message"),
-    [
-        (wrapped(QUAKE, 8), {"layout": "series"}, "no times in the series; give the key time_step"),
-        (wrapped(QUAKE, 8), {"layout": "series", "time_step": STEP, "column": 0}, "the key column does not apply to layout"),
-        (
-            wrapped(QUAKE, 8).replace("\n", "\n0.1 abc\n", 1),
-            {"layout": "series", "time_step": STEP},
-            'line 2: "abc" where a number belongs',
-        ),
-        (
-            wrapped(QUAKE, 8).replace("  0.000", "", 1),
-            {"layout": "series", "time_step": STEP},
-            "line 2: 8 values, where the first line has 7",
-        ),
-        (wrapped(QUAKE, 8), {"layout": "pairs"}, "the times of the pairs do not advance evenly"),
-        (wrapped(QUAKE, 3), {"layout": "pairs"}, "line 1: an odd number of values"),
-        (pairs(2), {"layout": "pairs", "time_step": STEP}, "the key time_step is given, but the pairs hold times"),
-    ],
-)
-def test_what_does_not_fit_a_layout_is_named(tmp_path: Path, text: str, request_: dict, message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        load(tmp_path, text, **request_)
-    assert message in str(failure.value)
-
-
 def test_noise_and_short_tables_show_nothing() -> None:
     rng = np.random.default_rng(3)
     assert not in_reading_order(rng.normal(size=(3, 4)))
     assert sum(in_reading_order(rng.normal(size=(400, 3))) for _ in range(20)) == 0
-
-
-def test_a_message_lists_some_of_many_columns(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"28, 29, 30 \.\.\.$") as failure:
-        load(tmp_path, side_by_side(TIME, *[QUAKE] * 5000), layout="columns")
-    assert len(str(failure.value)) < 400

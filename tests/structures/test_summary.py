@@ -13,7 +13,7 @@ from solids import build
 
 import structures
 from masonry_cd.mechanics.model.blocks import Block
-from structures.summary import lines, warnings
+from structures.summary import lines, odd_size, warnings
 
 
 def test_a_stack_counted_by_hand() -> None:
@@ -109,3 +109,12 @@ def test_what_hangs_in_an_upright_structure_puts_it_on_no_side() -> None:
     assert (made["hanging"], made["side"]) == (["b0", "b1", "b2", "b3"], "")
     cantilever = structures.report([ground(5.0), box("stone", (0, 0, 0), (1, 1, 1)), box("glued", (1, 0, 0.5), (2, 1, 1))])
     assert (cantilever["hanging"], cantilever["side"]) == (["glued"], "")
+
+
+@pytest.mark.parametrize(
+    ("height", "said"),
+    [(0.25, "smaller than 0.3 m"), (0.35, ""), (40.0, ""), (290.0, "and no block thinner than "), (310.0, "larger than 300 m")],
+)
+def test_a_structure_of_odd_size_asks_for_its_unit(height: float, said: str) -> None:
+    found = odd_size([ground(5.0), box("stone", (0, 0, 0), (height / 6, height / 6, height))])
+    assert [said in line for line in found] == ([True] if said else [])

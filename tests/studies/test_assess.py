@@ -211,7 +211,7 @@ def test_members_of_the_ensemble_differ_by_a_billionth() -> None:
 
 
 def test_a_scene_without_a_motion_of_the_base_is_set_in_motion() -> None:
-    settles = {"kind": "settlement", "blocks": "base", "displacement": 1e-3}
+    settles = {"kind": "settlement", "supports": "base", "displacement": 1e-3, "duration": 1.0}
     plan = AssessPlan(scene(loads=[settles]))
     seeds = [plan.maker.tables(run.asked)["run"].get("first_velocities") for run in plan.runs[:3]]
     assert seeds == [None, {"size": 1e-9, "seed": 1}, {"size": 1e-9, "seed": 2}]

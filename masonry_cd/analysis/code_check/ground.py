@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from loads.signal.accelerogram import Processed, process, size_factor
+from loads.signal.accelerogram import Processed, process
 from loads.signal.code_spectrum import CodeSpectrum
 from loads.signal.response import response_spectrum
 from masonry_cd.analysis.code_check.table import CheckRecord, CheckTable
@@ -123,5 +123,5 @@ def record_of(record: CheckRecord, folder: Path) -> tuple[Processed, float]:
     if record.resample == "run":
         raise InputError(f"{where}.resample", '"run" has no time step here; give one in seconds')
     done = process(record, folder, NO_STEP, where)
-    factor = size_factor(record.scale, record.target_pga, done.after.numbers()["pga"])
+    factor = record.factor(done.after.numbers()["pga"])
     return done.scaled(factor), factor

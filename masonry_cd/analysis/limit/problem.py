@@ -62,6 +62,12 @@ class Arms:
         """No point load."""
         return cls(np.zeros(0, dtype=np.int64), *np.zeros((3, 0, 3)))
 
+    def wrenches(self, forces: np.ndarray, count: int) -> np.ndarray:
+        """Forces (N, 3) at these points as forces and moments (B, 6) on so many blocks [N, N m]."""
+        out = np.zeros((count, 6))
+        np.add.at(out, self.block, np.concatenate([forces, np.cross(self.arm, forces)], axis=1))
+        return out
+
     def with_more(self, more: Arms) -> Arms:
         """These and more."""
         return Arms(*(np.concatenate([getattr(self, name), getattr(more, name)]) for name in ("block", "arm", "dead", "live")))

@@ -64,7 +64,7 @@ def report(
         summary, words = _summary_of(results, folder)
         summary |= damage_files.write_joint_damage(results, folder, made)
         wanted = {"damage": True, "crack_map": crack_map, "stress": stress_map or results.has_stress, "stress_map": stress_map}
-        job = Job(results, folder, made, summary, time, wanted | {"page": page or pdf, "pdf": pdf})
+        job = Job(results, folder, made, summary, time, wanted | {"html": page or pdf, "pdf": pdf})
         lines = [*verdict_lines(summary), damage_line(summary), *part_lines(job.damage.parts)]
         written = [folder / "joints.csv", *job.write()]
         if not (folder / NAME).exists() and results.closing:

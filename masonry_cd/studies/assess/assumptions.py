@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from loads import kind_of
 from masonry_cd.analysis.assessment.assessment import Known
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.case import make_structures
@@ -247,7 +248,7 @@ def _bond(tables: Tables) -> Assumption | LeftOut:
 def _fill(tables: Tables) -> list[Assumption | LeftOut]:
     """What else may be assumed of the fill of bridges; nothing of scenes without one."""
     every = [refilled(table) for table in _structures(tables)]
-    crossed = any(load.get("kind") == "vehicle" for load in tables.get("loads") or ())
+    crossed = any((kind := kind_of(load)) is not None and kind.places is not None for load in tables.get("loads") or ())
     found = list[Assumption | LeftOut]()
     for about in dict.fromkeys(about for one in every for about in one):
         made = [dict(one.get(about, ())) for one in every]

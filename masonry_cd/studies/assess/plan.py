@@ -121,8 +121,6 @@ def _asked(part: Part) -> Asked:
 
 def _is_shaken(scene: Scene) -> bool:
     """Whether a load of the scene shakes it, so that it is run beside its limit analysis."""
-    from loads import KINDS
-    from loads.supports import ShakingTable
+    from loads import shakes
 
-    kinds = [str(table.get("kind")) for table in scene.loads]
-    return any(kind in KINDS and issubclass(KINDS[kind].table, ShakingTable) for kind in kinds)
+    return shakes(scene.loads)

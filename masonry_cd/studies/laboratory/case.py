@@ -13,11 +13,12 @@ import numpy as np
 from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.pushover import PushCurve, require_pushes
 from masonry_cd.app.case import prepare
+from masonry_cd.app.limit_table import limit_table
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.run_case import RESULTS, run_case
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.scene_text import dump_toml
-from masonry_cd.app.static_loads import limit_table, static_loads
+from masonry_cd.app.static_loads import static_loads
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from structures.files.blockfile import write as write_blocks

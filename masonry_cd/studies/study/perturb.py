@@ -7,9 +7,6 @@ from typing import Any
 
 from masonry_cd.foundation.errors import InputError
 
-SIZES = {"sinusoidal": ("amplitude",), "record": ("scale", "target_pga")}  # keys by which loads grow, by kind
-UNSCALED = "scale"  # of a record that has neither key
-
 
 def set_in_motion(tables: dict[str, Any], size: float, member: int) -> None:
     """Have the blocks begin with velocities of at most ``size`` in each direction [m/s], those of a member, in place."""
@@ -26,26 +23,14 @@ def perturb(tables: dict[str, Any], what: str, change: float) -> None:
         material = tables["material"]
         material["friction"] = _times(material.get("friction"), 1.0 + change)
         return
-    changed = False
-    for load in tables.get("loads", []):
-        for table in load.get("shocks", []) if load.get("kind") == "sequence" else [load]:
-            changed |= _grow(table, "record" if table is not load else str(load.get("kind")), 1.0 + change)
-    if not changed:
-        raise InputError(
-            "ensemble.perturb", 'no load is sinusoidal, a record or a sequence; perturb = "friction" or "velocities" is for any scene'
-        )
+    from loads import KINDS, kind_of
 
-
-def _grow(table: dict[str, Any], kind: str, factor: float) -> bool:
-    """Multiply the size of a load; whether it has one."""
-    for key in SIZES.get(kind, ()):
-        if key in table:
-            table[key] = float(table[key]) * factor
-            return True
-    if kind == "record":
-        table[UNSCALED] = factor
-        return True
-    return False
+    given = tables.get("loads", [])
+    grown = [None if (kind := kind_of(load)) is None else kind.grown for load in given]
+    tables["loads"] = [load if grow is None else grow(load, 1.0 + change) for load, grow in zip(given, grown, strict=True)]
+    if not any(grown):
+        kinds = ", ".join(name for name, kind in KINDS.items() if kind.grown is not None)
+        raise InputError("ensemble.perturb", f'no load is one of {kinds}; perturb = "friction" or "velocities" is for any scene')
 
 
 def _times(friction: Any, factor: float) -> Any:

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""loads.kinds.forces: a bar swings at its frequency and never pushes, a force turns a block about its centre, too stiff a bar is
-refused."""
+"""loads.bars, point loads and ties: a bar swings at its frequency and never pushes, a force turns a block about its centre."""
 
 from __future__ import annotations
 
@@ -12,18 +11,13 @@ import pytest
 from models import box, ground
 
 import loads
-from loads.kinds.forces import Forces, felt_mass
-from masonry_cd.app.case import prepare
-from masonry_cd.app.run_case import run_case
-from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines
+from loads.bar_frequency import felt_mass
+from loads.bars import Forces
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.place_on_block import require_on_block
-from structures.files import blockfile
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import box as box_part
 from structures.geometry.prism import prism_xz
@@ -90,20 +84,6 @@ def test_a_force_in_stages_goes_from_share_to_share_and_is_held(pair: Assembly) 
     assert steps.factor[[99, 101, 399, 401]] == pytest.approx([0.0, 0.5, 0.5, 1.5])
 
 
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"hold": 1.0}, "hold: of no use without stages"),
-        ({"stages": [0.0, 0.0]}, "stages: none is away from 0"),
-        ({"stages": [0.5, 1.0]}, "stages: ramp and hold are 0"),
-        ({"stages": [0.5, "b"]}, "stages"),
-    ],
-)
-def test_stages_that_say_nothing_are_refused(pair: Assembly, keys: dict, said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        forces(pair, {"kind": "point", "block": "stone", "force": [0, 0, -1000.0], **keys})
-
-
 def test_damping_takes_energy_and_never_pushes(pair: Assembly) -> None:
     damped = forces(pair, {**BAR, "damping": 0.1})
     x = swing(damped, pair, 0.5, 1e-3, 200)
@@ -127,15 +107,6 @@ def test_action_equals_reaction_and_moments_are_about_the_centres(pair: Assembly
     about_origin = wrench[:, 3:] + np.cross(pair.centre, wrench[:, :3])
     assert about_origin.sum(axis=0) == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
     assert wrench[0, 0] > 0.0 > wrench[1, 0]  # it pulls
-
-
-def test_where_nothing_acts_all_sums_are_zero(pair: Assembly) -> None:
-    none = Forces((), ()).acting(pair.centre, np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 6)), 0)
-    assert (none.block.shape, none.force.shape, none.tension.shape) == ((0,), (0, 3), (0,))
-    assert none.wrench(2).shape == (2, 6)
-    assert none.virial(2).shape == (2, 3, 3)
-    assert not none.wrench(2).any()
-    assert not none.virial(2).any()
 
 
 def test_a_point_load_grows_stays_and_moves_with_its_block(pair: Assembly) -> None:
@@ -251,79 +222,7 @@ def test_a_tie_bears_the_thrust_of_an_arch_on_smooth_supports() -> None:
     assert thrust[0] < held.tensions[0] < thrust[1]
 
 
-def test_a_run_tells_what_its_ties_had_to_bear(tmp_path: Path) -> None:
-    blockfile.write(tmp_path / "blocks.json", rafters())
-    (tmp_path / "scene.toml").write_text(
-        """
-structure = {kind = "file", path = "blocks.json"}
-material = {density = 2000.0, friction = 0.2}
-run = {dt = 5e-4, duration = 0.1, solver = "nlgs", tolerance = 1e-6}
-[[loads]]
-kind = "tie"
-blocks = ["left", "right"]
-points = [[-1.7, 0.25, 0.05], [1.7, 0.25, 0.05]]
-diameter = 0.02
-tension = 500.0
-"""
-    )
-    prepared = prepare(read_scene(tmp_path / "scene.toml"))
-    summary = run_case(prepared, tmp_path / "out")
-    (tie,) = summary["ties"]
-    assert tie["blocks"] == ["left", "right"]
-    with Results.open(tmp_path / "out" / "result.h5") as results:
-        tension = results.per_step("ties/tension")
-        assert tension.shape == (200, 1)
-        assert tie["tension_max"] == tension.max() > tension[-1] == tie["tension_end"] > 500.0
-    assert tie["stress_max"] == pytest.approx(tie["tension_max"] / (np.pi * 1e-4))
-    assert closing_lines(summary)[2].startswith('tie "left" to "right": at most ')
-
-
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({**BAR, "blocks": ["wall", "stoen"]}, 'loads[0].blocks: "stoen" is no block or group (did you mean "stone"?)'),
-        ({**BAR, "blocks": ["wall", "wall"]}, "loads[0].blocks: must be the names of two blocks"),
-        ({**BAR, "diameter": 0.02}, "loads[0]: give exactly one of diameter and area"),
-        ({**BAR, "points": [[0, 0, 0]]}, "loads[0].points: must be two points"),
-        ({**BAR, "points": [[0, 0, 0], [-1e308, 0, 0]]}, "loads[0].points: the ends are 1e+308 m apart, at most 1e+06 m are taken"),
-        ({**BAR, "points": [[0, 0, 0], [1e300, 1e300, 0]]}, "loads[0].points: the ends are 1.41e+300 m apart, at most 1e+06 m are taken"),
-        ({**BAR, "modulus": 1e-300}, "loads[0]: its modulus and section make "),
-        ({**BAR, "modulus": 1e300}, "loads[0]: its modulus and section make "),
-        ({**BAR, "points": [[0, 0, 0], [0, 0, 0]]}, "loads[0].points: both ends are at one point"),
-        (
-            {**BAR, "area": 1.0},
-            "run.dt: 0.001 s is too long for the 796 Hz of loads[0], a bar of 1 m2 between these blocks; at most 0.0002 s",
-        ),
-        ({"kind": "point", "block": "wall", "force": [0, 0, 1]}, 'loads[0].block: "wall" is fixed, a force cannot move it'),
-        ({"kind": "point", "block": "*", "force": [0, 0, 1]}, 'loads[0].block: "*" names 2 blocks (wall, stone ...), one is needed'),
-        ({"kind": "point", "block": "stone", "force": [0, 1]}, "loads[0].force: must be three numbers"),
-    ],
-)
-def test_bad_tables_are_named(pair: Assembly, table: dict, message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build(pair, table)
-    assert str(failure.value).startswith(message)
-    assert "\n" not in str(failure.value)
-
-
 POINT = {"kind": "point", "block": "stone", "force": [0, 0, -600]}
-
-
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        (
-            {**POINT, "point": [0, 0, 0]},
-            r'loads\[0\]\.point: \(0, 0, 0\) m lies 4 m outside block "stone", which has x from 4 to 5, y from 0',
-        ),
-        ({**POINT, "point": [4.5, 0.5, 1.1]}, r"loads\[0\]\.point: .* lies 0\.1 m outside"),
-        ({**BAR, "points": [[1, 0.5, 0.5], [0, 0, 0]]}, r'loads\[0\]\.points\[1\]: .* outside block "stone"'),
-        ({**BAR, "points": [[-3, 0.5, 0.5], [4, 0.5, 0.5]]}, r'loads\[0\]\.points\[0\]: .* lies 3 m outside block "wall"'),
-    ],
-)
-def test_a_place_off_its_block_is_refused_with_the_extent_of_the_block(pair: Assembly, table: dict, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        build(pair, table, steps=10)
 
 
 def test_a_place_on_the_surface_counts_as_on_the_block_and_one_in_a_hollow_does_not(pair: Assembly) -> None:

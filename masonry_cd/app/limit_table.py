@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The keys of the table ``[limit]``: what a limit analysis multiplies, and how it is solved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import Field, field_validator, model_validator
+
+from loads.motion import DirectionKey
+from masonry_cd.analysis.code_check.table import CheckTable
+from masonry_cd.app.macro_table import MechanismTable
+from masonry_cd.foundation.errors import parse_table
+from masonry_cd.foundation.fields import Count, Table
+from masonry_cd.foundation.units import Unit
+
+
+class CurveTable(Table):
+    """The table ``[limit.curve]``: the mechanism followed at finite displacements, and the factor that is left."""
+
+    control: Annotated[str, Field(min_length=1)] | None = None
+    """Block whose centre of mass is followed along the load; the one that moves fastest when not given."""
+    steps: Annotated[Count, Field(ge=10, le=400)] = 40
+    """From start to end, about."""
+    displacement: Annotated[float, Unit("m"), Field(gt=0.0)] | None = None
+    """Of the control block, at which to stop; where the factor vanishes when not given."""
+
+
+class LimitTable(Table):
+    """The table ``[limit]``: what ``masonry-cd limit`` multiplies, and how it solves."""
+
+    push: DirectionKey | None = None
+    """Along this direction a body force of lambda times the weight acts on every block."""
+    tilt: DirectionKey | None = None
+    """Or: to this level direction the structure is tilted, lambda is the tangent of the angle."""
+    live: Annotated[tuple[Annotated[Count, Field(ge=0)], ...], Field(json_schema_extra={"default": []})] = ()
+    """Or: numbers of the [[loads]] of kind point or vehicle that are multiplied, from 0; the others are constant."""
+    masses: Annotated[tuple[Annotated[Count, Field(ge=0)], ...], Field(json_schema_extra={"default": []})] = ()
+    """Numbers of the [[loads]] of kind point that are weights of masses, which a push or a tilt moves as it moves the blocks (Q_k of
+    [C8.7.1.1]); the others are forces without mass."""
+    sides: Annotated[Count, Field(ge=0, le=64)] = 0
+    """Of friction pyramids that replace the circular cones of a structure in space, from inside; 0 for circular ones."""
+    starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
+    """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves some ten
+    cone programmes, 2 to 4, until two agree, with a check of up to 15,000 contact points and none else."""
+    positions: Annotated[Count, Field(ge=3, le=2000)] | None = None
+    """At which the worst place of a live vehicle without a position is looked for, before those around it; 60 in a plane, 16 in space when
+    not given."""
+    begin: Annotated[str, Field(min_length=1)] | None = Field(None, alias="from")
+    """Folder of a run of these blocks, from that of the scene on: the analysis is of where it left them."""
+    time: Annotated[float, Unit("s"), Field(ge=0.0)] | None = None
+    """Of that run, the end when not given."""
+    check: CheckTable | None = None
+    """By the kinematic approach of a code, of the mechanism with the least a0* of those that a push or a tilt sets in motion."""
+    curve: CurveTable | None = None
+    """The capacity curve: the mechanism at finite displacements."""
+    mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = ()
+    """Macro-elements to look at, each with all else held, [[limit.mechanism]] each."""
+
+    @field_validator("live", "masses", mode="before")
+    @classmethod
+    def _list(cls, value: object) -> object:
+        if not isinstance(value, (list, tuple)):
+            raise ValueError("should be a list of numbers of [[loads]], e.g. [0]")
+        if len(set(map(str, value))) < len(value):
+            raise ValueError("should name each of the [[loads]] once")
+        return tuple(value)
+
+    @model_validator(mode="after")
+    def _one_pattern(self) -> LimitTable:
+        named = [name for name in ("push", "tilt", "live") if getattr(self, name)]
+        if len(named) > 1:
+            raise ValueError(f"{' and '.join(named)} are given; a limit analysis takes one pattern: one direction at a time")
+        if self.time is not None and self.begin is None:
+            raise ValueError("time: needs from beside it, the folder of a run")
+        if 0 < self.sides < 3:
+            raise ValueError("sides: a friction pyramid has at least 3")
+        return self
+
+
+def limit_table(table: Mapping[str, Any]) -> LimitTable:
+    """Check a table ``[limit]``.
+
+    Raises:
+        InputError: an unknown key, or a value out of range.
+    """
+    return parse_table(LimitTable, table, "limit")
