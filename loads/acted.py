@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.per_cent import per_cent
+from masonry_cd.foundation.quantities import per_cent
 
 WHOLE = 0.9995  # share from which on it is written as 100 %
 

@@ -34,10 +34,9 @@ def compile_all(scenes: Sequence[Path]) -> None:
     """
     if not jit.keeps():
         raise InputError("", f"nothing would be kept: {jit.why_nothing_is_kept()}")
-    if jit.compiled_for() != processor.NAME:
-        raise InputError(
-            "", f"kernels would be compiled for {jit.compiled_for()}, not for {processor.NAME}, which most processors understand"
-        )
+    name, _ = processor.target()
+    if name != processor.NAME:
+        raise InputError("", f"kernels would be compiled for {name}, not for {processor.NAME}, which most processors understand")
     for kind in usual_kinds():
         with compiling(kind):
             pass

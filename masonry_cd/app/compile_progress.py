@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the user sees while kernels are compiled: how many there are, how long it will take, and how far it is.
+"""What the user sees while kernels are compiled: how many there are, how far it is, which one is at work, and how long it will take.
 
 Processes that compile put what they have done into the folder of ``kernel_store.py``: how far they are is how many files have come there.
+The time that is left begins with what an idle machine takes and moves with what is seen. Where a share s of the work is done after a time
+t, of T expected, the whole is taken for t + (1 - s) T, and 1 - s of that is left: it grows while nothing comes.
 """
 
 from __future__ import annotations
@@ -34,6 +36,25 @@ LATE = {  # what a run may have compiled when a step first comes to it
     "interior_by_team": "the interior point method",
     "path_by_team": "the path by length of the interior point method",
 }
+
+
+class AtWork(event.Listener):
+    """Knows which kernels numba compiles in this process: one that Python calls, and one of those in it."""
+
+    def __init__(self) -> None:
+        self._open = list[str]()
+
+    def on_start(self, found: event.Event) -> None:
+        """Another one is compiled for the last one."""
+        self._open.append(found.data["dispatcher"].py_func.__name__)
+
+    def on_end(self, found: event.Event) -> None:
+        """It is done; it may have begun before anybody listened."""
+        del self._open[-1:]
+
+    def __str__(self) -> str:
+        names = [*dict.fromkeys([*self._open[:1], *self._open[-1:]])]
+        return f", now {' with '.join(names)}" if names else ""
 
 
 class LateMethods(event.Listener):
@@ -86,7 +107,7 @@ def shown(count: int, seconds: float, why_again: str, stream: TextIO | None = No
         yield
         return
     over = threading.Event()
-    watch = threading.Thread(target=_watch, args=(known, count, line, to, over), daemon=True)
+    watch = threading.Thread(target=_watch, args=(known, (count, seconds), line, to, over), daemon=True)
     watch.start()
     try:
         yield
@@ -95,13 +116,18 @@ def shown(count: int, seconds: float, why_again: str, stream: TextIO | None = No
         watch.join()
 
 
+def time_left(expected: float, share: float, elapsed: float) -> float:
+    """Seconds that are left where a share of the work has been done, of the seconds expected; see the head of this file."""
+    return (1.0 - share) * (elapsed + (1.0 - share) * expected)
+
+
 def _say(line: str, stream: TextIO) -> None:
     with suppress(OSError):  # a terminal may go away
         print(line, file=stream, flush=True)
 
 
-def _watch(known: set[str], count: int, line: str, stream: TextIO, over: threading.Event) -> None:
-    """Show how far compiling is until it is over: a bar on a terminal, lines now and then elsewhere."""
+def _watch(known: set[str], work: tuple[int, float], line: str, stream: TextIO, over: threading.Event) -> None:
+    """Show how far compiling is until it is over: a bar on a terminal, lines elsewhere; ``work``: kernels, and seconds expected."""
     if known:  # all may be there, and nothing to be compiled
         if over.wait(DOUBT):
             return
@@ -109,21 +135,24 @@ def _watch(known: set[str], count: int, line: str, stream: TextIO, over: threadi
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    begin = last = time.monotonic()
-    total, drawn = count - len(WEIGHTS) + sum(WEIGHTS.values()), is_drawn(stream)
-    console = Console(file=stream, quiet=not drawn)
+    begin, lines, (count, expected), drawn = time.monotonic(), 0, work, is_drawn(stream)
+    total = count - len(WEIGHTS) + sum(WEIGHTS.values())
+    columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn()
     with (
         suppress(OSError),
-        Progress(TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=console, auto_refresh=False) as bar,
+        event.install_listener("numba:compile", AtWork()) as at_work,
+        Progress(*columns, console=Console(file=stream, quiet=not drawn), auto_refresh=False) as bar,
     ):
         task = bar.add_task("", total=total)
         while not over.wait(EVERY):
-            new = _files() - known
-            words = f"{min(len(new), count)} of {count} kernels"
-            bar.update(task, completed=min(sum(map(_weight, new)), total), description=words, refresh=True)
-            if not drawn and time.monotonic() - last >= LINE_SECONDS:
-                last = time.monotonic()
-                _say(f"compiling: {words}, {in_words(last - begin)} so far", stream)
+            new, elapsed = _files() - known, time.monotonic() - begin
+            done = min(sum(map(_weight, new)), total)
+            left = in_words(round(time_left(expected, done / total, elapsed)))
+            words = f"{min(len(new), count)} of {count} kernels{at_work}, about {left} left"
+            bar.update(task, completed=done, description=words, refresh=True)
+            if not drawn and elapsed >= (lines + 1) * LINE_SECONDS:
+                lines += 1
+                _say(f"compiling: {words}", stream)
         bar.update(task, completed=total, description=f"{count} of {count} kernels", refresh=True)
 
 

@@ -22,8 +22,7 @@ from masonry_cd.app.modelled import masses
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_summary import steps_in_words, time_step_lines, time_step_summary
 from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.per_cent import per_cent
-from masonry_cd.foundation.quantities import counted, in_words, length
+from masonry_cd.foundation.quantities import counted, in_words, length, per_cent
 from masonry_cd.io.summary_file import FORMAT
 from masonry_cd.mechanics.dynamics.adaptive import error_tolerance
 from masonry_cd.mechanics.model.masonry_kinds import facts

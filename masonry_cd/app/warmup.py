@@ -24,13 +24,15 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
+from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
+from masonry_cd import mechanics
 from masonry_cd.app import compile_progress
 from masonry_cd.app.run_loop import Plan, run
 from masonry_cd.foundation import jit, kernel_store
@@ -64,7 +66,7 @@ JOBS = {  # of ``auto``, in a plane and in space: those of this process, and of 
 SELDOM = ("newton", "interior")  # what a run in a plane seldom comes to
 
 # What there is to compile, by solver and whether in a plane: kernels, and seconds of a processor.
-KERNELS = {("auto", True): (34, 100.0), ("auto", False): (37, 119.0), ("nlgs", True): (25, 45.0), ("nlgs", False): (25, 50.0)}
+KERNELS = {("auto", True): (34, 75.0), ("auto", False): (37, 85.0), ("nlgs", True): (25, 40.0), ("nlgs", False): (25, 45.0)}
 MORE = ((2, 4.0), (5, 8.0), (8, 20.0), (10, 25.0))  # beside these for joint laws by area, stress, blocks that deform, and spheres
 SHARED = 0.55  # of the time that one process takes, where two share the work
 PLAIN_TAKES = 2.0  # times as long takes numba's own njit
@@ -83,20 +85,25 @@ class SceneKind:
 
     @cached_property
     def file(self) -> str:
-        """Name of the list of kernels in the store; empty where none is kept."""
-        SOLVERS[self.solver]  # its module is imported, and those that it imports
-        sources = [jit.stamp(name) for name in (__name__, f"masonry_cd.mechanics.solvers.{self.solver}")]
-        return kernel_store.name_of("warm-up", "".join(part[:12] for part in sources), f"{self} {jit.target()}") if all(sources) else ""
+        """Name of the list of kernels in the store."""
+        return kernel_store.name_of("warm-up", _sources(), f"{self} {jit.target()}")
 
     def is_compiled(self) -> bool:
         """Whether all kernels are in the store."""
-        data = kernel_store.read(self.file) if self.file and not jit.PLAIN else None
+        data = None if jit.PLAIN else kernel_store.read(self.file)
         return data is not None and all(map(kernel_store.is_there, json.loads(data)))
 
     def note(self) -> None:
         """Note that what this process has loaded or compiled are the kernels."""
-        if self.file and jit.keeps() and all(map(kernel_store.is_there, kernel_store.used)):
+        if jit.keeps() and all(map(kernel_store.is_there, kernel_store.used)):
             kernel_store.write(self.file, json.dumps(sorted(kernel_store.used)).encode())
+
+
+@cache
+def _sources() -> str:
+    """Hash of the text of the mechanics and of this file: they decide which kernels a run calls."""
+    files = [*Path(mechanics.__path__[0]).rglob("*.py"), Path(__file__)]
+    return sha256(b"".join(file.read_bytes() for file in sorted(files))).hexdigest()
 
 
 _done: set[SceneKind] = set()  # whose kernels this process has

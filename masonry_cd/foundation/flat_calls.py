@@ -48,7 +48,9 @@ class FlatCall:
         given = [f"argument_{i}" for i in range(len(kinds))]
         apart = ", ".join(map(_apart, given, kinds))
         take_apart = f"def {name}({', '.join(given)}):\n    return call({apart})\n"
-        self.flat = compile_flat(_in_place_of(function, put_together, classes | {"call": kernel}))
+        flat = _made(name, put_together, classes | {"call": kernel})
+        flat.__module__, flat.__qualname__ = function.__module__, function.__qualname__
+        self.flat = compile_flat(flat)
         self.spread = _made(name, take_apart, {"call": self.flat})
 
 
@@ -83,12 +85,4 @@ def _made(name: str, source: str, names: dict[str, Any]) -> FunctionType:
     space = dict(names)
     exec(source, space)
     made: FunctionType = space[name]
-    return made
-
-
-def _in_place_of(function: Callable[..., Any], source: str, names: dict[str, Any]) -> FunctionType:
-    """The function that a source defines, which numba's cache takes for another one: it keeps its entries by file, name and line."""
-    made = _made(function.__name__, source, names)
-    made.__module__, made.__qualname__ = function.__module__, function.__qualname__
-    made.__code__ = made.__code__.replace(co_filename=function.__code__.co_filename, co_firstlineno=function.__code__.co_firstlineno)
     return made

@@ -3,8 +3,9 @@
 
     masonry_cd.mechanics.solvers.admm_kernels.admm_bodies-<sources>-<kind>.nbc
 
-``sources`` hashes the sources that the entry reaches, ``kind`` the types of its arguments, the processor, numba's version and Python's. No
-place on the disc is part of a name, so files that a wheel brings are as good as those made here; they are read and never written.
+``sources`` hashes the code that the entry reaches (``stamps.py``), ``kind`` the types of its arguments, the processor, numba's version and
+Python's. No place on the disc is part of a name, so files that a wheel brings are as good as those made here; they are read and never
+written.
 
 What is compiled here goes to ``__pycache__`` of the package or, where that cannot be written, to the user's folder for caches; the variable
 NUMBA_CACHE_DIR names another. A file ends in a hash of its content: what is cut off or damaged counts as absent.
@@ -45,6 +46,7 @@ def folder() -> Path | None:
 
 def name_of(entry: str, sources: str, kind: str) -> str:
     """The file of an entry: its module and name, a hash of its sources, and what else decides how it is compiled."""
+    entry = entry.replace("<", "").replace(">", "")  # of a function within another one, or without a name
     return f"{entry}-{sources[:24]}-{sha256(kind.encode()).hexdigest()[:24]}{ENDING}"
 
 

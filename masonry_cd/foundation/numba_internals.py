@@ -6,14 +6,15 @@ kept by ``kernel_store.py``; of what is kept only machine code is loaded, withou
 Settings are compared quickly, and calls with literal numbers use the version for all numbers of their kind. Kernels may be given to kernels
 as arguments, and what is compiled so is kept, too. No kernel counts references to what it is given.
 
-``missing`` lists what a version of numba lacks of all that; ``jit.py`` then does without this file.
+``jit.py`` does without this file where numba lacks what it imports, and beyond the last version that it was tried with.
 """
 
 from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property
+from types import FunctionType
 from typing import Any
 
 import llvmlite.binding
@@ -22,7 +23,6 @@ from numba.core import ir, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult, Flags
 from numba.core.compiler_machinery import register_pass
-from numba.core.dispatcher import Dispatcher
 from numba.core.imputils import lower_constant
 from numba.core.ir_utils import get_definition, guard
 from numba.core.lowering import Lower
@@ -32,26 +32,10 @@ from numba.core.typed_passes import NativeLowering
 from numba.types import unliteral
 
 from masonry_cd.foundation import kernel_store
+from masonry_cd.foundation.stamps import stamp
 
 HASH = hash(Flags())  # that of all settings, by numba's definition
-NEEDED = (  # names beyond those imported above, by the class that has them
-    (Dispatcher, ("compile", "add_overload", "get_call_template")),
-    (CompileResult, ("_reduce", "_rebuild", "_replace")),
-    (JITCodeLibrary, ("finalize", "_get_module_for_linking", "serialize_using_object_code", "_unserialize")),
-    (Compiler, ("define_pipelines",)),
-    (NativeLowering, ("run_pass", "lowering_class")),
-    (Lower, ("lower_assign", "delvar", "typeof")),
-    (type(rtsys), ("initialize",)),
-)
 STUB = 'define void @"{}"() {{ ret void }}\n'  # all that is known of the code of a function that is kept: its name
-
-
-def missing() -> list[str]:
-    """What this file needs of numba and does not find."""
-    lacking = [f"{kind.__name__}.{name}" for kind, names in NEEDED for name in names if not hasattr(kind, name)]
-    made = numba.njit(_nothing)
-    lacking += [f"Dispatcher.{name}" for name in ("_cache", "_type", "_insert", "_compiler", "targetctx") if not hasattr(made, name)]
-    return lacking
 
 
 def settled_target() -> tuple[str, str]:
@@ -67,17 +51,17 @@ def compile_kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any
     return compiled
 
 
-def compile_entry(function: Callable[..., Any], options: dict[str, Any], kept: Kept | None) -> Any:
+def compile_entry(function: FunctionType, options: dict[str, Any], entry: str, target: str) -> Any:
     """numba's dispatcher of a function that Python calls, to be compiled or loaded at its first call.
 
     Args:
         function: to be compiled.
         options: those of ``numba.njit``.
-        kept: where the store has it; None where it is not kept.
+        entry: name in the store.
+        target: what it is compiled for, in words.
     """
     compiled = _dispatcher(function, options, _Pipeline)
-    if kept is not None:
-        compiled._cache = kept
+    compiled._cache = Kept(entry, function, f"{target} {sorted(map(str, options.items()))}")
     return compiled
 
 
@@ -94,12 +78,17 @@ class Kept:
 
     Args:
         entry: name in the store.
-        sources: gives the hash of the sources that it reaches; empty where it must not be kept.
-        target: what it is compiled for, in words.
+        function: that is compiled.
+        target: what it is compiled for, and with which options, in words.
     """
 
-    def __init__(self, entry: str, sources: Callable[[], str], target: str) -> None:
-        self.entry, self.sources, self.target = entry, sources, target
+    def __init__(self, entry: str, function: FunctionType, target: str) -> None:
+        self.entry, self.function, self.target = entry, function, target
+
+    @cached_property
+    def stamp(self) -> str:
+        """The hash of all that the function reaches; empty where it must not be kept."""
+        return stamp(self.function)
 
     @property
     def cache_path(self) -> str | None:
@@ -109,10 +98,8 @@ class Kept:
 
     def file(self, kinds: Any) -> str:
         """Name of the file for the types of arguments; empty where there is to be none."""
-        sources = self.sources()
-        if not sources:
-            return ""
-        return kernel_store.name_of(self.entry, sources, f"{kinds} {self.target}")
+        given = any(isinstance(kind, types.Dispatcher) for kind in kinds)  # a kernel by Python, of which its type has only the name
+        return kernel_store.name_of(self.entry, self.stamp, f"{kinds} {self.target}") if self.stamp and not given else ""
 
     def load_overload(self, kinds: Any, context: Any) -> Any:
         """The kept entry, or None where there is none that can be read: numba then compiles, for which it fills its registries."""

@@ -1,42 +1,45 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quantities as people read them: lengths, speeds and forces with a prefix, time spans in hours, minutes and seconds."""
+"""Numbers as people read them: lengths, forces and stresses with a prefix, shares in per cent, time spans in hours, minutes and seconds."""
 
 from __future__ import annotations
 
 import math
 
+PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9}
+
+
+def _prefixed(value: float, unit: str, *prefixes: str) -> str:
+    """A number by the first of some prefixes, the largest first, with which it is one at least; by the last where it is with none."""
+    prefix = next((each for each in prefixes if abs(value) >= PREFIXES[each] * 0.9995), prefixes[-1])
+    return f"{value / PREFIXES[prefix]:.3g} {prefix}{unit}"
+
 
 def length(value: float, unit: str = "m") -> str:
-    """A number with the prefix that reads best: ``1.2 mm``, ``0.5 m``, ``4.59 km``, ``30 us``; what is but rounding as ``under 1 nm``."""
-    if not math.isfinite(value):
-        return f"{value} {unit}"
-    for factor, prefix in ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")):
-        if abs(value) >= factor * 0.9995:
-            return f"{value / factor:.3g} {prefix}{unit}"
-    return f"under 1 n{unit}" if value else f"0 {unit}"
+    """A length, a speed or a time: ``1.2 mm``, ``0.5 m``, ``4.59 km``, ``30 us``; what is but rounding as ``under 1 nm``."""
+    value += 0.0  # zero without a sign
+    if 0.0 < abs(value) < PREFIXES["n"] * 0.9995:
+        return f"under 1 n{unit}"
+    return _prefixed(value, unit, "k", "", "m", "u", "n") if value and math.isfinite(value) else f"{value:g} {unit}"
 
 
 def force(value: float) -> str:
-    """A force with the prefix that reads best: ``1.05 MN``, ``12 kN``, ``0.3 N``."""
-    for factor, prefix in ((1e6, "M"), (1e3, "k")):
-        if abs(value) >= factor * 0.9995:
-            return f"{value / factor:.3g} {prefix}N"
-    return f"{value:.3g} N"
+    """A force: ``1.05 MN``, ``12 kN``, ``0.3 N``."""
+    return _prefixed(value, "N", "M", "k", "")
+
+
+def pressure(value: float) -> str:
+    """A stress: ``1.05 MPa``, ``12 kPa``, ``0.3 Pa``; ``infinite`` where it is."""
+    return "infinite" if math.isinf(value) else _prefixed(value, "Pa", "G", "M", "k", "")
+
+
+def per_cent(share: float) -> str:
+    """A share of something whole, ``62.5 %``; less than 0.005 % is written as 0."""
+    return f"{round(100.0 * share, 2):.4g} %"
 
 
 def counted(number: int, noun: str) -> str:
     """A number of things whose plural ends in s: ``1 joint``, ``12 joints``."""
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
-
-
-def pressure(value: float) -> str:
-    """A stress with the prefix that reads best: ``1.05 MPa``, ``12 kPa``, ``0.3 Pa``; ``infinite`` where it is."""
-    if math.isinf(value):
-        return "infinite"
-    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
-        if abs(value) >= factor * 0.9995:
-            return f"{value / factor:.3g} {prefix}Pa"
-    return f"{value:.3g} Pa"
 
 
 def in_words(seconds: float) -> str:

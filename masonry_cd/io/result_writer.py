@@ -24,10 +24,9 @@ import h5py
 import numpy as np
 
 from masonry_cd import __version__
-from masonry_cd.foundation import system
+from masonry_cd.foundation import processor, system
 from masonry_cd.foundation.atomic import part_of
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.jit import compiled_for
 from masonry_cd.io import tie_bars
 from masonry_cd.io.block_arrays import write_blocks
 from masonry_cd.io.gauges import ATTRIBUTE as GAUGES
@@ -317,4 +316,4 @@ def versions() -> dict[str, str]:
     for name in ("numpy", "scipy", "numba", "h5py", "qdldl"):
         with contextlib.suppress(Exception):
             out[name] = version(name)
-    return out | {"kernels for": compiled_for()}
+    return out | {"kernels for": processor.target()[0]}

@@ -12,7 +12,7 @@ import pytest
 from numba.core import event
 
 from masonry_cd.app import compile_progress
-from masonry_cd.app.compile_progress import late_methods, shown
+from masonry_cd.app.compile_progress import late_methods, shown, time_left
 from masonry_cd.foundation import kernel_store
 
 
@@ -50,6 +50,25 @@ def test_the_first_line_says_how_many_and_how_long_and_later_ones_how_far(store,
         assert stream.getvalue().splitlines()[0] == "compiling 41 kernels, once: about 1 min 6 s"
         _compile("package.first")
         _wait_for("compiling: 1 of 41 kernels, ", stream)
+
+
+def test_the_time_left_moves_with_what_is_seen():
+    assert time_left(60.0, 0.0, 0.0) == 60.0
+    assert time_left(60.0, 0.5, 30.0) == pytest.approx(30.0)  # as expected
+    assert time_left(60.0, 0.5, 90.0) > time_left(60.0, 0.5, 60.0) > 40.0  # three and two times as slow, and longer while nothing comes
+    assert time_left(60.0, 1.0, 500.0) == 0.0
+
+
+def test_it_is_said_which_kernel_is_at_work(store, monkeypatch):
+    monkeypatch.setattr(compile_progress, "LINE_SECONDS", 0.0)
+    stream = io.StringIO()
+    with shown(41, 66.0, "", stream):
+        _wait_for("0 of 41 kernels, about ", stream)  # it listens
+        with (
+            event.trigger_event("numba:compile", data={"dispatcher": numba.njit(newton_by_team)}),
+            event.trigger_event("numba:compile", data={"dispatcher": numba.njit(other)}),
+        ):
+            _wait_for("0 of 41 kernels, now newton_by_team with other, about ", stream)
 
 
 def test_a_terminal_gets_a_bar(store, monkeypatch):

@@ -7,14 +7,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from places import ROOT
 
-from masonry_cd.foundation import jit
-from masonry_cd.foundation.jit import can_be_kept, entry, kernel
+from masonry_cd.foundation.jit import entry, kernel
 
 
 @kernel()
@@ -78,22 +77,6 @@ def test_named_tuples_are_put_together_again():
     assert total_height(drawing, line) == 24.0 + 12.0  # kernels pass them on as they are
 
 
-def test_a_function_that_is_in_no_file_is_compiled_but_not_kept():
-    """Nothing would say that it has changed."""
-    typed: dict[str, Any] = {"__name__": __name__}
-    exec("def third(x):\n    return x / 3.0", typed)
-    assert entry()(typed["third"])(3.0) == 1.0
-    assert not can_be_kept(typed["third"])
-    assert not can_be_kept(lambda x: x / typed["third"](3.0))
-    assert can_be_kept(quarter.py_func)
-
-
-def test_nothing_is_kept_of_a_module_whose_file_has_changed_since_it_was_imported(monkeypatch):
-    assert jit.stamp.__wrapped__(__name__)
-    monkeypatch.setattr(jit, "BEGUN", 0.0)
-    assert jit.stamp.__wrapped__(__name__) == ""
-
-
 CALLEE = """
 from masonry_cd.foundation.jit import kernel
 
@@ -137,7 +120,7 @@ def scaled_twice(x):
 """
 PROGRAM = """
 from kernel_above import scaled_twice
-print(scaled_twice(1.0), sum(scaled_twice.stats.cache_misses.values()))
+print(scaled_twice(1.0), sum(getattr(scaled_twice, "outer", scaled_twice).stats.cache_misses.values()))
 """
 
 
@@ -193,7 +176,7 @@ def test_a_kernel_that_is_compiled_later_takes_in_an_entry_of_which_only_machine
     assert run_kernel(2.0) == (4.0, 1)
     (tmp_path / "kernel_later.py").write_text(LATER)
     said = in_python(
-        "from kernel_later import once_more, scaled_twice\nprint(scaled_twice(1.0), once_more(1.0), scaled_twice.stats.cache_hits)",
+        "from kernel_later import once_more, scaled_twice\nprint(scaled_twice(1.0), once_more(1.0), scaled_twice.outer.stats.cache_hits)",
         tmp_path,
     )
     assert said.startswith("4.0 5.0 Counter({(float64,): 1}")
@@ -231,14 +214,6 @@ print(time.perf_counter() - begin - (kernel_store.clock() - own) > 0.2)
     assert in_python(program, tmp_path) == "True"
 
 
-def test_imports_inside_of_functions_do_not_count(run_kernel, tmp_path):
-    """Whether they have happened hangs on what ran before."""
-    lazy = CALLER + "\ndef unused():\n    import kernel_aside\n"
-    (tmp_path / "kernel_aside.py").write_text(CALLEE.format(factor=7.0))
-    assert run_kernel(2.0, lazy) == (4.0, 1)
-    assert in_python("import kernel_aside\n" + PROGRAM, tmp_path) == "4.0 0"
-
-
 def in_python(program: str, folder: Path) -> str:
     """What a program prints that finds the kernels in a folder."""
     settings = os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "NUMBA_CACHE_DIR": str(folder / "cache")}
@@ -268,8 +243,8 @@ def test_what_a_full_disc_does_not_take_is_known(run_kernel, tmp_path):
 
 
 LACKING = """
-import numba.core.compiler
-del numba.core.compiler.CompileResult._rebuild
+import numba.core.typed_passes
+del numba.core.typed_passes.NativeLowering
 from kernel_above import scaled_twice
 from masonry_cd.foundation.jit import why_nothing_is_kept
 print(scaled_twice(1.0), why_nothing_is_kept())
@@ -279,8 +254,7 @@ print(scaled_twice(1.0), why_nothing_is_kept())
 def test_a_numba_that_lacks_a_private_name_leaves_plain_njit_and_the_reason(run_kernel, tmp_path):
     run_kernel(2.0)
     said = in_python(LACKING, tmp_path)
-    assert said.startswith("4.0 numba ")
-    assert said.endswith("lacks what the cache of kernels needs: CompileResult._rebuild")
+    assert said.startswith("4.0 numba ") and "NativeLowering" in said
 
 
 NEWER = """

@@ -17,8 +17,7 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import EndState
 from masonry_cd.analysis.damage.joint_damage import collapsed_blocks, displacement_max
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, RANKS, UNKNOWN, Verdict
-from masonry_cd.foundation.per_cent import per_cent
-from masonry_cd.foundation.quantities import counted, length
+from masonry_cd.foundation.quantities import counted, length, per_cent
 from masonry_cd.io.results import Results
 
 END, FORCES, FALSE_MOTION = "End of the run", "Contact forces", "Motion against the contact laws"

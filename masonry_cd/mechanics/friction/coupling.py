@@ -47,7 +47,7 @@ def in_places(coupling: Coupling, pattern: Pattern) -> Coupling:
     return coupling._replace(indices=pattern.place[coupling.indices]) if len(coupling.indptr) else coupling
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def is_coupled(problem):
     """Whether the problem is given by W alone."""
     return len(problem.coupling.indptr) > 0

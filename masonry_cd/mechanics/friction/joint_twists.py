@@ -97,7 +97,7 @@ def into_frame(f, x, y, z):
     return f[0] * x + f[1] * y + f[2] * z, f[3] * x + f[4] * y + f[5] * z, f[6] * x + f[7] * y + f[8] * z
 
 
-@kernel(inline="always", fastmath={"contract"})
+@borrower(forceinline=True, fastmath={"contract"})
 def out_of_frame(f, x, y, z):
     """A vector of components in the axes of a frame (15,), in those of the world."""
     return f[0] * x + f[3] * y + f[6] * z, f[1] * x + f[4] * y + f[7] * z, f[2] * x + f[5] * y + f[8] * z

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.jit import entry, kernel
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.body_sides import add_impulse
 from masonry_cd.mechanics.friction.joint_twists import NUMBERS
 from masonry_cd.mechanics.friction.operators import (
@@ -48,7 +48,7 @@ def allocate_terms(problem: ProblemArrays) -> LawTerms:
     return LawTerms(places, momentum, v, np.ones(contacts), np.empty((PARTS, 2)))
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def part_of(k, contacts):
     """First and end of the contacts of part k."""
     return contacts * k // PARTS, contacts * (k + 1) // PARTS

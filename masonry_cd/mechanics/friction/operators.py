@@ -138,13 +138,13 @@ def unit_delassus_trace(problem, c, a, b):
     return trace
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def has_unit_masses(problem):
     """Whether bodies have unit masses, and ``width`` says how many unknowns; known to be false where blocks are not wide."""
     return is_wide(problem.n) and len(problem.width) > 0
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def unknowns_at(problem, a, b):
     """Unknowns that the bodies at two places have, the more of both."""
     return max(problem.width[a], problem.width[b]) if has_unit_masses(problem) else len(problem.n)
@@ -161,7 +161,7 @@ def load_mass(problem, b, blocks):
                 blocks[b, i, j] = problem.mass[b, i, j]
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def add_product(problem, x, y, rows, one, other, out):
     """out (n, n) += x^T y of so many rows of the bodies at two places, as far as these have unknowns; narrow ones are of one contact."""
     if is_wide(problem.n):
@@ -170,7 +170,7 @@ def add_product(problem, x, y, rows, one, other, out):
         add_outer_product(x, y, out, problem.m, problem.n)
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def has_frames(problem):
     """Whether contacts have frames; known to be false where blocks are not those of rigid bodies in space."""
     return len(problem.n) == 6 and len(problem.m) == 3 and len(problem.frame) > 0
@@ -247,7 +247,7 @@ def squared_size_of(problem, v, first, end):
     return total
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def triple_of(x, c, m):
     """Row c of x (C, m), its third number zero in a plane."""
     return x[c, 0], x[c, 1], x[c, 2] if m == 3 else 0.0

@@ -60,7 +60,7 @@ def subtract_block_product(c, at, a, i, b, shape, size_n):
                 out[p, q] = total
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def load_column(matrix, symbolic, j, where, to, symmetric, size_n):
     """Blocks of A in column j into ``to``: a square (n, n), the blocks of L and of (D U)^T; ``where`` (N,) numbers their rows."""
     (diagonal, lower, upper), (square, lows, ups), row, below = matrix, to, symbolic.row, symbolic.below
@@ -201,7 +201,7 @@ def backward_columns(symbolic, inverse, up, x, y, symmetric, size_n):
             divide_node(symbolic, squares, j, x, y, size_n)
 
 
-@kernel(inline="always", fastmath={"contract"})
+@borrower(forceinline=True, fastmath={"contract"})
 def divide_node(symbolic, squares, j, x, y, size_n):
     """x_j <- D_j^-1 x_j."""
     n = rows_of(symbolic, j, size_n)
@@ -219,7 +219,7 @@ def divide_node(symbolic, squares, j, x, y, size_n):
         x[j, p] = y[p]
 
 
-@kernel(inline="always", fastmath={"contract"})
+@borrower(forceinline=True, fastmath={"contract"})
 def subtract_from_node(symbolic, ups, j, x, size_n):
     """Subtract from x_j what the rows below have in column j, whose blocks are transposed."""
     n, below = rows_of(symbolic, j, size_n), symbolic.below

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.mechanics.linalg.vectors import add_six_times, add_times, fill_four, fill_six, load_four, load_six, store_lanes, store_six
 
 EPSILON = 2.2e-16  # relative rounding error of a float
@@ -37,7 +37,7 @@ def room_for(count: int) -> int:
     return max(-(-count // STEP) * STEP, NARROW + STEP)
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def is_wide(size):
     """Whether blocks have many rows: not all nodes need have all then, and loops go four at a time. Known when kernels are compiled."""
     return len(size) > NARROW and len(size) % STEP == 0
@@ -106,7 +106,7 @@ def invert(a, width, out, work, size_n):
     return sign
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def _take_off_row(a, k, scale, factors, n, size_n):
     """Scale row k of a block (n, n), and take it off all rows, so many times each. Half a dozen of its entries, or STEP, are held in
     registers."""

@@ -61,7 +61,7 @@ def wait(team):
         yield_processor()
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def share_of(team, first, end):
     """First and end of the thread's share of a range."""
     count = end - first

@@ -20,7 +20,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
 
-from masonry_cd.foundation.jit import kernel
+from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.linalg.intrinsics import declared
 
 _INDEX = ir.IntType(32)
@@ -121,31 +121,31 @@ def add_times(typing: Any, total: Lanes, factor: types.Float, lanes: Lanes) -> A
 # Rows of blocks of rigid bodies in space have six entries, of those that deform as many or twelve: pairs of four lanes and two.
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def fill_six(value):
     """A float, six times."""
     return fill_four(value), fill_two(value)
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def pack_six(a, b, c, d, e, f):
     """Six floats."""
     return pack((a, b, c, d)), pack((e, f))
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def load_six(matrix, row, column):
     """Six entries of a row of a contiguous matrix from a column on."""
     return load_four(matrix, row, column), load_two(matrix, row, column + 4)
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def add_six_times(total, factor, six):
     """total + factor times six, as in :func:`add_times`."""
     return add_times(total[0], factor, six[0]), add_times(total[1], factor, six[1])
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def store_six(matrix, row, column, six):
     """Put six floats into a row of a contiguous matrix from a column on."""
     store_lanes(matrix, row, column, six[0])

@@ -7,12 +7,12 @@ is in products, four rows and four columns of the result at a time, which fit in
 
 from __future__ import annotations
 
-from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.linalg.small_blocks import STEP, is_wide, multiply
 from masonry_cd.mechanics.linalg.vectors import add_times, fill_four, load_four, store_lanes
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def rows_of(symbolic, j, size_n):
     """Rows of node j: those of a block, or as many as the node has where blocks are wide."""
     return symbolic.width[j] if is_wide(size_n) and len(symbolic.width) > 0 else len(size_n)
@@ -24,7 +24,7 @@ def add_turned_product(a, b, inner, size, out):
     add_squares(1.0, a, True, b, inner, size, out)
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def add_squares(sign, a, turned, b, inner, size, out):
     """out, of a size (rows, columns), += sign times a b or, if ``turned``, a^T b; the sums of ``inner`` terms are held in registers."""
     rows, columns = size
@@ -40,7 +40,7 @@ def add_squares(sign, a, turned, b, inner, size, out):
             add_square(out, p, t, sign, (s0, s1, s2, s3))
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def add_square(out, p, t, sign, lines):
     """Add sign times four lines of four entries to ``out`` from row p and column t on."""
     store_lanes(out, p, t, add_times(load_four(out, p, t), sign, lines[0]))
@@ -60,7 +60,7 @@ def multiply_blocks(a, b, shape, out, size_n):
         multiply(a, b, out, size_n)
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def transpose(a, rows, columns, out):
     """out (columns, rows) = a^T of the first rows and columns of a block."""
     for p in range(rows):
@@ -68,7 +68,7 @@ def transpose(a, rows, columns, out):
             out[q, p] = a[p, q]
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def clear_rows(rows, columns, out):
     """out = 0, in the first rows and columns of a block."""
     for p in range(rows):
@@ -76,7 +76,7 @@ def clear_rows(rows, columns, out):
             out[p, q] = 0.0
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def copy_rows(a, rows, columns, out):
     """out = a, in the first rows and columns of a block."""
     for p in range(rows):

@@ -95,7 +95,7 @@ def add_rigid_contact(problem, world, c, share, matrix):
             add_turned(turn_lines(world[c], other, False), own, -1.0, matrix.diagonal[b])
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def add_pair(problem, scratch, c, rows, one, other, turned, out):
     """out += J^T B K of contact c, or of the joint that begins there, with the rows H of two sides, J of ``one`` and K of ``other``.
 
@@ -131,14 +131,14 @@ def longest_run(places):
     return most
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def arm_of(frame, side):
     """The arm r of a side in a frame (15,), three numbers."""
     at = 9 + 3 * side
     return frame[at], frame[at + 1], frame[at + 2]
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def turn_lines(turned, arm, transposed):
     """The three lines of D^T B D (I, -[c]x), six numbers each, for an arm c, with B^T if ``transposed``."""
     along, across = (1, 3) if transposed else (3, 1)
@@ -148,13 +148,13 @@ def turn_lines(turned, arm, transposed):
     return line_of(x, arm), line_of(y, arm), line_of(z, arm)
 
 
-@kernel(inline="always", fastmath={"contract"})
+@borrower(forceinline=True, fastmath={"contract"})
 def line_of(x, c):
     """(x, c x x), six numbers, of a line x of D^T B D and an arm c."""
     return pack_six(x[0], x[1], x[2], c[1] * x[2] - c[2] * x[1], c[2] * x[0] - c[0] * x[2], c[0] * x[1] - c[1] * x[0])
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def add_turned(lines, arm, sign, out):
     """out (6, 6) += sign (I, [r]x)^T lines for an arm r."""
     r0, r1, r2, (x, y, z) = sign * arm[0], sign * arm[1], sign * arm[2], lines

@@ -45,7 +45,7 @@ def shares_of(team, contacts, bodies, sums):
     return Shares(team, (first, end), own, share_of(team, 0, bodies), sums, np.zeros(1, dtype=np.int64))
 
 
-@kernel(inline="always")
+@borrower(forceinline=True)
 def chunk_of(k, contacts):
     """First and end of the contacts of chunk k."""
     return CHUNK * k, min(CHUNK * (k + 1), contacts)
