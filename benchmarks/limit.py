@@ -105,12 +105,12 @@ def wall_row(number: int, share: float) -> str:
     return f"| {number} | {factor:.5f} | {least} | {dry_walls.LEAST.get(number, '')} | {_ends(seen)} |"
 
 
-def size_row(length: float, sides: int) -> str:
-    """A church with blocks of a length: what the cone programmes take, or pyramids with so many sides."""
+def size_row(length: float) -> str:
+    """A church with blocks of a length: what the cone programmes take."""
     assembly = Assembly.from_blocks(of_table(church(length)), FRICTION)
     joints = find_joints(assembly)
     begin = time.perf_counter()
-    found: Analysis = analyse(assembly, joints, push(assembly, WAYS["y"]), Options(sides, starts=0))
+    found: Analysis = analyse(assembly, joints, push(assembly, WAYS["y"]), Options(starts=0))
     whole = time.perf_counter() - begin
     answer, made = found.associated, found.associated.certificate
     worst = max(made.equilibrium, made.friction, made.flow)
@@ -132,7 +132,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--friction", type=float, default=FRICTION, help="of the joints; where it is great, nothing slides")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="JSON with all trials, written as they go")
     parser.add_argument("--sizes", type=float, nargs="+", metavar="LENGTH", help="of the blocks of churches [m]: what the solver takes")
-    parser.add_argument("--sides", type=int, default=0, help="of pyramids instead of cones, with --sizes")
     parser.add_argument("--walls", action="store_true", help="the dry walls of Ferris & Tin-Loi, three starts each")
     asked = parser.parse_args(arguments)
     unknown = [kind for kind in asked.kinds if kind not in NAMES]
@@ -154,7 +153,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(head("block length [m]", *heads))
         for length in asked.sizes:
             try:
-                print(size_row(length, asked.sides), flush=True)
+                print(size_row(length), flush=True)
             except InputError as error:
                 parser.error(f"--sizes {length:g}: {error}")
         return

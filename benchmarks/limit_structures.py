@@ -47,7 +47,7 @@ TABLES: dict[str, dict[str, Any]] = {
 
 def of_table(table: dict[str, Any]) -> list[Block]:
     """The blocks of a [structure] table."""
-    return structures.build_with_notes(table, DENSITY, Path())[0]
+    return structures.build(table, DENSITY, Path())
 
 
 def corner(bonded: bool = True) -> list[Block]:

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 import structures
+from benchmarks.noise import noisy
 from benchmarks.scenes import DENSITY, GRAVITY, BenchScene, cuboid
 from masonry_cd.mechanics.model.blocks import Block
 
-NOISE = {"noise": {"size": 1e-6, "axes": "xyz"}}
 TOWER = {
     "kind": "tower", "side": 3.0, "height": 7.0, "thickness": 0.6, "course_height": 0.7, "belfry_width": 0.6, "belfry_height": 1.4,
     "door_width": 0.0,
@@ -49,11 +49,10 @@ def strong_cases() -> Iterator[tuple[str, BenchScene, int]]:
     yield _case("tower with belfry, 0.7 g", TOWER, Shaking(0.7, 2.0, (1, 0.6, 0), 1.0))
     yield _case("church, 0.7 g", CHURCH, Shaking(0.7, 2.0, (1, 0.7, 0.4), 0.6))
     yield _case("dome on a drum, 1 g", {"kind": "dome", "span": 4.0, "sides": 8, "drum_height": 1.2}, Shaking(1.0, 3.0, (1, 0.5, 0), 0.8))
-    yield _case(
-        "cross vault, noise of 1e-6 m, 2 g", {"kind": "vault", "form": "cross", "voussoirs": 7} | NOISE, Shaking(2.0, 4.0, (1, 0.4, 0), 0.6)
-    )
+    vault = noisy(built({"kind": "vault", "form": "cross", "voussoirs": 7}), 1e-6)
+    yield _case("cross vault, noise of 1e-6 m, 2 g", vault, Shaking(2.0, 4.0, (1, 0.4, 0), 0.6))
     yield _case("colonnade of drums, 1 g", colonnade(3), Shaking(1.0, 1.5, (0.7, 1, 0), 1.2, 1e-3))
-    yield _case("aqueduct across, noise of 1e-6 m, 0.5 g", aqueduct | NOISE, Shaking(0.5, 1.5, (0, 1, 0), 0.8))
+    yield _case("aqueduct across, noise of 1e-6 m, 0.5 g", noisy(built(aqueduct), 1e-6), Shaking(0.5, 1.5, (0, 1, 0), 0.8))
     buttressed = {"kind": "arch", "span": 4.0, "thickness": 0.45, "voussoirs": 15, "buttress_width": 1.0, "buttress_height": 2.0}
     yield _case("arch on buttresses, also upwards, 1.5 g", buttressed, Shaking(1.5, 3.0, (1, 0.3, 0.8), 0.8))
 
@@ -64,13 +63,18 @@ def rest_cases() -> Iterator[tuple[str, BenchScene, int]]:
     for where, axes in (("a plane", "xz"), ("space", "xyz")):
         for dt in (1e-4, 1e-2):
             name = f"aqueduct of 5 spans in {where}, dt {dt:g} s"
-            yield _case(name, table | {"noise": {"size": 1e-6, "axes": axes}}, Shaking(0.0, 1.0, (1, 0, 0), 200 * dt, dt))
+            yield _case(name, noisy(built(table), 1e-6, axes), Shaking(0.0, 1.0, (1, 0, 0), 200 * dt, dt))
+
+
+def built(keys: Mapping[str, Any]) -> list[Block]:
+    """The blocks of a structure."""
+    return structures.build(keys, DENSITY, Path())
 
 
 def colonnade(columns: int) -> list[Block]:
     """Columns of drums in a row along x, and lintels from each to the next [m]."""
     pitch, height = 2.5, 4.0
-    one = structures.build({"kind": "column", "height": height, "diameter": 0.8, "drums": 4, "sides": 8}, DENSITY, Path())
+    one = built({"kind": "column", "height": height, "diameter": 0.8, "drums": 4, "sides": 8})
     out = [
         replace(block, name=f"{k}.{block.name}", vertices=block.vertices + np.array([k * pitch, 0.0, 0.0]))
         for k in range(columns)
@@ -83,7 +87,7 @@ def colonnade(columns: int) -> list[Block]:
 
 def _case(name: str, made: Mapping[str, Any] | list[Block], shaking: Shaking, stiffness: float = 0.0) -> tuple[str, BenchScene, int]:
     """A case from the keys of a structure, or from its blocks."""
-    blocks = made if isinstance(made, list) else structures.build(made, DENSITY, Path())
+    blocks = made if isinstance(made, list) else built(made)
     steps, direction = round(shaking.seconds / shaking.dt), np.array(shaking.direction, dtype=float)
     x, y, z = (direction / np.linalg.norm(direction)).tolist()
     scene = BenchScene(

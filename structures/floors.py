@@ -34,14 +34,15 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 from masonry_cd.mechanics.model.polygon import clip, polygon_area
+from masonry_cd.mechanics.model.usual import DIAMETER, TIE_MODULUS, YIELDING
 from structures.faults import Faults
 from structures.geometry.checks import check
 from structures.geometry.compound_block import moved
 from structures.geometry.prism import between, box
 from structures.layout.pockets import width_of, with_pockets
 from structures.layout.rooms import AT, Plans, Side, polygon_of, room
-from structures.schema import ArealMass, Height, Length, Place, Table
-from structures.ties import MODULI, MOST, Anchor, Bar, Solids, TieRowTable, anchors_at, bar_between
+from structures.schema import HIGH, ArealMass, Height, Length, Place, Table, Thickness
+from structures.ties import MODULI, MOST, SPACING, Anchor, Bar, Solids, TieRowTable, anchors_at, bar_between
 
 KEY = "floors"
 SLIVER = 0.05  # of the thickness of a floor: less than this of a block beside its seat is refused
@@ -51,17 +52,17 @@ ACROSS = 0.7071  # cosine of the angle between a span and the normal of a wall t
 class AnchorTable(Table):
     """The table ``anchors`` of a floor."""
 
-    spacing: Length = 1.5
+    spacing: Annotated[Length, SPACING] = 1.5
     """of the anchors along each wall with a seat"""
-    diameter: Length = 0.016
+    diameter: Annotated[Length, DIAMETER] = 0.016
     """of their rods"""
     length: Length = 1.0
     """by which they reach into the floor"""
     plate: Length | None = None
     """side of their square plates on the outer face of the wall"""
-    modulus: Annotated[float, Unit("Pa")] = Field(MODULI["steel"], gt=0.0)
+    modulus: Annotated[float, Unit("Pa"), TIE_MODULUS] = Field(MODULI["steel"], gt=0.0)
     """Young's modulus"""
-    yield_force: Annotated[float, Unit("N")] | None = Field(None, gt=0.0)
+    yield_force: Annotated[float, Unit("N"), YIELDING] | None = Field(None, gt=0.0)
     """at which one yields or pulls out; by default never"""
     damping: float = Field(0.02, ge=0.0, lt=1.0)
     """share of the critical damping"""
@@ -72,9 +73,9 @@ class AnchorTable(Table):
 class FloorTable(Table):
     """One entry ``[[structure.floors]]``."""
 
-    height: Place
+    height: Annotated[Place, HIGH]
     """z of its top"""
-    thickness: Length = Field()
+    thickness: Thickness = Field()
     mass: ArealMass
     """with what it carries, over its own plan"""
     walls: tuple[str, ...] = Field(strict=False, min_length=1)

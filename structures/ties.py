@@ -30,11 +30,12 @@ from pydantic import Field, model_validator
 
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import check_tension
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import loop_planes
+from masonry_cd.mechanics.model.usual import DIAMETER, LENGTHS, TENSION, TIE_MODULUS, YIELDING
 from structures.faults import Absent, Faults
-from structures.schema import Area, Length, Place, Table
+from structures.schema import HIGH, Area, Length, Place, Table
 
 KEY = "ties"
 MODULI = {"steel": 2.1e11, "timber": 1.1e10}  # [Pa]
@@ -44,6 +45,8 @@ FLUSH = 0.25  # of a plate's side: faces that stand back by more are not under i
 LEAST = 0.5  # of a plate has to lie on the wall: what hangs over bends and bears nothing
 NUDGE = 1e-7  # [m]: a line in a joint is asked for this much lower
 MOST = 500  # ties of a table
+SIDE = Usual(3e-4, 0.6, "from strips of 0.3 mm to beams of 0.6 m", LENGTHS)
+SPACING = Usual(0.1, 30.0, "ties and anchors are 0.3 to 10 m apart", LENGTHS)
 
 
 class TieRowTable(Table):
@@ -51,13 +54,13 @@ class TieRowTable(Table):
 
     along: Literal["x", "y"]
     """the axis that it lies along"""
-    height: Place
+    height: Annotated[Place, HIGH]
     """z of its line, in the coordinates of the structure"""
     at: tuple[Place, ...] | None = Field(None, strict=False, min_length=1)
     """where along the other axis"""
     number: int | None = Field(None, ge=1, le=MOST)
     """or so many, evenly over the parts; by default one in the middle"""
-    spacing: Length | None = None
+    spacing: Annotated[Length, SPACING] | None = None
     """or as many as fit at this distance"""
     parts: tuple[str, ...] | None = Field(None, strict=False, min_length=1, max_length=2)  # fmt: skip
     """groups or blocks on whose outermost faces it ends, one name for each end or for both; * stands for anything; by default whatever
@@ -66,19 +69,19 @@ class TieRowTable(Table):
     """where in the block it ends: on the outer face, or halfway through"""
     plate: Length | None = None
     """side of its square anchor plates, which spread the pull over blocks"""
-    diameter: Length | None = None
+    diameter: Annotated[Length, DIAMETER] | None = None
     """of its section"""
     area: Area | None = None
     """or the area of its section"""
-    section: tuple[Length, Length] | None = Field(None, strict=False)
+    section: tuple[Annotated[Length, SIDE], Annotated[Length, SIDE]] | None = Field(None, strict=False)
     """or width and depth of its section"""
     material: Literal["steel", "timber"] = "steel"
     """which sets the modulus"""
-    modulus: Annotated[float, Unit("Pa")] | None = Field(None, gt=0.0)
+    modulus: Annotated[float, Unit("Pa"), TIE_MODULUS] | None = Field(None, gt=0.0)
     """Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber"""
-    yield_force: Annotated[float, Unit("N")] | None = Field(None, gt=0.0)
+    yield_force: Annotated[float, Unit("N"), YIELDING] | None = Field(None, gt=0.0)
     """at which it yields, or its anchorage does; by default never"""
-    tension: Annotated[float, Unit("N")] = Field(0.0, ge=0.0)
+    tension: Annotated[float, Unit("N"), TENSION] = Field(0.0, ge=0.0)
     """at the start"""
     damping: float = Field(0.02, ge=0.0, lt=1.0)
     """share of the critical damping"""

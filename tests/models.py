@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -63,10 +64,10 @@ def gravity(steps: int, vector: tuple[float, float, float] = (0.0, 0.0, -GRAVITY
 
 
 def material_of(
-    friction: float = 0.6, joints: Mapping[str, JointLaw] | None = None, elastic: ElasticBlocks | None = None, rolling: float = 0.0
+    friction: float, joints: Mapping[str, JointLaw] | None = None, elastic: ElasticBlocks | None = None, rolling: float = 0.0, **keys: Any
 ) -> Material:
-    """A material with laws by pair of groups, blocks that deform, and spheres that roll with friction."""
-    keys = {} if elastic is None else elastic.model_dump(exclude_unset=True)
+    """A material with laws by pair of groups, blocks that deform, spheres that roll with friction, and other keys."""
+    keys |= {} if elastic is None else elastic.model_dump(exclude_unset=True)
     return Material(friction=friction, joints=dict(joints or {}), rolling_friction=rolling, **keys)
 
 

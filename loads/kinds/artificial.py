@@ -30,7 +30,7 @@ from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.code_spectrum import CodeSpectrum
 from loads.signal.intensity import in_words, reached
 from loads.signal.response import Oscillators, response_spectrum
-from loads.signal.site_spectrum import SiteSpectrum
+from loads.signal.site_spectrum import GROUND, SiteSpectrum
 from loads.supports import ShakingTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
@@ -56,7 +56,7 @@ class SpectrumMatch(SiteSpectrum):
     """Axis ("x", "-y" ...) or vector along which the base moves."""
     spectrum: Literal["EC8", "NTC"]
     """Of Eurocode 8 or of the Italian code NTC."""
-    ag: Annotated[Positive, Unit("m/s2")]
+    ag: Annotated[Positive, Unit("m/s2"), GROUND]
     """Peak ground acceleration on rock."""
     vertical: bool = False
     """Match the vertical spectrum."""

@@ -30,10 +30,11 @@ from loads.motion import Direction, Part, RunGrid, strict
 from loads.supports import Names, select
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Instant, Numbers, Vector
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.guides import Guide
 from masonry_cd.mechanics.model.place_on_block import require_on_block
+from masonry_cd.mechanics.model.usual import LENGTHS
 
 QUIET, LOUD = 2e-3, 1e-2  # shares of mu times what presses that inertia may have: chosen, and refused from there on
 FEWEST_STEPS, FEW_STEPS = 20, 100  # of the run from target to target: refused, and taken where the speed is not given
@@ -41,6 +42,7 @@ PEAK_SPEED, PEAK_ACCELERATION = 1.875, 10.0 / math.sqrt(3.0)  # of the way from 
 SMOOTHEST = 0.1  # friction at least, by which the speed is chosen
 ON_FACE = 1e-6  # of the extent of the blocks: corners as near to the outermost lie on the face
 ACROSS = 1e-9
+PUSHED = Usual(0.0, 0.25, "what is pushed by a quarter of its structure's height has long come down", LENGTHS, over="height")
 Faces = Literal["x", "+x", "-x", "y", "+y", "-y", "z", "+z", "-z"]
 
 
@@ -73,7 +75,7 @@ class GuidedKeys(BaseModel):
 class DrivenKeys(GuidedKeys):
     """How far blocks are moved, and how fast."""
 
-    targets: Annotated[Numbers | None, Unit("m")] = None
+    targets: Annotated[Numbers | None, Unit("m"), PUSHED] = None
     """Displacements along the direction that are reached one after the other, from 0 on: one for a push, several for stages and cycles."""
     speed: Annotated[float, Unit("m/s"), Field(gt=0.0)] | None = None
     """Largest rate of the motion; slow enough for 0.2 % of inertia in the force when not given."""

@@ -20,8 +20,15 @@ from loads.motion import LoadKind, LoadTable, Part, RunGrid, Static, lifts
 from loads.supports import one_block
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, Numbers, Vector
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.place_on_block import require_on_block
+from masonry_cd.mechanics.model.usual import FORCES
+
+FORCE = (
+    Usual(0.05, math.inf, "a force below a twentieth of its block's weight changes little", FORCES, "weight of its block", size=True),
+    Usual(0.0, 3e7, "hardly any masonry bears 30 MPa", over="section of its block", size=True),
+    Usual(0.0, 200.0, "even proof loads are a few tens of times the weight of what bears them", over="weight of all blocks", size=True),
+)
 
 
 class PointTable(LoadTable):
@@ -30,7 +37,7 @@ class PointTable(LoadTable):
     kind: Literal["point"] = "point"
     block: str
     """Its name."""
-    force: Annotated[Vector, Unit("N")]
+    force: Annotated[Vector, Unit("N"), *FORCE]
     """A vector."""
     point: Annotated[Vector | None, Unit("m")] = None
     """Of attack, as built, in the world; the centre of mass when not given."""

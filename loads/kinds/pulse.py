@@ -18,7 +18,10 @@ from loads.motion import STANDARD_GRAVITY, DirectionKey, LoadKind, LoadTable, Pa
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, Span
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
+from masonry_cd.mechanics.model.usual import ACCELERATIONS
+
+BLOW = Usual(0.3, 50.0 * STANDARD_GRAVITY, "0.3 m/s2 (0.03 g) harms no masonry, blows beyond 50 g are rare", ACCELERATIONS)
 
 
 class PulseTable(LoadTable):
@@ -27,7 +30,7 @@ class PulseTable(LoadTable):
     kind: Literal["pulse"] = "pulse"
     direction: DirectionKey
     """Axis or vector along which it acts on every block."""
-    acceleration: Annotated[float, Unit("m/s2")]
+    acceleration: Annotated[float, Unit("m/s2"), BLOW]
     """Its peak."""
     duration: Span
     """How long it lasts."""

@@ -30,10 +30,17 @@ from loads.supports import Names, NeededNames, select_supports, structure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Instant, Span
 from masonry_cd.foundation.quantities import length
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.usual import LENGTHS
 
 FEWEST_STEPS = 10  # of the run in a pulse
+SETTLED = Usual(0.0, 0.1, "what stands settles by a few hundredths of its height at the most", LENGTHS, over="height")
+SPREAD = Usual(0.0, 0.25, "few arches stand a quarter of their span", LENGTHS, over="largest extent")
+MOVED = (
+    Usual(0.0, 1.0, "supports that part by more than the depth of a joint leave what stood on it without a bearing", LENGTHS, "joints"),
+    Usual(0.0, 0.5, "supports that move faster than 0.5 m/s strike what stands on them; a longer duration?", over="duration"),
+)
 NEAR = 1e-6  # of the largest extent of a block: boxes closer than this meet
 
 
@@ -45,7 +52,7 @@ class SpreadingTable(LoadTable):
     """Names of fixed blocks or groups; all when not given."""
     direction: DirectionKey
     """Axis or vector along which the ground stretches."""
-    displacement: Annotated[float, Unit("m")]
+    displacement: Annotated[float, Unit("m"), SPREAD, *MOVED]
     """By which the outermost supports part."""
     start: Instant = 0.0
     """When they begin to move."""
@@ -61,7 +68,7 @@ class SettlementTable(SpreadingTable):
     """Names of fixed blocks or groups; * stands for any letters."""
     direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
     """Axis or vector along which they move."""
-    displacement: Annotated[float, Unit("m")]
+    displacement: Annotated[float, Unit("m"), SETTLED, *MOVED]
     """How far they move."""
 
 

@@ -19,14 +19,17 @@ import numpy as np
 from pydantic import model_validator
 
 from loads.acted import over_time
-from loads.motion import DirectionKey, LoadKind, Part, Positive, RunGrid, describe, smooth_step
+from loads.motion import STANDARD_GRAVITY, DirectionKey, LoadKind, Part, Positive, RunGrid, describe, smooth_step
 from loads.supports import ShakingTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, Span
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
 
 FINE = 400  # samples per cycle from which the peaks in the printed line are taken
+SINE = Usual(
+    0.05, 2.0 * STANDARD_GRAVITY, "2 pi frequency times it, its PGA, is usually 0.005 to 2 g", ("cm/s", "mm/s", "km/h"), over="its PGA"
+)
 COARSE = 20  # a run with fewer steps per cycle than this is warned about
 
 
@@ -36,7 +39,7 @@ class SinusoidalTable(ShakingTable):
     kind: Literal["sinusoidal"] = "sinusoidal"
     direction: DirectionKey
     """Axis ("x", "-y" ...) or vector along which the base moves."""
-    amplitude: Annotated[float, Unit("m/s")]
+    amplitude: Annotated[float, Unit("m/s"), SINE]
     """C, of the velocity."""
     frequency: Annotated[Positive, Unit("Hz")]
     """f."""

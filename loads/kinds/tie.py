@@ -20,6 +20,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Flag, Vector, check_tension
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.place_on_block import require_on_block
+from masonry_cd.mechanics.model.usual import DIAMETER, SECTION, TENSION, TIE_MODULUS, YIELDING
 
 LONGEST_TIE = 1e6  # [m]
 SOFTEST, STIFFEST = 1e-9, 1e18  # [N/m]
@@ -48,15 +49,15 @@ class TieTable(LoadTable):
     """Names of the two blocks."""
     points: Annotated[tuple[Vector, Vector] | None, Unit("m"), BeforeValidator(_ends)] = None
     """Its ends, as built; the centres of mass when not given."""
-    diameter: Annotated[Positive, Unit("m")] | None = None
+    diameter: Annotated[Positive, Unit("m"), DIAMETER] | None = None
     """Of its section."""
-    area: Annotated[Positive, Unit("m2")] | None = None
+    area: Annotated[Positive, Unit("m2"), SECTION] | None = None
     """Or the area of its section."""
-    modulus: Annotated[Positive, Unit("Pa")] = 2.1e11
+    modulus: Annotated[Positive, Unit("Pa"), TIE_MODULUS] = 2.1e11
     """Young's modulus, by default that of steel."""
-    tension: Annotated[float, Unit("N"), Field(ge=0.0)] = 0.0
+    tension: Annotated[float, Unit("N"), TENSION, Field(ge=0.0)] = 0.0
     """At the start."""
-    yield_force: Annotated[Positive, Unit("N")] | None = None
+    yield_force: Annotated[Positive, Unit("N"), YIELDING] | None = None
     """At which it yields: beyond, it stretches for good and pulls no more than this; it never yields when not given."""
     from_start: Flag = False
     """There while elastic joints take up the weight, so that its stretch then counts; else it keeps its tension meanwhile, as by a jack."""

@@ -39,14 +39,17 @@ from loads.motion import LoadKind, LoadTable, Part, Places, RunGrid, Static
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.foundation.fields import Instant, is_number
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.fill import Fill, FillFace
+from masonry_cd.mechanics.model.usual import FORCES
 
 TONNE = 9.81e3  # weight of one, as CS 454 takes it [N]
 THIRTY = math.pi / 6.0  # where Boussinesq's stresses are cut off
 ALONG, ACROSS, LINES = 3, 8, 5  # strips of a face along the road, and across it; lines that stand for a contact
 LEAST_DEPTH = 0.01  # [m] at which a load is spread at least, so that none falls between two strips
 MOST_AXLES = 40
+AXLE = Usual(500.0, 1e6, "axles weigh 0.5 kN (a cart) to 1 MN (heavy transport)", FORCES)
+CROSSING = Usual(0.0, 45.0, "vehicles cross bridges of masonry at up to 45 m/s, 160 km/h", ("km/h",))
 
 ON = ("extrados", "top")
 
@@ -100,7 +103,7 @@ class VehicleTable(LoadTable):
     kind: Literal["vehicle"] = "vehicle"
     name: Literal["LM1", "LM2", "single", "double", "double 1.3", "double 1.0", "triple", "triple 2.0"] | None = None
     """Of EN 1991-2, load models 1 and 2, or of CS 454: axles of normal traffic; or give axles."""
-    axles: Annotated[Numbers, Unit("N")] = None
+    axles: Annotated[Numbers, Unit("N"), AXLE] = None
     """Loads of its axles, the first one leading."""
     spacing: Annotated[Numbers, Unit("m")] = None
     """Distances between them."""
@@ -114,7 +117,7 @@ class VehicleTable(LoadTable):
     """Of its middle from that of the bridge, along y."""
     position: Annotated[float, Unit("m")] | None = None
     """Of the first axle along the road at the start; of a crossing before the bridge when not given."""
-    speed: Annotated[float, Unit("m/s"), Field(ge=0.0)] = 0.0
+    speed: Annotated[float, Unit("m/s"), CROSSING, Field(ge=0.0)] = 0.0
     """Towards greater x; 0: it stands."""
     start: Instant = 0.0
     """When it is there, or sets off."""

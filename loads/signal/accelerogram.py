@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
-from loads.motion import Positive, describe, strict
+from loads.motion import STANDARD_GRAVITY, Positive, describe, strict
 from loads.readers import FormatName, RawRecord, Request, Source, read
 from loads.readers.units import acceleration_unit, measured_by
 from loads.signal.baseline import ORDERS, History, correct, integrate
@@ -26,8 +26,10 @@ from loads.signal.intensity import arias, in_words, intensity
 from loads.signal.series import Keys, accelerations
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, is_number
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
+from masonry_cd.mechanics.model.usual import ACCELERATIONS
 
+PEAK = Usual(0.6, 2.0 * STANDARD_GRAVITY, "0.6 m/s2 (0.06 g) harms hardly any masonry, and few records exceed 2 g", ACCELERATIONS)
 FEWEST = 8  # samples
 LEVEL = 1e-9  # of the largest sample: a record that varies by less is an offset and rounding
 OFFSET = 0.02  # of the PGA: means of sound records stay below, also of windows with some shaking left at their ends
@@ -157,7 +159,7 @@ class Scaled(BaseModel):
 
     scale: float | None = None
     """Factor on the motion."""
-    target_pga: Annotated[Positive, Unit("m/s2")] | None = None
+    target_pga: Annotated[Positive, Unit("m/s2"), PEAK] | None = None
     """Or the peak acceleration wanted."""
 
     @model_validator(mode="after")

@@ -2,7 +2,7 @@
 """Records that are likely not what the user means: cut off while the ground shakes, flawed, or remade by their correction.
 
 Nothing is refused: parts of records are used on purpose. Each doubt names its likely cause. What is too strong or weak is seen where the
-ranges of all keys are, in ``masonry_cd/app/ranges.py``.
+ranges of all keys are, in their fields.
 """
 
 from __future__ import annotations

@@ -10,9 +10,13 @@ from pydantic import BaseModel, Field, model_validator
 from loads.motion import strict
 from loads.signal.code_spectrum import CodeSpectrum, ec8, ntc
 from masonry_cd.foundation.fields import Span
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
+from masonry_cd.mechanics.model.usual import ACCELERATIONS
 
 Positive = Annotated[float, Field(gt=0.0)]
+
+
+GROUND = Usual(0.6, 10.0, "hazard maps give 0.6 to 10 m/s2 (0.06 to 1 g) where masonry is checked", ACCELERATIONS)
 
 
 class SiteSpectrum(BaseModel):
@@ -22,7 +26,7 @@ class SiteSpectrum(BaseModel):
 
     spectrum: Literal["EC8", "NTC"] | None = None
     """Of Eurocode 8 or of the Italian code NTC."""
-    ag: Annotated[Positive, Unit("m/s2")] | None = None
+    ag: Annotated[Positive, Unit("m/s2"), GROUND] | None = None
     """Peak ground acceleration on rock."""
     ground: Literal["A", "B", "C", "D", "E"] = "A"
     """Ground type."""
@@ -30,7 +34,7 @@ class SiteSpectrum(BaseModel):
     """Of the spectrum, EC8 only; 1 when not given."""
     f0: Positive | None = None
     """Largest amplification at the site, NTC only."""
-    tc_star: Span | None = None
+    tc_star: Annotated[Span, Usual(0.05, 2.0, "T*_C is 0.1 to 1 s", ("ms",))] | None = None
     """Where the constant velocity of the spectrum begins at the site, NTC only."""
     topography: Literal["T1", "T2", "T3", "T4"] | None = None
     """Category of the site, NTC only; T1 when not given."""

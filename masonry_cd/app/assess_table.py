@@ -11,28 +11,41 @@ from masonry_cd.foundation.errors import suggest
 from masonry_cd.foundation.fields import Count, Number, Table, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.joint_laws.friction import ROUGHEST
+from masonry_cd.mechanics.model.usual import DAMPING, FRICTION, YOUNG
 
-FILL = ("fill resistance", "fill spread", "fill pressure", "fill angle")  # of bridges
-ASSUMPTIONS = ("joint stiffness", "friction", "block size", "bond", *FILL, "damping", "joint points", "time step", "tolerance")
+STRUCTURAL = ("joint stiffness", "friction", "block size", "bond")
+NUMERICAL = ("damping", "joint points", "time step", "tolerance")
+Modulus = Annotated[Number, Unit("Pa"), YOUNG, Field(gt=0)]
 _RANGE = {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": ROUGHEST}, "minItems": 2, "maxItems": 2}
 _FRICTION: dict[str, Any] = {"anyOf": [_RANGE, {"type": "object", "minProperties": 1, "additionalProperties": _RANGE}]}
+
+
+def assumptions() -> tuple[str, ...]:
+    """All that may be varied, in order: those of every scene, and between them those that only some kinds of structure have."""
+    from structures import every_kind
+
+    own = dict.fromkeys(name for kind in every_kind() for name in kind.assumptions)
+    return (*STRUCTURAL, *own, *NUMERICAL)
+
+
+def _or_one_of(schema: dict[str, Any]) -> None:
+    """Name the assumptions in the schema of a list of them."""
+    schema["items"] = {"type": "string", "enum": list(assumptions())}
 
 
 class AssessTable(Table):
     """The table ``[assess]``."""
 
-    friction: Annotated[Any, WithJsonSchema(_FRICTION)] = None
+    friction: Annotated[Any, FRICTION, WithJsonSchema(_FRICTION)] = None
     """Range of the coefficient, [0.5, 0.7], or ranges by pair of groups as material.friction names them; 20 % to either side when not
     given."""
-    young: Annotated[tuple[Annotated[Number, Field(gt=0)], Annotated[Number, Field(gt=0)]] | None, Unit("Pa"), Field(strict=False)] = None
+    young: Annotated[tuple[Modulus, Modulus] | None, Field(strict=False)] = None
     """Range of E that the joints follow; that of the kind of masonry when not given."""
-    damping: Annotated[tuple[Annotated[Number, Field(ge=0, le=1)], ...], Field(strict=False)] = (0.0, 0.02, 0.05)
+    damping: Annotated[tuple[Annotated[Number, Field(ge=0, le=1)], ...], DAMPING, Field(strict=False)] = (0.0, 0.02, 0.05)
     """Shares of critical damping, where joints are elastic."""
     members: Annotated[Count, Field(ge=3, le=1000)] = 8
     """Of the ensemble that shows what chance does."""
-    leave_out: Annotated[
-        tuple[str, ...], Field(strict=False, json_schema_extra={"items": {"type": "string", "enum": list(ASSUMPTIONS)}})
-    ] = ()
+    leave_out: Annotated[tuple[str, ...], Field(strict=False, json_schema_extra=_or_one_of)] = ()
     """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "damping",
     "joint points", "time step", "tolerance", and of bridges "fill resistance", "fill spread", "fill pressure", "fill angle"."""
 
@@ -59,8 +72,8 @@ class AssessTable(Table):
     @classmethod
     def _known(cls, value: tuple[str, ...]) -> tuple[str, ...]:
         for name in value:
-            if name not in ASSUMPTIONS:
-                raise ValueError(f'"{name}" is none{suggest(name, ASSUMPTIONS)}; one of {", ".join(ASSUMPTIONS)}')
+            if name not in (*STRUCTURAL, *NUMERICAL) and name not in (every := assumptions()):
+                raise ValueError(f'"{name}" is none{suggest(name, every)}; one of {", ".join(every)}')
         return value
 
 

@@ -207,9 +207,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         plane = _plane(assembly, loading, run)
         strained = unknowns_of_strain(assembly, plane)
     if loading.support_velocity.any() and not assembly.fixed.any():
-        from structures.files.supports import HOW
-
-        remedy = f"; {HOW}" if scene.structure.get("kind") == "file" else ""
+        remedy = f"; {scene.kind.unsupported}" if scene.kind is not None and scene.kind.unsupported else ""
         raise InputError(scene.origin.path, f"loads: the base is shaken, but no block of the structure is fixed{remedy}")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)

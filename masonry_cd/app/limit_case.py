@@ -150,7 +150,7 @@ def case_of(scene: Scene, curve: bool = False, parts: Sequence[PartMechanism] = 
             notes.append("limit.check: no check: there is no load factor at which a mechanism would start")
         verdict = None if asked.check is None else check.judgement if check is not None else _unchecked(analysis)
         notes += analysis.remarks
-        spare = little_left(analysis.problem, assembly, joints, how.analysis) if analysis.stands else None
+        spare = little_left(analysis.problem, assembly, joints) if analysis.stands else None
     notes += doubts(scene, *built)
     if asked.check is not None and asked.check.record is not None:
         notes += check_doubts(scene, asked.check.record)

@@ -70,14 +70,14 @@ def macro_case(scene: Scene, every: bool, jobs: int | None = None, quiet: bool =
         InputError: anything wrong with the scene, or a table that names no block.
     """
     from loads.motion import parse_direction
-    from structures.macro_elements import macro_elements
+    from structures.macro_elements import groups, macro_elements
 
     begin = time.perf_counter()
     built = limit_structure(scene)
     asked, assembly, joints = built.asked, built.assembly, built.joints
     with scene.locating():
         _suits(asked, scene)
-        named = macro_elements(str(scene.structure.get("kind", "")), built.made.blocks)
+        named = macro_elements(built.made.blocks, groups if scene.kind is None else scene.kind.parts)
         elements = elements_of(asked.mechanism, named, every, assembly)
         apart = in_pieces(elements, joints)
         loads = built.loads(asked.model_copy(update={"push": parse_direction("x"), "tilt": None, "live": ()}))  # each part has its own push

@@ -27,7 +27,7 @@ RIGID = Effort(starts=0, most_points=0)  # no search block by block
 
 def whole_of(built: LimitStructure, loads: StaticLoads) -> Whole:
     """A structure whose parts are looked at under gravity along -z."""
-    from structures.macro_elements.by_kind import rests
+    from structures.macro_elements import rests
 
     gravity = math.hypot(*built.scene.run.gravity)
     return Whole(built.assembly, built.joints, loads.at().dead, loads.bars, gravity, rests, loads.masses, loads.arms)
@@ -51,12 +51,12 @@ def _along(parts: Sequence[PartMechanism], way: np.ndarray) -> list[Mechanism]:
 
 def mechanisms_along(built: LimitStructure, loads: StaticLoads) -> list[PartMechanism]:
     """The least mechanism of rigid bodies of each part of a structure that may go along its push."""
-    from structures.macro_elements import macro_elements
+    from structures.macro_elements import groups, macro_elements
 
     way = np.asarray(loads.direction)
-    whole = whole_of(built, loads)
+    whole, kind = whole_of(built, loads), built.scene.kind
     found: list[PartMechanism] = []
-    for element in macro_elements(str(built.scene.structure.get("kind", "")), built.made.blocks):
+    for element in macro_elements(built.made.blocks, groups if kind is None else kind.parts):
         if max(abs(float(np.sum(own * way))) for own in element.directions) >= TOWARDS:
             found += analyse_element(whole, element, tuple(way), RIGID).mechanisms[:1]
     return found

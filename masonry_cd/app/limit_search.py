@@ -42,8 +42,8 @@ def ways(assembly: Assembly, joints: Joints, loads: StaticLoads, asked: LimitTab
     """
     planar = plane_of(assembly, loads.at()) is not None
     usual = asked.starts if asked.starts is not None else STARTS if planar else 0
-    options = Options(asked.sides, usual, seed)
-    if asked.starts is not None or planar or asked.check is None or asked.sides:
+    options = Options(usual, seed)
+    if asked.starts is not None or planar or asked.check is None:
         return Ways(options, options, usual)
     small = interfaces(assembly, joints, None).count <= SEARCHED
     return Ways(replace(options, starts=FIRST if small else 0), options, STARTS if small else 0)

@@ -39,8 +39,6 @@ class LimitTable(Table):
     masses: Annotated[tuple[Annotated[Count, Field(ge=0)], ...], Field(json_schema_extra={"default": []})] = ()
     """Numbers of the [[loads]] of kind point that are weights of masses, which a push or a tilt moves as it moves the blocks (Q_k of
     [C8.7.1.1]); the others are forces without mass."""
-    sides: Annotated[Count, Field(ge=0, le=64)] = 0
-    """Of friction pyramids that replace the circular cones of a structure in space, from inside; 0 for circular ones."""
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
     """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves some ten
     cone programmes, 2 to 4, until two agree, with a check of up to 15,000 contact points and none else."""
@@ -74,8 +72,6 @@ class LimitTable(Table):
             raise ValueError(f"{' and '.join(named)} are given; a limit analysis takes one pattern: one direction at a time")
         if self.time is not None and self.begin is None:
             raise ValueError("time: needs from beside it, the folder of a run")
-        if 0 < self.sides < 3:
-            raise ValueError("sides: a friction pyramid has at least 3")
         return self
 
 

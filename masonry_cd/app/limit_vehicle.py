@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import STANDS, NoFiniteFactor, Options, at_rest, largest_factor
+from masonry_cd.analysis.limit.analysis import STANDS, NoFiniteFactor, at_rest, largest_factor
 from masonry_cd.analysis.limit.crushing import crushable, solved_finely
 from masonry_cd.analysis.limit.problem import limit_problem
 from masonry_cd.analysis.limit.solution import Unbounded
@@ -137,20 +137,17 @@ def _places(structure: LimitStructure, number: int) -> Places:
 
 def _crossing(scene: Scene, structure: LimitStructure, number: int, quiet: bool) -> Crossing | None:
     """The envelope; None of a structure that does not stand, which the analysis then says."""
-    from masonry_cd.app.limit_search import ways
     from masonry_cd.app.progress import Progress
 
     low, high, words = _places(structure, number)
-    first = structure.loads()
-    options = replace(ways(structure.assembly, structure.joints, first, structure.asked, scene.run.seed).analysis, starts=0)
-    problem, alone = at_rest(structure.assembly, structure.joints, first.at(), options)
+    problem, alone = at_rest(structure.assembly, structure.joints, structure.loads().at())
     if alone.factor < 1.0 - STANDS:
         return None
     known: dict[float, float] = {}
 
     def at(place: float) -> float:
         if place not in known:
-            known[place] = _factor(_placed(scene, number, place), structure, options)
+            known[place] = _factor(_placed(scene, number, place), structure)
             progress(min(len(known), count))  # those around the least come last, and are few
         return known[place]
 
@@ -175,12 +172,12 @@ def _look(at: Callable[[float], float], places: Sequence[float], close: float) -
             values[0.5 * (place + ordered[k])] = at(0.5 * (place + ordered[k]))
 
 
-def _factor(scene: Scene, structure: LimitStructure, options: Options) -> float:
+def _factor(scene: Scene, structure: LimitStructure) -> float:
     """The largest factor of the vehicle where a scene puts it."""
     loads = replace(structure, scene=scene).loads()
     problem = crushable(limit_problem(structure.assembly, structure.joints, loads.at()), structure.assembly, structure.joints)
     try:
-        return solved_finely(problem, lambda finer: largest_factor(finer, options)[0])[1].factor
+        return solved_finely(problem, lambda finer: largest_factor(finer)[0])[1].factor
     except NoFiniteFactor:
         return math.inf
     except Unbounded as failure:

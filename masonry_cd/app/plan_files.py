@@ -17,28 +17,24 @@ from masonry_cd.foundation.atomic import replacing
 NAMES = tuple(name for name in files_of("build") if name.startswith("plan"))  # plan.json, plan.svg, plan_left.csv
 
 
-def is_of_plan(scene: Scene) -> bool:
-    """Whether the structure of a scene is a building with a plan."""
-    return not scene.structures and scene.structure.get("kind") == "building"
-
-
 def write_plan_files(scene: Scene, folder: Path, picture: bool) -> list[Path]:
-    """Write the plan of a building; the paths of what was written.
+    """Write the plan from which a structure is built; the paths of what was written, none for a kind without a plan.
 
     Args:
-        scene: of a building that can be built.
+        scene: of a structure that can be built.
         folder: which gets the files.
         picture: whether plan.svg is asked for.
 
     Raises:
         InputError: a file cannot be written.
     """
-    from structures.kinds.building import plan_tables
     from structures.plans.json_plan import write_json
-    from structures.tables import CommonTable
+    from structures.tables import own_keys
 
-    own = {key: value for key, value in scene.structure.items() if key != "kind" and key not in CommonTable.model_fields}
-    tables, left = plan_tables(own, scene.folder)
+    kind = scene.kind
+    if kind is None or kind.plan is None:
+        return []
+    tables, left = kind.plan(own_keys(scene.structure), scene.folder)
     own_files.remove(folder, NAMES[1:])  # of a former build
     written = [folder / NAMES[0]]
     write_json(written[0], tables)

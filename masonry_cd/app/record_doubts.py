@@ -18,8 +18,9 @@ import numpy as np
 from loads import kind_of
 from loads.motion import STANDARD_GRAVITY, FromFile
 from loads.readers.orientation import Orientation, of_record
-from masonry_cd.app.ranges import RANGES, G
+from masonry_cd.foundation.units import Usual
 
+USUAL = Usual(0.05, 2.0 * STANDARD_GRAVITY, "records of interest have 0.005 to 2 g; are units and scale those of the file?")
 UPRIGHT = math.cos(math.radians(45.0))  # of the angle to the vertical
 APART = 20.0  # degrees: lines nearer than this are one
 ALIKE = 1e-9  # of the numbers of one motion read twice
@@ -97,8 +98,7 @@ def _converted(scale: float, key: str, made: Mapping[str, Any]) -> str:
 
 def unusual_pga(pga: float, what: str) -> str:
     """A line on the peak acceleration [m/s2] that a record has, which begins with ``what`` has it; empty where it is usual."""
-    usual = RANGES["scaled"]
-    return "" if usual.holds(pga) else f"{what} PGA of {pga:.3g} m/s2 ({pga / G:.3g} g): {usual.reason}"
+    return "" if USUAL.holds(pga) else f"{what} PGA of {pga:.3g} m/s2 ({pga / STANDARD_GRAVITY:.3g} g): {USUAL.reason}"
 
 
 def from_files(table: Mapping[str, Any], where: str, made: Mapping[str, Any]) -> list[FromFile]:

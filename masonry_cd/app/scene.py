@@ -24,7 +24,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, ValidationInfo, field_validator
 
@@ -36,6 +36,9 @@ from masonry_cd.foundation.fields import Table
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
+
+if TYPE_CHECKING:
+    from structures.kind import StructureKind
 
 LONGEST_VALUE = 60  # characters of a --set that messages repeat
 STATIC = {"dt": 0.1, "duration": 1.0}  # in place of [run], of which limit analysis reads gravity and seed only; prepare() refuses it
@@ -166,6 +169,17 @@ class Scene:
         return self.path.parent
 
     @property
+    def kind(self) -> StructureKind | None:
+        """The kind of the structure; None where there are several.
+
+        Raises:
+            InputError: no such kind.
+        """
+        from structures import kind_of
+
+        return None if self.structures else kind_of(str(self.structure.get("kind")), self.folder)
+
+    @property
     def until_still(self) -> bool:
         """Whether the run goes on until its blocks are still: by default where damage is graded by what remains."""
         graded = self.report.damage or self.report.html
@@ -239,7 +253,7 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
     """
     with origin.locating():
         top = parse_table(SceneTables, tables, "")
-        _check_structures(top)
+        _check_structures(top, path.parent)
         if top.run is None and not top.limit:
             raise InputError("run", "missing")
         _check_quiet(tables, top.quiet_checks)
@@ -282,16 +296,19 @@ def _check_quiet(tables: Mapping[str, Any], quiet: Sequence[str]) -> None:
             raise InputError("quiet_checks", f'"{name}" is no key of the scene{suggest(name, keys)}')
 
 
-def _check_structures(top: SceneTables) -> None:
+def _check_structures(top: SceneTables, folder: Path) -> None:
     """Refuse a scene of no structure, one that gives them in two ways, and one without a density that it needs.
 
     Raises:
         InputError: names the key.
     """
+    from structures import kind_of
+
     if top.structure is None and not top.structures:
         raise InputError("structure", "missing")
     if top.structure is not None and top.structures:
         raise InputError("structures", "there is a [structure] as well; where there are several, each is headed [[structures]]")
     every = top.structures or [top.structure or {}]
-    if not {"density", "masonry"} & top.material.keys() and any(table.get("kind") != "file" for table in every):
-        raise InputError("material.density", "missing")  # only blocks of a file may bring their own
+    stated = {"density", "masonry"} & top.material.keys()
+    if not stated and not all("kind" in table and kind_of(str(table["kind"]), folder).own_densities for table in every):
+        raise InputError("material.density", "missing")

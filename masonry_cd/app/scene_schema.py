@@ -8,8 +8,7 @@ Those of installed packages are among them, so that their modules are imported. 
 
 from __future__ import annotations
 
-import ast
-import importlib.util
+import inspect
 import sys
 from pathlib import Path
 
@@ -49,7 +48,7 @@ def scene_schema() -> Schema:
         if keys[table].get(REFUSED) is True:
             del keys[table][REFUSED]
     keys["structure"]["required"] = ["kind"]
-    file = {"properties": {"kind": {"const": "file"}}}
+    file = {"properties": {"kind": {"enum": [kind for kind in STRUCTURES if STRUCTURES[kind].own_densities]}}}
     of_file = {"properties": {"structure": file, "structures": {"items": file}}}
     either = [{"required": ["density"]}, {"required": ["masonry"]}]
     density = {"properties": {"material": {"anyOf": either}}}  # only blocks of a file may bring their own
@@ -71,17 +70,12 @@ def structure_schema(kind: str) -> Schema:
     Raises:
         InputError: a package that cannot be imported.
     """
-    from structures import KINDS
-    from structures.tables import CommonTable, model_of, table_of
+    from structures import kind_of
+    from structures.tables import CommonTable
 
-    module = f"structures.kinds.{kind}"
-    if kind in KINDS:
-        model = table_of(kind)
-    else:
-        module = load("structures", kind).__module__
-        model = model_of(sys.modules[module], kind)
-    own: Schema = {"type": "object", "properties": {}} if model is None else table_schema(model)
-    about: Schema = {"const": kind, "description": _first_sentence(module)}
+    made = kind_of(kind)
+    own: Schema = {"type": "object", "properties": {}} if made.table is None else table_schema(made.table)
+    about: Schema = {"const": kind, "description": _first_sentence(made.build.__module__)}
     own["properties"] = {"kind": about} | own["properties"] | table_schema(CommonTable)["properties"]
     own["required"] = ["kind", *own.get("required", [])]
     return own
@@ -133,9 +127,6 @@ def plan_schema_text() -> str:
 
 
 def _first_sentence(module: str) -> str:
-    """What a module is about, read from its source."""
-    spec = importlib.util.find_spec(module)
-    if spec is None or spec.origin is None:
-        return ""
-    said = ast.get_docstring(ast.parse(Path(spec.origin).read_text(encoding="utf-8"))) or ""
+    """The first sentence of the docstring of an imported module."""
+    said = inspect.getdoc(sys.modules[module]) or ""
     return " ".join(said.partition("\n\n")[0].split()).partition(". ")[0].rstrip(".")

@@ -8,15 +8,17 @@ without one.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.output_table import OutputTable
-from masonry_cd.foundation.errors import table_in_si
-from masonry_cd.foundation.units import unit_at
+from masonry_cd.foundation.errors import InputError, table_in_si
+from masonry_cd.foundation.plugins import find
+from masonry_cd.foundation.units import Key, declared_at, usual_keys
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
@@ -24,8 +26,8 @@ from reports.settings import Report
 Models = tuple[type[BaseModel], ...]
 
 
-def scene_in_si(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a scene with the texts of all keys that have a unit as numbers.
+def scene_in_si(tables: Mapping[str, Any], folder: Path | None = None) -> dict[str, Any]:
+    """The tables of a scene with the texts of all keys that have a unit as numbers; ``folder``: where kinds in files of Python are.
 
     Raises:
         InputError: names the key whose text is no number in its unit.
@@ -33,15 +35,22 @@ def scene_in_si(tables: Mapping[str, Any]) -> dict[str, Any]:
     made = dict(tables)
     for name, value in tables.items():
         if isinstance(value, Mapping):
-            made[name] = table_in_si(_models(name, value), value, name)
+            made[name] = table_in_si(_models(name, value, folder), value, name)
         elif isinstance(value, list):
-            made[name] = [_item_in_si(name, i, item) for i, item in enumerate(value)]
+            made[name] = [
+                table_in_si(_models(name, item, folder), item, f"{name}[{i}]") if isinstance(item, Mapping) else item
+                for i, item in enumerate(value)
+            ]
     return made
 
 
-def _item_in_si(name: str, place: int, item: Any) -> Any:
-    """A table of a list of the scene, as numbers."""
-    return table_in_si(_models(name, item), item, f"{name}[{place}]") if isinstance(item, Mapping) else item
+def usual_keys_of(tables: Mapping[str, Any], folder: Path | None = None) -> Iterator[Key]:
+    """The keys of some tables of a scene, as numbers, whose fields say which values are usual."""
+    for name, value in tables.items():
+        every = {f"{name}[{i}]": item for i, item in enumerate(value)} if isinstance(value, list) else {name: value}
+        for place, table in every.items():
+            if isinstance(table, Mapping):
+                yield from usual_keys(_models(name, table, folder), table, place)
 
 
 def unit_of_key(tables: Mapping[str, Any], key: str) -> str:
@@ -51,18 +60,16 @@ def unit_of_key(tables: Mapping[str, Any], key: str) -> str:
     if isinstance(table, list) and parts and isinstance(parts[0], int):
         index = parts.pop(0)
         table = table[index] if isinstance(index, int) and index < len(table) else None
-    return unit_at(_models(str(name), table), parts) if isinstance(table, Mapping) else ""
+    return declared_at(_models(str(name), table), parts).unit if isinstance(table, Mapping) else ""
 
 
-def _models(name: str, table: Mapping[str, Any]) -> Models:
+def _models(name: str, table: Mapping[str, Any], folder: Path | None = None) -> Models:
     """The models of a table of the scene; none of one that is not known."""
-    kind = str(table.get("kind"))
-    if name in ("structure", "structures"):
-        return _models_of_structure(kind)
-    if name == "loads":
-        from loads import KINDS
-
-        return (KINDS[kind].table,) if kind in KINDS else ()
+    if name in ("structure", "structures", "loads"):
+        try:
+            return _models_of_kind(name, str(table.get("kind")), folder)
+        except InputError:  # an unknown kind, which whoever builds it says
+            return ()
     if name == "limit":
         from masonry_cd.app.limit_table import LimitTable
 
@@ -71,11 +78,19 @@ def _models(name: str, table: Mapping[str, Any]) -> Models:
     return (one[name],) if name in one else ()
 
 
-def _models_of_structure(kind: str) -> Models:
-    """Those of [structure] and of [[structures]]."""
-    from structures import KINDS
-    from structures.site import PlaceTable
-    from structures.tables import CommonTable, table_of
+def _models_of_kind(name: str, kind: str, folder: Path | None) -> Models:
+    """Those of a structure or a load of a kind, ours or a plug-in's.
 
-    own = table_of(kind) if kind in KINDS else None
+    Raises:
+        InputError: no such kind.
+    """
+    if name == "loads":
+        from loads import KINDS
+
+        return (find("loads", kind, "kind", KINDS, folder).table,)
+    from structures import kind_of
+    from structures.site import PlaceTable
+    from structures.tables import CommonTable
+
+    own = kind_of(kind, folder).table
     return (*([] if own is None else [own]), CommonTable, PlaceTable)

@@ -16,7 +16,7 @@ from typing import Any
 from loads import KINDS as LOADS
 from masonry_cd.app.scene_schema import TITLE, limit_schema, load_schema, schema_text, structure_schema
 from masonry_cd.app.scene_text import toml_text
-from masonry_cd.foundation.errors import InputError, one_line, suggest
+from masonry_cd.foundation.errors import InputError, one_line
 from masonry_cd.foundation.table_schema import Schema, table_schema
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
@@ -24,43 +24,14 @@ from reports.settings import Report
 
 SCHEMA = "masonry-cd.schema.json"  # beside the scene, so that both may be moved and shared
 COLUMN, WIDTH = 36, 138  # where texts begin and end
-FIRST: dict[str, dict[str, Any]] = {
-    "arch": {"span": 4.0, "thickness": 0.4, "width": 1.0, "voussoirs": 27},
-    "aqueduct": {"spans": 3, "clear_span": 5.0, "pier_width": 2.0, "ring_thickness": 0.6, "width": 2.0},
-    "bridge": {"spans": [{"span": 6.0, "rise": 1.8, "thickness": 0.5}], "width": 4.0, "cover": 0.4},
-    "wall": {"length": 4.0, "height": 3.0, "thickness": 0.4, "course_height": 0.25},
-    "tower": {"side": 5.0, "height": 20.0, "thickness": 0.8, "course_height": 1.0},
-    "column": {"height": 6.0, "diameter": 0.9, "drums": 7},
-    "vault": {"form": "barrel", "span": 4.0, "thickness": 0.5, "voussoirs": 15},
-    "dome": {"span": 6.0, "thickness": 0.5, "sides": 16},
-    "church": {"block_length": 1.5, "length": 24.0, "width": 9.0, "height": 10.0},
-    "building": {
-        "walls": [
-            {"name": "south", "axis": [[0.0, 0.0], [6.0, 0.0]], "thickness": 0.5, "height": 3.0, "openings": [{"at": 3.0, "width": 1.0}]},
-            {"name": "east", "axis": [[6.0, 0.0], [6.0, 5.0]], "thickness": 0.5, "height": 3.0},
-            {"name": "north", "axis": [[6.0, 5.0], [0.0, 5.0]], "thickness": 0.5, "height": 3.0},
-            {"name": "west", "axis": [[0.0, 5.0], [0.0, 0.0]], "thickness": 0.5, "height": 3.0},
-        ]
-    },
-    "packing": {"diameters": [0.1, 0.06], "fill": 0.3},
-    "file": {"path": "blocks.json"},
-    "solid": {"path": "solid.geo", "units": "m", "course_height": 0.5},
-}
-"""What is set of the keys of a kind."""
 MATERIAL = {"density": 2200.0, "friction": 0.6}
-MASONRY = {"wall": "squared stone", "tower": "squared stone", "building": "split stone", "church": "split stone"}
-"""Of kinds whose elasticity decides how they are shaken; the others keep rigid joints, as the method has them."""
 LOAD = "sinusoidal"
 RUN = {"dt": 2e-3, "duration": 4.0, "tolerance": 1e-6}
 REPORT = {"crack_map": True, "html": True}
-GEO = """// A wall of 3 x 0.5 x 2 m: put your own solid in its place, or name a .step file.
-SetFactory("OpenCASCADE");
-Box(1) = {0, 0, 0, 3.0, 0.5, 2.0};
-"""
 
 
 def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
-    """Write a starter scene, its schema beside it, and the file of blocks that a kind reads.
+    """Write a starter scene, and into its folder the schema and the files that a kind reads.
 
     Args:
         kind: of structure.
@@ -73,15 +44,11 @@ def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
     Raises:
         InputError: an unknown kind, or a file that is there already.
     """
-    from structures import KINDS
+    from structures import kind_of
 
-    if kind not in KINDS:
-        raise InputError(f'"{kind}"', f"no such kind of structure{suggest(kind, KINDS)}; kinds: {', '.join(KINDS)}")
+    own = kind_of(kind)
     texts = {path: starter(kind, path), path.with_name(SCHEMA): schema_text()}
-    if kind == "file":
-        texts[path.with_name(FIRST[kind]["path"])] = _blocks()
-    if kind == "solid":
-        texts[path.with_name(FIRST[kind]["path"])] = GEO
+    texts |= {path.with_name(name): text for name, text in own.files().items()}
     for file in texts:
         if file.is_dir():
             raise InputError(file, "is a folder; -o names a file")
@@ -95,7 +62,10 @@ def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
 
 def starter(kind: str, path: Path) -> str:
     """The text of a starter scene that is to lie at a path."""
-    structure = structure_schema(kind)
+    from structures import kind_of
+
+    own, structure = kind_of(kind), structure_schema(kind)
+    material = {"masonry": own.masonry, "friction": MATERIAL["friction"]} if own.masonry else MATERIAL
     about = structure["properties"]["kind"]["description"]
     lines = [
         f"#:schema ./{SCHEMA}",
@@ -103,19 +73,14 @@ def starter(kind: str, path: Path) -> str:
         one_line(f"# masonry-cd run {path.name} -o out/{path.stem}, then masonry-cd view out/{path.stem}"),
         "# Units are SI. Keys behind a # hold as they stand there; without a value they are not given, or follow from others.",
         *_line("title", f"A first scene: {kind}", "Of pictures and closing lines."),
-        *_table("structure", structure, {"kind": kind} | FIRST.get(kind, {})),
-        *_table("material", table_schema(Material), _material(kind)),
+        *_table("structure", structure, {"kind": kind, **own.first}),
+        *_table("material", table_schema(Material), material),
         *_table("loads", load_schema(LOAD), {"kind": LOAD, **LOADS[LOAD].starter}, row=True),
         *_table("run", table_schema(Run), RUN),
         *_table("report", table_schema(Report), REPORT),
         *_table("limit", limit_schema(), {}),
     ]
     return "\n".join(lines) + "\n"
-
-
-def _material(kind: str) -> dict[str, Any]:
-    """What is set of the material of a kind."""
-    return {"masonry": MASONRY[kind], "friction": MATERIAL["friction"]} if kind in MASONRY else MATERIAL
 
 
 def _table(name: str, schema: Schema, given: Mapping[str, Any], row: bool = False) -> list[str]:
@@ -168,21 +133,3 @@ def _is_schema(file: Path) -> bool:
         return file.name == SCHEMA and json.loads(file.read_text(encoding="utf-8")).get("title") == TITLE
     except (OSError, ValueError, AttributeError):
         return False
-
-
-def _blocks() -> str:
-    """A block file: two posts and a lintel on a base."""
-    from structures.geometry.prism import box
-
-    sizes = {
-        "base": ((-3.0, -1.5, -0.5), (3.0, 1.5, 0.0)),
-        "left": ((-1.6, -0.4, 0.0), (-0.8, 0.4, 2.4)),
-        "right": ((0.8, -0.4, 0.0), (1.6, 0.4, 2.4)),
-        "lintel": ((-1.8, -0.4, 2.4), (1.8, 0.4, 3.0)),
-    }
-    blocks = []
-    for name, (low, high) in sizes.items():
-        vertices, faces = box(low, high)
-        plain = {"vertices": vertices.tolist(), "faces": [[int(i) for i in face] for face in faces]}
-        blocks.append(json.dumps({"name": name, "fixed": name == "base", "group": name, **plain}))
-    return '{"units": "m", "blocks": [\n' + ",\n".join(blocks) + "\n]}\n"

@@ -38,6 +38,7 @@ def init(
       masonry-cd init church -o scenes/church.toml
     """
     from masonry_cd.app.starters import write_starter
+    from structures import kind_of
 
-    trusted = ["its solid.geo is a program of gmsh: the commands that read this scene take --trust"] if kind == "solid" else []
-    return Result(None, trusted, written=write_starter(kind, output or Path(f"{kind}.toml"), force))
+    remark = kind_of(kind).remark
+    return Result(None, [remark] if remark else [], written=write_starter(kind, output or Path(f"{kind}.toml"), force))

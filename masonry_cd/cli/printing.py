@@ -32,7 +32,8 @@ def printed(command: Callable[..., Result[Any] | None]) -> Callable[..., None]:
             try:
                 result = command(**given)
             except Interrupted:
-                _print_how_to_continue(command.__name__)
+                if command.__name__ in CONTINUED:
+                    _print_how_to_continue(command.__name__)
                 raise
             if result is None:  # (until all commands return one)
                 return
@@ -55,8 +56,7 @@ def _print(result: Result[Any], quiet: bool) -> None:
 
 
 def _print_how_to_continue(name: str) -> None:
-    """Print the command line by which a command continues, if it can."""
-    if name in CONTINUED:
-        words = [word for word in sys.argv[1:] if word != "--force"]
-        words += [word for word in CONTINUED[name] if word not in words]
-        typer.echo(f"masonry-cd: go on with: {shlex.join(['masonry-cd', *words])}", err=True)
+    """Print the command line by which a command continues."""
+    words = [word for word in sys.argv[1:] if word != "--force"]
+    words += [word for word in CONTINUED.get(name, ()) if word not in words]
+    typer.echo(f"masonry-cd: go on with: {shlex.join(['masonry-cd', *words])}", err=True)

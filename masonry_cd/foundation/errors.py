@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Self, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from masonry_cd.foundation.units import UnitError, in_si, models_in, read_values, unit_at
+from masonry_cd.foundation.units import UnitError, declared_at, in_si, models_in, read_values
 
 Model = TypeVar("Model", bound=BaseModel)
 Given = TypeVar("Given")
@@ -265,7 +265,7 @@ def _text(error: Mapping[str, Any], model: type[BaseModel]) -> str:
         return "missing"
     message = error["msg"].removeprefix("Value error, ")
     given = error.get("input")
-    unit = unit_at((model,), error["loc"]) if error["type"].startswith(("greater", "less")) else ""  # of the bound, too
+    unit = declared_at((model,), error["loc"]).unit if error["type"].startswith(("greater", "less")) else ""  # of the bound, too
     shown = f", got {_cut(repr(given), QUOTED)} {unit}".rstrip() if isinstance(given, (str, int, float, bool)) else ""
     return f"{message[0].lower()}{message[1:]}{shown}"
 

@@ -2,7 +2,7 @@
 """Extensions: modules that one new file adds. They are found in their package by what they define; there is no list to be kept.
 
     package                 a module there defines          a scene asks for it by
-    structures.kinds        build(table, density, folder)   [structure] kind = "MODULE"
+    structures.kinds        KIND = StructureKind(...)       [structure] kind = "MODULE"
     loads.kinds             KINDS = {"name": LoadKind}      [[loads]] kind = "name"
     loads.readers           FORMATS = {"name": Reader}      [[loads]] format = "name"
     masonry_cd.mechanics.solvers      solve(problem, options, start)  [run] solver = "MODULE"
@@ -26,20 +26,20 @@ Value = TypeVar("Value")
 
 
 class Extensions(Mapping[str, Value], Generic[Value]):
-    """The functions of one name in the modules of a package, by module. A module is imported when its function is asked for.
+    """The functions or values of one name in the modules of a package, by module. A module is imported when it is asked for.
 
     Args:
         package: its full name; every folder on its ``__path__`` is searched.
-        function: defined at the top level of a module.
+        name: defined at the top level of a module.
     """
 
-    def __init__(self, package: str, function: str) -> None:
-        self._package, self._function = package, function
+    def __init__(self, package: str, name: str) -> None:
+        self._package, self._name = package, name
 
     def __getitem__(self, name: str) -> Value:
         if name not in self._modules():
             raise KeyError(name)
-        found: Value = getattr(import_module(f"{self._package}.{name}"), self._function)
+        found: Value = getattr(import_module(f"{self._package}.{name}"), self._name)
         return found
 
     def __contains__(self, name: object) -> bool:
@@ -52,8 +52,8 @@ class Extensions(Mapping[str, Value], Generic[Value]):
         return len(self._modules())
 
     def _modules(self) -> tuple[str, ...]:
-        """Names of the modules that define the function."""
-        return _defining(self._package, rf"def {self._function}\(")
+        """Names of the modules that define it."""
+        return _defining(self._package, rf"(?:def {self._name}\(|{self._name} = )")
 
 
 class Entries(Mapping[str, Value], Generic[Value]):

@@ -2,7 +2,7 @@
 """Plug-ins: what installed packages add by entry points, and what a file of the user's adds by its name.
 
     group of entry points    the entry is                               a scene asks for it by
-    masonry_cd.structures    build(table, density, folder)              [structure] kind = "name"
+    masonry_cd.structures    a StructureKind, or its build alone        [structure] kind = "name"
     masonry_cd.loads         a LoadKind                                 [[loads]] kind = "name"
     masonry_cd.readers       a Reader                                   [[loads]] format = "name", or the file's content
     masonry_cd.reports       an Output                                  [report] name = true
@@ -18,9 +18,11 @@ from __future__ import annotations
 
 import importlib.util
 import re
+import sys
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from masonry_cd.foundation.errors import InputError, suggest
@@ -109,16 +111,24 @@ def _of_file(path: Path, name: str, key: str) -> Any:
     if not is_file(path):
         raise InputError(key, f'no file "{path}"')
     require_trust(key, path.name, PROGRAM)
-    spec = importlib.util.spec_from_file_location(f"masonry_cd_own_{path.stem}", path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
     try:
-        spec.loader.exec_module(module)
+        module = _module_of(path, path.stat().st_mtime_ns)
     except Exception as failure:
         raise InputError(key, f"{path.name} cannot be used: {_in_a_line(failure)}") from None
     if not hasattr(module, name):
         raise InputError(key, f'{path.name} defines no "{name}"')
     return getattr(module, name)
+
+
+@cache
+def _module_of(path: Path, stamp: int) -> ModuleType:
+    """A Python file as a module, run once as long as it is not changed; ``stamp`` is when it was [ns]."""
+    spec = importlib.util.spec_from_file_location(f"masonry_cd_own_{path.stem}", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where models of keys look for what their annotations name
+    spec.loader.exec_module(module)
+    return module
 
 
 def _in_a_line(failure: Exception) -> str:

@@ -3,6 +3,8 @@
 
     height: Annotated[float, Unit("m"), Field(gt=0)]        takes 0.25, "25 cm" and "250 mm"
 
+Next to the unit stands what the key usually has, ``Usual(0.003, 200.0, "masonry is at most some 170 m high", ("mm", "cm"))``.
+
 pint knows the units and is imported when the first text is read. Numbers are multiplied as decimals, so that "30 mm" is 0.03 to the bit.
 Whatever reads a table by :func:`masonry_cd.foundation.errors.parse_table` takes such texts; its validators and bounds see numbers.
 """
@@ -39,6 +41,52 @@ class Unit:
     """The unit of a key, in the annotation of its field; of every number in it where it takes several."""
 
     name: str
+
+
+@dataclass(frozen=True)
+class Usual:
+    """Values that are usual for a key, in the annotation of its field: a value beyond is doubted, and never refused.
+
+    Scale models, proof loads and parametric studies go there on purpose. Zero is never doubted: it leaves something out.
+    """
+
+    low: float  # in the unit of the key, or over what it is compared with
+    high: float
+    reason: str
+    others: tuple[str, ...] = ()  # units that are easily meant instead
+    over: str = ""  # what the value is compared with, a name that whoever doubts knows; empty: nothing
+    size: bool = False  # of a vector: its size is compared
+
+    def holds(self, value: float) -> bool:
+        """True for a usual value, and for zero."""
+        return value == 0.0 or self.low <= abs(value) <= self.high
+
+    def meant(self, value: float, unit: str, per: float = 1.0) -> str:
+        """Ways to write a value in other units in which it is usual, ``if g is meant: "0.25 g"``.
+
+        Args:
+            value: of the key, in its own unit.
+            unit: of the key.
+            per: what the value is compared with.
+        """
+        said = []
+        for name in self.others:
+            weight = unit.startswith("kg") and "N" in name  # in place of a mass, which it is over g
+            size = float(_in_base(f"{name}/{GRAVITY}" if weight else name, unit)[0] / _in_base(unit, unit)[0])
+            if self.holds(value * size / per):
+                written = f"{value:g} {name}" if not weight else f"{value * size:.4g} {unit}"
+                said.append(f'if {name} is meant: "{written}"')
+        return "; ".join(said)
+
+
+class Key(NamedTuple):
+    """A key of a table, whose field says which values are usual."""
+
+    path: str  # "loads[0].ag"
+    value: Any  # a number, a vector, or numbers in lists and tables
+    table: Mapping[str, Any]  # in which it stands
+    unit: str
+    usual: tuple[Usual, ...]  # of which the first that does not hold is said
 
 
 class Kind(NamedTuple):
@@ -83,10 +131,11 @@ class UnitError(ValueError):
 
 
 class Declared(NamedTuple):
-    """What the field of a key says of units."""
+    """A unit, tables and usual values, as the field of a key declares them."""
 
     unit: str  # empty where it has none
     models: tuple[type[BaseModel], ...]  # of the tables in it
+    usual: tuple[Usual, ...] = ()
 
 
 def in_si(models: Models, table: Mapping[str, Any], parts: tuple[str | int, ...] = ()) -> dict[str, Any]:
@@ -103,13 +152,25 @@ def in_si(models: Models, table: Mapping[str, Any], parts: tuple[str | int, ...]
     return {key: _read(value, _declared(models, key, value), (*parts, key)) for key, value in table.items()}
 
 
-def unit_at(models: Models, parts: Sequence[str | int]) -> str:
-    """The unit of the key that is found by following keys and places from a table; empty where it has none."""
+def declared_at(models: Models, parts: Sequence[str | int]) -> Declared:
+    """The declaration of the key that is found by following keys and places from a table."""
     here = Declared("", tuple(models))
     for part in parts:
         if isinstance(part, str) and here.models:
             here = _declared(here.models, part, {})
-    return here.unit
+    return here
+
+
+def usual_keys(models: Models, table: Mapping[str, Any], path: str) -> Iterator[Key]:
+    """The keys of a table, and of those in it, whose fields say which values are usual."""
+    for name, value in table.items():
+        declared, place = _declared(models, name, value), f"{path}.{name}"
+        if declared.usual:
+            yield Key(place, value, table, declared.unit, declared.usual)
+        inner = {place: value} if not isinstance(value, list) else {f"{place}[{i}]": item for i, item in enumerate(value)}
+        for where, item in inner.items():
+            if isinstance(item, Mapping):
+                yield from usual_keys(declared.models, item, where)
 
 
 def read_values(value: Any, unit: Callable[[], str], parts: tuple[str | int, ...] = ()) -> Any:
@@ -196,12 +257,18 @@ def _read(value: Any, declared: Declared, parts: tuple[str | int, ...]) -> Any:
 @cache
 def _fields(model: type[BaseModel]) -> dict[str, Declared]:
     """What each key of a model declares."""
-    return {field.alias or name: Declared(unit_of(field), tuple(_models(field))) for name, field in model.model_fields.items()}
+    fields = {field.alias or name: field for name, field in model.model_fields.items()}
+    return {key: Declared(unit_of(field), tuple(_models(field)), _usual(field)) for key, field in fields.items()}
 
 
 def unit_of(field: FieldInfo) -> str:
     """The unit of a field; empty where it has none."""
     return next((mark.name for mark in (*field.metadata, *_marks(field.annotation)) if isinstance(mark, Unit)), "")
+
+
+def _usual(field: FieldInfo) -> tuple[Usual, ...]:
+    """Usual values of a field, or of each number in it."""
+    return tuple(dict.fromkeys(mark for mark in (*field.metadata, *_marks(field.annotation)) if isinstance(mark, Usual)))
 
 
 def _marks(annotation: Any) -> Iterator[Any]:

@@ -12,22 +12,9 @@ import numpy as np
 from loads.motion import LoadTable, Part, RunGrid
 from loads.readers.source import RawRecord, Request, Source
 from masonry_cd.analysis.limit.part import Whole
-from masonry_cd.mechanics.model.blocks import Block
 from reports.files import Job
+from structures.kind import StructureKind as StructureKind  # a value, of which ``build`` alone may stand for it
 from structures.macro_elements.element import MacroElement
-
-
-class StructureKind(Protocol):
-    """``masonry_cd.structures``: a function that builds the blocks of a [structure] table."""
-
-    def __call__(self, table: Mapping[str, Any], density: float, folder: Path, /) -> list[Block] | tuple[list[Block], list[str]]:
-        """The blocks, or these and lines on what was changed in making them.
-
-        Args:
-            table: its keys, without ``kind`` and those of every kind; an InputError names one that is wrong, ``structure.key: ...``.
-            density: of the material [kg/m3].
-            folder: of the scene, to which paths are relative.
-        """
 
 
 @runtime_checkable

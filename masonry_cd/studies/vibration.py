@@ -29,7 +29,7 @@ from masonry_cd.app.folders import free_folder
 from masonry_cd.app.result import Result
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation import own_files
-from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.csv_files import write_rows
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -142,11 +142,11 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
     own_files.begin(folder, OUTPUTS)
     own_files.remove(folder, OUTPUTS)
     write_json(found, folder / "vibration.json")
-    write_csv(folder / "vibration.csv", ModeRow._fields, rows)
+    write_rows(folder / "vibration.csv", found["modes"])
     if asked.sweep:
         from masonry_cd.studies.vibration_picture import sweep_picture
 
-        write_csv(folder / "sweep.csv", SweepRow._fields, (row.values() for row in found["sweep"]))
+        write_rows(folder / "sweep.csv", found["sweep"])
         sweep_picture(found, folder / "sweep.png")
     written = [folder / name for name in OUTPUTS if (folder / name).exists()]
     return Result(found, found["lines"], found["warnings"], written)

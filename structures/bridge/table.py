@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.fill import ACTIVE_AT
-from structures.schema import Density, Length, Place, Table
+from structures.schema import COVER, Density, Length, Place, Table, Thickness, WallHeight
 
 MOST_SPANS = 60
 Angle = Annotated[float, Unit("degrees")]
@@ -24,7 +24,7 @@ class SpanTable(Table):
     """clear, along the road"""
     rise: Length | None = None
     """of the intrados; of a semicircle half the span"""
-    thickness: Length
+    thickness: Thickness
     """of the arch at the crown"""
     thickness_springing: Length | None = None
     """at the springings, between which it grows evenly; by default the same"""
@@ -43,11 +43,11 @@ class SupportTable(Table):
 
     width: Length = 1.2
     """along the road"""
-    height: Length = 3.0
+    height: WallHeight = 3.0
     """below the lower of its springings"""
     rigid: bool = False
     """one fixed block; else courses of blocks on a fixed foot"""
-    course_height: Length = 0.5
+    course_height: WallHeight = 0.5
     """of its blocks, about"""
 
 
@@ -56,7 +56,7 @@ class AbutmentTable(SupportTable):
 
     width: Length = 1.5
     """along the road"""
-    height: Length = 1.0
+    height: WallHeight = 1.0
     """below the springing"""
     rigid: bool = True
     """one fixed block; else courses of blocks on a fixed foot, with fill behind them"""
@@ -65,16 +65,16 @@ class AbutmentTable(SupportTable):
 class WallTable(Table):
     """The spandrel walls, and what belongs to them."""
 
-    thickness: Length = Field(0.4)
-    course_height: Length = 0.3
+    thickness: Thickness = Field(0.4)
+    course_height: WallHeight = 0.3
     """of their blocks, about"""
     unit_length: Length = 0.6
     """of their blocks, about"""
     wing_length: Length | None = None
     """of wing walls behind the abutments, parallel to the road; by default there are none"""
-    parapet_height: Length | None = None
+    parapet_height: WallHeight | None = None
     """above the road; by default there are none"""
-    parapet_thickness: Length | None = None
+    parapet_thickness: Thickness | None = None
     """by default that of the walls"""
 
 
@@ -82,7 +82,7 @@ class FillTable(Table):
     """The table ``[structure.fill]``."""
 
     density: Density = Field(2000.0)
-    friction_angle: Angle = Field(30.0, ge=0.0, lt=60.0)
+    friction_angle: Annotated[Angle, Usual(10.0, 60.0, "fill has 20 to 50 degrees", ("rad",))] = Field(30.0, ge=0.0, lt=60.0)
     """of the fill"""
     spread: Literal["2:1", "boussinesq"] = "boussinesq"
     """of wheels through the fill: 2:1, one across for two down; or of Boussinesq's line load within 30 degrees"""
@@ -116,7 +116,7 @@ class BridgeTable(Table):
     """between the springings and a line across the road"""
     strips: int = Field(1, ge=1, le=40)
     """voussoirs across the width, in bond"""
-    cover: Length | None = None
+    cover: Annotated[Length, COVER] | None = None
     """of fill over the highest crown; by default 0.3 m"""
     deck: Place | None = None
     """or the level of the road"""

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, Field
 
 from masonry_cd.foundation.units import Unit
 from structures.plans.keys import PlanKeys
-from structures.schema import ArealMass, Density, Height, Length, Place, Table
+from structures.schema import ArealMass, Density, Height, Length, Place, Table, Thickness, WallHeight
 
 
 def _printable(name: str) -> str:
@@ -56,7 +56,7 @@ class WallOpeningTable(Table):
     """clear; of a rose its diameter"""
     sill: Height = 0.0
     """above the base of the wall"""
-    height: Length | None = None
+    height: WallHeight | None = None
     """clear, from the sill to the highest point; by default that of a rose, 2 widths of others"""
     rise: Length | None = None
     """of a segmental head, by default a sixth of the width; of a pointed one, by default that of equal sides; of a niche"""
@@ -79,15 +79,15 @@ class BuildingWallTable(Table):
     """of its blocks"""
     axis: tuple[Point | ArcTable, ...] = Field(strict=False, min_length=2)
     """points of the middle line; a piece may be an arc { to = [x, y], through = [x, y] }"""
-    thickness: Length
+    thickness: Thickness
     """of the wall"""
     base: Coordinate = 0.0
     """z of its foot"""
-    height: Length | None = None
+    height: WallHeight | None = None
     """from the base to a level top"""
     top: tuple[Point, ...] | None = Field(None, strict=False, min_length=2)
     """or profile of the top, [s, z] each: distance along the axis and height over the base"""
-    course_height: Length | None = None
+    course_height: WallHeight | None = None
     """by default that of the building; walls bonded with each other share it"""
     block_length: Length | None = None
     """by default that of the building"""
@@ -127,7 +127,7 @@ class BuildingVaultTable(Table):
     """z of the springing of the intrados"""
     rise: Length | None = None
     """of the intrados; by default half the span"""
-    thickness: Length = 0.3
+    thickness: Thickness = 0.3
     """of the shell"""
     block_length: Length | None = None
     """by default that of the building"""
@@ -142,7 +142,7 @@ class BuildingRoofTable(Table):
     """that carry it, which are parallel and of one height"""
     rise: Length
     """of the underside at the ridge, over the tops of the walls"""
-    thickness: Length = 0.25
+    thickness: Thickness = 0.25
     """of the rafters with what lies on them"""
     mass: ArealMass
     """over its plan"""
@@ -173,7 +173,7 @@ class BuildingColumnTable(Table):
     """diameter, or side"""
     base: Coordinate = 0.0
     """z of its foot"""
-    height: Length
+    height: WallHeight
     """with plinth and capital"""
     drum: Length | None = None
     """height of a stone; by default two courses"""
@@ -188,7 +188,7 @@ class ArcadeTable(Table):
     """of its wall; by default arcade1, arcade2 ..."""
     columns: str
     """name of the row of columns that carries it"""
-    thickness: Length | None = None
+    thickness: Thickness | None = None
     """of the wall; by default the size of the columns"""
     top: Place | None = None
     """z of the top of the wall; by default a course over the rings"""
@@ -219,7 +219,7 @@ class ButtressTable(Table):
     """along the wall"""
     depth: Length
     """beyond the face of the wall"""
-    height: Length
+    height: WallHeight
     """from the base of the wall"""
     slope: Height = 0.0
     """by how much its top falls outwards"""
@@ -232,7 +232,7 @@ class BuildingTable(PlanKeys):
     """file with the plan, .json or .dxf, relative to the scene; keys beside it add to it"""
     block_length: Length = 0.6
     """of a block"""
-    course_height: Length = 0.3
+    course_height: WallHeight = 0.3
     """aimed at; courses adapt to sills, springings and tops where they are near"""
     bond: Bond = "regular"
     """lengths of blocks: regular, irregular, or rubble, whose courses vary, too"""

@@ -25,6 +25,7 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.table_schema import table_schema
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
+from structures.schema import Table
 
 GROUND = "ground"
 LEVEL = 1e-3  # of the height of the structure: feet of a scan this near to the lowest stand on the ground, too
@@ -37,10 +38,8 @@ Coordinate = Annotated[float, Unit("m"), Field(allow_inf_nan=False)]
 Corner = Annotated[tuple[Coordinate, Coordinate, Coordinate], Field(strict=False)]
 
 
-class Where(BaseModel):
+class Where(Table):
     """One rule: what a block has to fulfil, all of what is given."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     below: Annotated[float, Unit("m"), Field(allow_inf_nan=False)] | None = None
     """height under which its centre lies"""

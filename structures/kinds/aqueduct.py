@@ -15,6 +15,7 @@ are at z = 0.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -22,7 +23,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
@@ -32,17 +33,19 @@ from structures import size
 from structures.bridge.masonry import drawn_out
 from structures.bridge.table import AbutmentTable, BridgeTable, SpanTable, SupportTable
 from structures.bridge.tier import LEAST_BED, Tier, feet, joints, outline
-from structures.geometry.checks import check
 from structures.geometry.prism import box, prism_xz, rectangle
 from structures.geometry.solid import cut_solid
+from structures.kind import Keys, StructureKind, scaled, value_of
 from structures.layout import wall_plan
-from structures.schema import Length
+from structures.macro_elements import AROUND, EAST, HINGES, NORTH, OVERTURNING, WEST, Layout, MacroElement
+from structures.schema import COVER, THICK, Length, Table, WallHeight
 
 LEAST_RING = 0.001  # thickness of the arches [m]: thinner ones would be lost among corners that are taken for one
 LEAST_CHANNEL = 0.1  # height of the walls of the channel, in courses
 LEAST_GAP = 0.4  # between two rings at the springing, in courses
 MOST_VOUSSOIRS = 2000  # to an arch, as of any ring
 LEAST_CHORD = 0.35  # of a voussoir on the extrados, in courses
+SPAN, PIER = re.compile(r"(?:tier\d+_)?arch\d*$"), re.compile(r"(?:tier\d+_)?pier\d+$")  # groups
 
 
 def _per_tier(unit: str, kind: type) -> Callable[[Any], tuple[Any, ...]]:
@@ -69,10 +72,8 @@ Lengths = Annotated[tuple[float, ...], Unit("m"), BeforeValidator(_per_tier(" [m
 Counts = Annotated[tuple[int, ...], BeforeValidator(_per_tier("", int)), WithJsonSchema(_one_or_many("integer"))]
 
 
-class AqueductTable(BaseModel):
+class AqueductTable(Table):
     """The [structure] table of an aqueduct. Plural types take one value, or a list with one value per tier."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     tiers: int = Field(1, ge=1, le=3)
     """rows of arches on one another"""
@@ -86,12 +87,12 @@ class AqueductTable(BaseModel):
     """below the springings"""
     pier_blocks: int = Field(2, ge=1, le=2)
     """blocks to a course of a pier; 2 stand in alternating bond"""
-    course_height: Length = Field(0.5)
-    ring_thickness: Lengths = (0.6,)
+    course_height: WallHeight = Field(0.5)
+    ring_thickness: Annotated[Lengths, THICK] = (0.6,)
     """of the arches"""
     voussoirs: Counts | None = None
     """to an arch; by default their length is that of 1.2 courses"""
-    cover: Lengths | None = None
+    cover: Annotated[Lengths, COVER] | None = None
     """from the crown of the extrados to the level top; by default 1.5 courses"""
     width: Lengths = (2.0,)
     """across the aqueduct, along y"""
@@ -101,7 +102,7 @@ class AqueductTable(BaseModel):
     """what holds the last arches"""
     channel_width: Length | None = None
     """clear, of a channel on top; by default there is none"""
-    channel_height: Length | None = None
+    channel_height: WallHeight | None = None
     """clear, of the channel; by default its width"""
     base_margin: Length | None = None
     """of the base around the feet; by default half the height"""
@@ -123,7 +124,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         pieces = cut_solid(outline(tier), joints(tier, feet(over) if over else ()))
         blocks += _named(tier, pieces, density, prefix=f"tier{tier.number}_" if len(tiers) > 1 else "")
     blocks += _channel(aqueduct, tiers[-1], density)
-    check(blocks)
     return blocks
 
 
@@ -336,3 +336,40 @@ def _abutments(tiers: list[Tier], density: float) -> list[Block]:
         vertices, faces = prism_xz(rectangle(x, x + outwards * tier.pier_width, 0.0, top), -0.5 * tier.width, 0.5 * tier.width)
         blocks.append(Block(f"abutment{number}", vertices, faces, density, "base", fixed=True))
     return blocks
+
+
+def resized(table: Keys, factor: float) -> Keys:
+    """The courses of the piers are counted, and their height is what the piers keep: it follows from the whole number."""
+    before, height = (value_of(AqueductTable, table, name) for name in ("pier_courses", "course_height"))
+    made = scaled(AqueductTable, {"cover": 1.5 * height} | table, factor, ("unit_length",), {"pier_courses": 2, "voussoirs": 2})
+    total, now = (sum(n) if isinstance(n, (list, tuple)) else n for n in (before, made["pier_courses"]))
+    return made | {"course_height": height * total / now}
+
+
+def bonds(table: Keys) -> dict[str, Keys]:
+    """Piers of whole courses, or of two blocks in bond."""
+    whole = value_of(AqueductTable, table, "pier_blocks") == 1
+    return {"piers in bond" if whole else "whole courses in piers": {"pier_blocks": 2 if whole else 1}}
+
+
+def parts(layout: Layout) -> list[MacroElement]:
+    """Spans and piers, each with what rests on it."""
+    free, found = np.flatnonzero(~layout.fixed), []
+    for name in layout.names:
+        own = layout.of_groups(name)
+        low, high = layout.low[own].min(axis=0), layout.high[own].max(axis=0)
+        middle = layout.middle[free, 0]
+        if SPAN.search(name):
+            over = free[(layout.low[free, 2] >= low[2]) & (middle > low[0]) & (middle < high[0])]
+            over = over[[not PIER.search(str(layout.group[b])) for b in over]]
+            found.append(MacroElement(f"span {name}", "span", np.union1d(own, over), (EAST, WEST, NORTH), (HINGES,)))
+        elif PIER.search(name):
+            over = free[(layout.low[free, 2] >= high[2] - 1e-6) & (middle >= low[0]) & (middle <= high[0])]
+            found.append(MacroElement(f"{name} with what stands on it", "pier", np.union1d(own, over), AROUND, (OVERTURNING,)))
+    return found
+
+
+KIND = StructureKind(
+    build, AqueductTable, first={"spans": 3, "clear_span": 5.0, "pier_width": 2.0, "ring_thickness": 0.6, "width": 2.0},
+    resized=resized, bonds=bonds, parts=parts,
+)  # fmt: skip

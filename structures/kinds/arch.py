@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any
@@ -24,11 +25,12 @@ from masonry_cd.foundation.fields import is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
-from structures.geometry.checks import check
 from structures.geometry.prism import prism_xz, rectangle
+from structures.kind import StructureKind, scaled
 from structures.layout.arch_profiles import AGREE, RingTable, joints_of, voussoirs
 from structures.layout.wall_plan import AROUND
-from structures.schema import Length
+from structures.macro_elements import EAST, HINGES, WEST, Layout, MacroElement
+from structures.schema import Length, WallHeight
 
 
 def _abutment(value: Any) -> float | None:
@@ -54,7 +56,7 @@ class ArchTable(RingTable):
     """true: fixed blocks at the springings; a number: their depth; false: none"""
     buttress_width: Length | None = None
     """along x; with it the arch stands on buttresses"""
-    buttress_height: Length | None = None
+    buttress_height: WallHeight | None = None
     """below the springing; by default twice the width of the buttress"""
     buttress_courses: int | None = Field(None, ge=1, le=1000)
     """by default blocks half as high as wide"""
@@ -80,7 +82,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         right = seat(intrados[-1], extrados[-1], intrados[-2], depth)
         blocks.append(_block("abutment1", left, 1.5 * arch.width, density, "base", fixed=True))
         blocks.append(_block("abutment2", right, 1.5 * arch.width, density, "base", fixed=True))
-    check(blocks)
     return blocks
 
 
@@ -133,3 +134,14 @@ def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, top: floa
             blocks.append(_block(f"buttress{number}.{k}", piece * side, arch.width, density, f"buttress{number}"))
         blocks.append(_block(f"base{number}", slab * side, arch.width + 2.0 * margin, density, "base", fixed=True))
     return blocks
+
+
+def parts(layout: Layout) -> list[MacroElement]:
+    """An arch in its plane."""
+    return [MacroElement("arch", "span", np.flatnonzero(~layout.fixed), (EAST, WEST), (HINGES,))]
+
+
+KIND = StructureKind(
+    build, ArchTable, first={"span": 4.0, "thickness": 0.4, "width": 1.0, "voussoirs": 27},
+    resized=partial(scaled, ArchTable, counts={"voussoirs": 2, "buttress_courses": 1}), parts=parts,
+)  # fmt: skip

@@ -30,14 +30,15 @@ from structures import Made, size
 from structures.bridge.layout import Layout, layout_of
 from structures.bridge.masonry import arches, supports
 from structures.bridge.profile import voussoirs_of
-from structures.bridge.table import BridgeTable
+from structures.bridge.table import AbutmentTable, BridgeTable, FillTable, SpanTable, SupportTable, WallTable
 from structures.bridge.walls import walls
-from structures.geometry.checks import check
 from structures.geometry.prism import between
+from structures.kind import Keys, StructureKind, scaled, value_of
+from structures.macro_elements import AROUND, EAST, HINGES, NORTH, OVERTURNING, SOUTH, WEST, MacroElement
+from structures.macro_elements import Layout as Groups
 
 RIDDEN = ("extrados", "top")  # faces on which the fill lies
-
-__all__ = ["BridgeTable", "build"]
+TURN = 5.0  # by which the friction angle of fill is varied [degrees]
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
@@ -55,7 +56,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
         faces += touched
     fill = _fill(layout, faces)
     blocks = _loaded(blocks, fill)
-    check(blocks)
     return Made(blocks, [_note(fill, blocks)], (), (fill,))
 
 
@@ -116,3 +116,90 @@ def _note(fill: Fill, blocks: Sequence[Block]) -> str:
         f"pressure on walls and backs: {pressed}; arches that move into it meet at most {fill.passive:.3g} of K_p = {k:.3g}, "
         f"under loads that shake or push {fill.passive_shaken:.3g} of it"
     )
+
+
+def resized(table: Keys, factor: float) -> Keys:
+    """Voussoirs of each span, an even number where there is a joint at the apex; courses of piers, of abutments of blocks and of walls."""
+    spans = []
+    for span in table.get("spans") or ():
+        known = SpanTable.model_validate(span)
+        count = max(3, round(voussoirs_of(known) / factor))
+        spans.append({**span, "voussoirs": count + count % 2 if known.shape == "pointed" else count})
+    made = table | {"spans": spans}
+    for name, model in (("piers", SupportTable), ("abutments", AbutmentTable)):
+        made[name] = [_coursed(model, part, factor) for part in table.get(name, [{}])]
+    if table.get("walls"):
+        made["walls"] = _coursed(WallTable, table["walls"], factor)
+    return made
+
+
+def _coursed(model: type[SupportTable | WallTable], table: Keys, factor: float) -> Keys:
+    """A part of a bridge in blocks of other lengths."""
+    return scaled(model, table, factor, tuple({"course_height", "unit_length"} & model.model_fields.keys()))
+
+
+def bonds(table: Keys) -> dict[str, Keys]:
+    """Rings that do not slide on each other."""
+    ringed = any(span.get("rings", 1) > 1 for span in table.get("spans") or ())
+    return {"rings as one": {"spans": [{**span, "rings": 1} for span in table["spans"]]}} if ringed else {}
+
+
+def _resistances(table: Keys, crossed: bool) -> dict[str, Keys]:
+    """Other resistances of the fill where the arch moves into it."""
+    twice = {name: min(1.0, 2.0 * _of_fill(table, name)) for name in ("passive", "passive_shaken")}
+    if not any(twice.values()):
+        return {"a third of K_p": _filled(table, passive=1.0 / 3.0)}
+    return {"none": _filled(table, **dict.fromkeys(twice, 0.0)), "twice": _filled(table, **twice)}
+
+
+def _spreads(table: Keys, crossed: bool) -> dict[str, Keys] | str:
+    """The other way in which fill spreads wheels."""
+    if not crossed:
+        return "no vehicle stands on it"
+    return {way: _filled(table, spread=way) for way in ("boussinesq", "2:1") if way != _of_fill(table, "spread")}
+
+
+def _pressures(table: Keys, crossed: bool) -> dict[str, Keys] | str:
+    """Other pressures of the fill on walls and backs of abutments."""
+    if not table.get("walls") and all(abutment.get("rigid", True) for abutment in table.get("abutments") or ()):
+        return "it presses nothing that may move"
+    ways = (way for way in ("at_rest", "active", "none") if way != _of_fill(table, "pressure"))
+    return {way.replace("_", " "): _filled(table, pressure=way) for way in ways}
+
+
+def _angles(table: Keys, crossed: bool) -> dict[str, Keys]:
+    """Fill that is looser or denser."""
+    angles = (_of_fill(table, "friction_angle") + turn for turn in (-TURN, TURN))
+    return {f"{angle:g} degrees": _filled(table, friction_angle=angle) for angle in angles if 0.0 < angle < 60.0}
+
+
+def _of_fill(table: Keys, name: str) -> Any:
+    """A key of the fill."""
+    return value_of(FillTable, table.get("fill") or {}, name)
+
+
+def _filled(table: Keys, **keys: Any) -> Keys:
+    """The keys that change the fill."""
+    return {"fill": {**(table.get("fill") or {}), **keys}}
+
+
+def parts(layout: Groups) -> list[MacroElement]:
+    """Spans of one or several rings, piers, spandrel walls across the road."""
+    found, rings = [], {name: name.split("_")[0] for name in layout.names if name.startswith("arch")}
+    for span in dict.fromkeys(rings.values()):
+        own = layout.of_groups(*(name for name in rings if rings[name] == span))
+        found.append(MacroElement(f"span {span}", "span", own, (EAST, WEST), (HINGES,)))
+    for name in layout.names:
+        if name.startswith("pier"):
+            found.append(MacroElement(name, "pier", layout.of_groups(name), AROUND, (OVERTURNING,)))
+        elif name.startswith(("spandrel", "wing")):
+            way = SOUTH if name.endswith("front") else NORTH
+            found.append(MacroElement(name.replace("_", " "), "wall", layout.of_groups(name), (way,), (OVERTURNING,)))
+    return found
+
+
+KIND = StructureKind(
+    build, BridgeTable, first={"spans": [{"span": 6.0, "rise": 1.8, "thickness": 0.5}], "width": 4.0, "cover": 0.4},
+    resized=resized, bonds=bonds, parts=parts,
+    assumptions={"fill resistance": _resistances, "fill spread": _spreads, "fill pressure": _pressures, "fill angle": _angles},
+)  # fmt: skip

@@ -10,13 +10,15 @@ Groups are the names of walls, vaults, columns and arcades, unless they say anot
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from structures import Made
-from structures.building.table import BuildingTable as BuildingTable  # which structures.tables finds here
+from structures.building.elements import parts
+from structures.building.table import BuildingTable
 from structures.faults import ANYTHING, Faults
-from structures.geometry.checks import check
+from structures.kind import Keys, StructureKind, other_seed, scaled
 from structures.layout import wall_plan
 from structures.plans import Plan, open_plan
 from structures.plans.keys import PlanKeys
@@ -37,7 +39,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
     keys, plan = _opened(table, folder, faults)
     blocks, bars, apart = engine.blocks_of(keys, density, faults)
     blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
-    check(blocks)
     return Made(blocks, [*plan.notes, *apart], bars)
 
 
@@ -53,18 +54,6 @@ def plan_tables(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any],
     return keys.model_dump(mode="json", exclude_unset=True, exclude={"plan", *PlanKeys.model_fields}), plan.left
 
 
-def table_of(table: Mapping[str, Any], folder: Path) -> BuildingTable:
-    """The keys of a [structure] table, with those of its plan where it names one; lists of both follow on each other.
-
-    Raises:
-        InputError: a key that is wrong, or a plan that cannot be read.
-    """
-    faults = Faults()
-    keys, _ = _opened(table, folder, faults)
-    faults.refuse()
-    return keys
-
-
 def _opened(table: Mapping[str, Any], folder: Path, faults: Faults) -> tuple[BuildingTable, Plan]:
     """The keys of a table and its plan; an empty one where it names none."""
     own, keys = faults.parsed(BuildingTable, table, "structure")
@@ -78,3 +67,22 @@ def _opened(table: Mapping[str, Any], folder: Path, faults: Faults) -> tuple[Bui
     faults.left_out |= dict.fromkeys(plan.faults, True)
     lists = {key: [*plan.tables[key], *own[key]] for key in own if isinstance(own[key], (list, tuple)) and key in plan.tables}
     return faults.parsed(BuildingTable, {**plan.tables, **own, **lists}, "structure")[1], plan
+
+
+def bonds(table: Keys) -> dict[str, Keys]:
+    """Straight joints where walls meet, other stones of a random bond."""
+    butt, regular = table.get("junction", "bonded") == "butt", table.get("bond", "regular") == "regular"
+    met = {f"{'bonded' if butt else 'straight joints'} where walls meet": {"junction": "bonded" if butt else "butt"}}
+    return met if regular else met | other_seed(table, of=" of the bond")
+
+
+WALLS = [
+    {"name": "south", "axis": [[0.0, 0.0], [6.0, 0.0]], "thickness": 0.5, "height": 3.0, "openings": [{"at": 3.0, "width": 1.0}]},
+    {"name": "east", "axis": [[6.0, 0.0], [6.0, 5.0]], "thickness": 0.5, "height": 3.0},
+    {"name": "north", "axis": [[6.0, 5.0], [0.0, 5.0]], "thickness": 0.5, "height": 3.0},
+    {"name": "west", "axis": [[0.0, 5.0], [0.0, 0.0]], "thickness": 0.5, "height": 3.0},
+]
+KIND = StructureKind(
+    build, BuildingTable, first={"walls": WALLS}, masonry="split stone", plan=plan_tables,
+    resized=partial(scaled, BuildingTable, lengths=("block_length", "course_height")), bonds=bonds, parts=parts,
+)  # fmt: skip

@@ -14,14 +14,15 @@ Damage is reported by macro-element, which are the groups: ``facade``, ``nave_wa
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
-from structures.geometry.checks import check
-from structures.kinds import church_parts
+from structures.kind import StructureKind, scaled, straight_joints
+from structures.kinds import church_elements, church_parts
 from structures.kinds.church_table import ChurchTable
 from structures.layout import wall_plan
 
@@ -51,7 +52,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     elif keys.roof == "vault":
         blocks += church_parts.nave_vault(church, density)
     blocks.append(wall_plan.ground(blocks, church.course, density))
-    check(blocks)
     return blocks
 
 
@@ -132,3 +132,9 @@ def _fits(keys: ChurchTable) -> None:
         raise InputError("structure.buttress_depth", f"must be at least {LEAST_DEPTH:g} m, got {keys.buttress_depth:g}")
     if keys.tower and keys.tower_side < 2.5 * t:
         raise InputError("structure.tower_side", f"must be at least 2.5 thicknesses, {2.5 * t:g} m, got {keys.tower_side:g}")
+
+
+KIND = StructureKind(
+    build, ChurchTable, first={"block_length": 1.5, "length": 24.0, "width": 9.0, "height": 10.0}, masonry="split stone",
+    resized=partial(scaled, ChurchTable, lengths=("block_length", "course_height")), bonds=straight_joints, parts=church_elements.parts,
+)  # fmt: skip

@@ -12,15 +12,16 @@ The default, 6 m of seven drums 0.9 m thick at the foot and 0.76 m at the top, i
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
-from structures.geometry.checks import check
+from structures.kind import StructureKind, scaled
 from structures.layout import wall_plan
-from structures.layout.columns import ColumnTable as ColumnTable  # which structures.tables finds here
-from structures.layout.columns import column
+from structures.layout.columns import ColumnTable, column
+from structures.macro_elements import whole
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
@@ -40,5 +41,10 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         raise InputError("structure.height", f"must exceed plinth and capital, {keys.plinth + keys.capital:g} m, got {keys.height:g}")
     blocks = column((0.0, 0.0), 0.0, keys, density)
     blocks.append(wall_plan.ground(blocks, keys.base_depth, density))
-    check(blocks)
     return blocks
+
+
+KIND = StructureKind(
+    build, ColumnTable, first={"height": 6.0, "diameter": 0.9, "drums": 7},
+    resized=partial(scaled, ColumnTable, counts={"drums": 1}), parts=whole,
+)  # fmt: skip

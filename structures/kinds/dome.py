@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -22,9 +22,10 @@ from pydantic import Field
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
-from structures.geometry.checks import check
+from structures.kind import Keys, StructureKind, scaled, value_of
 from structures.layout import rings, wall_plan
-from structures.schema import Height, Length, Table
+from structures.macro_elements import whole
+from structures.schema import HIGH, Height, Length, Table, Thickness
 
 
 class DomeTable(Table):
@@ -32,7 +33,7 @@ class DomeTable(Table):
 
     span: Length = 6.0
     """clear, between opposite sides"""
-    thickness: Length = Field(0.5)
+    thickness: Thickness = Field(0.5)
     sides: int = Field(16, ge=4, le=128)
     """flat sides in plan"""
     rows: int | None = Field(None, ge=2, le=500)
@@ -41,9 +42,9 @@ class DomeTable(Table):
     """of a stone along its row; by default 1.5 thicknesses"""
     oculus: Height = 0.0
     """clear width of the opening at the top; 0: closed by a key"""
-    drum_height: Height = 0.0
+    drum_height: Annotated[Height, HIGH] = 0.0
     """of the upright wall below"""
-    drum_thickness: Length | None = None
+    drum_thickness: Thickness | None = None
     """by default 1.6 thicknesses"""
     base_depth: Length | None = None
     """of the base; by default the thickness"""
@@ -76,7 +77,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     if not keys.oculus:
         blocks.append(rings.key(ring, rows[-1], density, "key", "key"))
     blocks.append(wall_plan.ground(blocks, keys.base_depth or keys.thickness, density))
-    check(blocks)
     return blocks
 
 
@@ -93,3 +93,13 @@ def shell(keys: DomeTable, level: float) -> list[rings.Row]:
     top = math.acos(open_ / inner)
     count = keys.rows or max(2, round(top * (inner + 0.5 * keys.thickness) / keys.thickness))
     return rings.dome_rows("dome", inner, keys.thickness, level, count, top)
+
+
+def resized(table: Keys, factor: float) -> Keys:
+    """Rows follow the thickness by default: pi / 4 span / thickness of them, about, in a hemisphere."""
+    thick, span = value_of(DomeTable, table, "thickness"), value_of(DomeTable, table, "span")
+    natural = {"rows": max(2, round(0.25 * math.pi * span / thick)), "unit_length": 1.5 * thick}
+    return scaled(DomeTable, natural | table, factor, ("unit_length",), {"rows": 2})
+
+
+KIND = StructureKind(build, DomeTable, first={"span": 6.0, "thickness": 0.5, "sides": 16}, resized=resized, parts=whole)

@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
-
-from pydantic import BaseModel, ConfigDict
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
@@ -17,20 +16,20 @@ from structures import Made
 from structures.files import blockfile, fillfile, meshfile
 from structures.files.blockfile import METRES, sound
 from structures.files.formats import CAD, endings, format_of
-from structures.files.supports import Rules, with_supports
+from structures.files.supports import HOW, Rules, with_supports
 from structures.geometry.checks import Unsound, check, check_shells, deepest_overlap, refuse_corners
 from structures.geometry.flatten import flattened
 from structures.geometry.gaps import close_gaps
 from structures.geometry.merge_coplanar import merge_coplanar
+from structures.geometry.prism import box
 from structures.geometry.warped_faces import in_triangles
+from structures.kind import StructureKind
 from structures.kinds.solid import SUFFIXES
-from structures.schema import Height, Length
+from structures.schema import Height, Length, Table
 
 
-class FileTable(BaseModel):
+class FileTable(Table):
     """The [structure] table of a block file."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     path: str
     """of the block file, relative to the scene file"""
@@ -142,3 +141,24 @@ def _from_mesh(keys: FileTable, path: Path, density: float, format_: str) -> tup
             notes.append(f'{path.name}: {key} "{asked}" as the scene says, where the file has "{own}"')
     scale = METRES[keys.units] if keys.units else loaded.metres or 1.0
     return meshfile.blocks_of(loaded, path.name, density, scale, keys.up or loaded.up or "z", keys.repair), notes
+
+
+def _first_blocks() -> dict[str, str]:
+    """A block file: two posts and a lintel on a base."""
+    sizes = {
+        "base": ((-3.0, -1.5, -0.5), (3.0, 1.5, 0.0)),
+        "left": ((-1.6, -0.4, 0.0), (-0.8, 0.4, 2.4)),
+        "right": ((0.8, -0.4, 0.0), (1.6, 0.4, 2.4)),
+        "lintel": ((-1.8, -0.4, 2.4), (1.8, 0.4, 3.0)),
+    }
+    blocks = []
+    for name, (low, high) in sizes.items():
+        vertices, faces = box(low, high)
+        plain = {"vertices": vertices.tolist(), "faces": [[int(i) for i in face] for face in faces]}
+        blocks.append(json.dumps({"name": name, "fixed": name == "base", "group": name, **plain}))
+    return {"blocks.json": '{"units": "m", "blocks": [\n' + ",\n".join(blocks) + "\n]}\n"}
+
+
+KIND = StructureKind(
+    build, FileTable, first={"path": "blocks.json"}, files=_first_blocks, own_densities=True, checks=True, grounded=False, unsupported=HOW
+)

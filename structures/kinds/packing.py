@@ -22,11 +22,11 @@ from pydantic import Field
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
-from structures.geometry.checks import check
 from structures.geometry.prism import between, box
+from structures.kind import StructureKind, other_seed
 from structures.layout import wall_plan
 from structures.layout.loose_grains import Plan, count_for, loose, numbers_of
-from structures.schema import Length, Share, Table
+from structures.schema import Length, Share, Table, Thickness, WallHeight
 
 MOST_PLACES = 1e6  # in a layer of the loose spheres, and of small ones in the cell of a large one: some ten megabytes
 
@@ -54,9 +54,9 @@ class PackingTable(Table):
     """clear, of a cylinder"""
     walls: bool = True
     """false leaves them out: the spheres fall on the floor as a heap"""
-    height: Length | None = None
+    height: WallHeight | None = None
     """of the walls; by default as high as the loose spheres reach"""
-    wall_thickness: Length | None = None
+    wall_thickness: Thickness | None = None
     """by default the largest diameter of the spheres"""
     sides: int = Field(24, ge=6, le=128)
     """plates of a cylinder"""
@@ -100,7 +100,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     walls = [] if not keys.walls else _ring(keys, thick, high, density) if round_plan else _box(keys, thick, high, density)
     blocks = [*walls, *spheres]
     blocks.append(wall_plan.ground(blocks, keys.base_depth or thick, density))
-    check(blocks)
     return blocks
 
 
@@ -155,3 +154,6 @@ def _ring(keys: PackingTable, thick: float, high: float, density: float) -> list
     up = np.array([0.0, 0.0, high])
     foot = [np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]) for k in range(keys.sides)]
     return [Block(f"wall.{k + 1}", *between(plan, plan + up), density, "walls", fixed=True) for k, plan in enumerate(foot)]
+
+
+KIND = StructureKind(build, PackingTable, first={"diameters": [0.1, 0.06], "fill": 0.3}, bonds=other_seed)

@@ -20,11 +20,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
@@ -36,19 +37,22 @@ from structures.files import foreign
 from structures.files.blockfile import METRES, sound
 from structures.files.meshfile import mended, placed
 from structures.geometry import prism
-from structures.schema import Length
+from structures.kind import Keys, StructureKind, scaled
+from structures.schema import Length, Table, WallHeight
 
 SUFFIXES = (".geo", ".step", ".stp", ".brep")
 FILLED = 1e-6  # volume of the blocks relative to that of a solid with flat faces
 PROGRAM = "a program that gmsh runs with your rights: it may start others, read and write files"
+GEO = """// A wall of 3 x 0.5 x 2 m: put your own solid in its place, or name a .step file.
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 3.0, 0.5, 2.0};
+"""
 DAY = 86400.0  # [s]
 SECONDS = 600.0  # of processor time, unless the scene says otherwise [s]: towers of 35 to 63 stones take 1 to 4 s
 
 
-class SolidTable(BaseModel):
+class SolidTable(Table):
     """The [structure] table of a solid that is cut into blocks."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     path: str
     """of the solid, relative to the scene file"""
@@ -56,7 +60,7 @@ class SolidTable(BaseModel):
     """of a .geo or .brep file, which does not say"""
     up: Literal["y", "z"] = "z"
     """which axis of the file points upwards"""
-    course_height: Length
+    course_height: WallHeight
     """aimed at: the height is divided into whole courses"""
     unit_length: Length | None = None
     """of a stone; by default two courses"""
@@ -165,3 +169,16 @@ def _base(blocks: Sequence[Block], keys: SolidTable, density: float) -> Block:
     low, high = corners.min(axis=0) - depth, corners.max(axis=0) + depth
     vertices, faces = prism.box(tuple(low), (high[0], high[1], corners[:, 2].min()))
     return Block("ground", vertices, faces, density, "base", fixed=True)
+
+
+def bonds(table: Keys) -> dict[str, Keys]:
+    """Straight joints from bottom to top, or stones in bond."""
+    running = table.get("bond", "running") == "running"
+    return {"straight joints" if running else "running bond": {"bond": "stack" if running else "running"}}
+
+
+KIND = StructureKind(
+    build, SolidTable, first={"path": "solid.geo", "units": "m", "course_height": 0.5}, files=lambda: {"solid.geo": GEO},
+    remark="its solid.geo is a program of gmsh: the commands that read this scene take --trust",
+    resized=partial(scaled, SolidTable, lengths=("course_height", "unit_length")), bonds=bonds, checks=True,
+)  # fmt: skip

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -24,11 +25,12 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
-from structures.geometry.checks import check
 from structures.geometry.compound_block import moved
+from structures.kind import Keys, StructureKind, fewer_through_stones, scaled, straight_joints
 from structures.layout import wall_plan
 from structures.layout.openings import Opening, opening_of
-from structures.schema import Height, Length, OpeningTable, Table
+from structures.macro_elements import EAST, NORTH, SOUTH, WEST, Layout, MacroElement, rests, walls
+from structures.schema import Height, Length, OpeningTable, Table, Thickness, WallHeight
 
 
 class TowerTable(Table):
@@ -38,10 +40,10 @@ class TowerTable(Table):
     """outer, along x"""
     side_y: Length | None = None
     """outer, along y; by default the same"""
-    height: Length = Field(20.0)
-    thickness: Length = 0.8
+    height: WallHeight = Field(20.0)
+    thickness: Thickness = 0.8
     """of the walls"""
-    course_height: Length = 0.5
+    course_height: WallHeight = 0.5
     """aimed at"""
     unit_length: Length | None = None
     """of a block; by default two courses"""
@@ -51,13 +53,13 @@ class TowerTable(Table):
     """through-stones: with n, every n-th stone of every n-th course"""
     belfry_width: Height = 1.4
     """of the openings; 0 for none"""
-    belfry_height: Length = 2.6
+    belfry_height: WallHeight = 2.6
     """of the openings"""
     belfry_sill: Length | None = None
     """by default two courses of masonry remain above the arches"""
     door_width: Height = 1.0
     """0 for none"""
-    door_height: Length = Field(2.0)
+    door_height: WallHeight = Field(2.0)
     inclination: Annotated[float, Unit("degrees")] = Field(0.0, ge=-15.0, le=15.0)
     """towards +x"""
     bonded: bool = True
@@ -83,7 +85,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     blocks.append(wall_plan.ground(blocks, keys.base_depth or keys.course_height, density))
     if keys.inclination:
         blocks = inclined(blocks, math.radians(keys.inclination))
-    check(blocks)
     return blocks
 
 
@@ -150,3 +151,31 @@ def inclined(blocks: Sequence[Block], angle: float) -> list[Block]:
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
     return [moved(block, lambda points: np.einsum("vj,ij->vi", points, turn)) for block in blocks]
+
+
+def bonds(table: Keys) -> dict[str, Keys]:
+    """Straight joints at the corners, fewer stones through the leaves."""
+    return straight_joints(table) | fewer_through_stones(table)
+
+
+def parts(layout: Layout) -> list[MacroElement]:
+    """A tower: as a whole, its walls, belfry and corners."""
+    own = np.flatnonzero(~layout.fixed & ~np.array([rests(str(group)) for group in layout.group]))
+    found = [walls.ring(layout, own, "tower", "tower")]
+    sides = {"south": SOUTH, "north": NORTH, "west": WEST, "east": EAST}
+    for name, way in sides.items():
+        wall = layout.of_walls(name)
+        if len(wall):
+            found += walls.out_of_plane(layout, f"{name} wall", wall, (way,), layout.top(wall), "wall")
+            found += walls.in_plane(layout, name, f"{name} wall")
+    middle = layout.foot(own) + 0.5 * (layout.top(own) - layout.foot(own))
+    high = [hole.sill for name in sides for hole in layout.holes(name) if hole.sill > middle]
+    if high:
+        found.append(walls.ring(layout, own, "belfry", "belfry", max(high)))
+    return found + walls.corners(layout, own)
+
+
+KIND = StructureKind(
+    build, TowerTable, first={"side": 5.0, "height": 20.0, "thickness": 0.8, "course_height": 1.0}, masonry="squared stone",
+    resized=partial(scaled, TowerTable, lengths=("course_height", "unit_length")), bonds=bonds, parts=parts,
+)  # fmt: skip

@@ -18,17 +18,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
-from structures.geometry.checks import check
 from structures.geometry.prism import box, prism_xz
+from structures.kind import Keys, StructureKind, scaled, straight_joints, value_of
 from structures.kinds.arch import seat
 from structures.layout.arch_profiles import RingTable, joints_of
 from structures.layout.vault_courses import barrel, crossing
-from structures.schema import Length
+from structures.macro_elements import AROUND, HINGES, Layout, MacroElement
+from structures.schema import Length, Thickness
 
 
 class VaultTable(RingTable):
@@ -38,7 +40,7 @@ class VaultTable(RingTable):
     """a barrel, or two that cross on four piers"""
     span: Length | None = 4.0
     """clear, between the springings of the intrados"""
-    thickness: Length = Field(0.5)
+    thickness: Thickness = Field(0.5)
     voussoirs: int = Field(15, ge=3, le=500)
     """to a ring"""
     length: Length | None = None
@@ -60,9 +62,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     if "radius" in table and "span" not in table:
         table = {**table, "span": None}
     keys = parse_table(VaultTable, table, "structure")
-    blocks = _cross(keys, density) if keys.form == "cross" else _barrel(keys, density)
-    check(blocks)
-    return blocks
+    return _cross(keys, density) if keys.form == "cross" else _barrel(keys, density)
 
 
 def _barrel(keys: VaultTable, density: float) -> list[Block]:
@@ -110,3 +110,29 @@ def _piers(half: float, pier: float, thickness: float, density: float) -> list[B
         high = (max(x * half, x * far), max(y * half, y * far), 0.0)
         blocks.append(Block(f"pier{number}", *box(low, high), density, "base", fixed=True))
     return blocks
+
+
+def resized(table: Keys, factor: float) -> Keys:
+    """Blocks are 1.2 thicknesses long by default."""
+    natural = {"unit_length": 1.2 * value_of(VaultTable, table, "thickness")}
+    return scaled(VaultTable, natural | table, factor, ("unit_length",), {"voussoirs": 3})
+
+
+def bonds(table: Keys) -> dict[str, Keys]:
+    """Separate rings, or rings in bond, of a barrel."""
+    return straight_joints(table, "between rings") if value_of(VaultTable, table, "form") == "barrel" else {}
+
+
+def parts(layout: Layout) -> list[MacroElement]:
+    """A vault as a whole, and the webs of one that crosses; by hinges, towards all sides."""
+    own = np.flatnonzero(~layout.fixed)
+    webs = layout.names
+    found = [MacroElement("vault", "vault", own, AROUND, (HINGES,))]
+    if len(webs) < 2:
+        return found
+    return [*found, *(MacroElement(name.replace("_", " "), "web", layout.of_groups(name), AROUND, (HINGES,)) for name in webs)]
+
+
+KIND = StructureKind(
+    build, VaultTable, first={"form": "barrel", "span": 4.0, "thickness": 0.5, "voussoirs": 15}, resized=resized, bonds=bonds, parts=parts
+)

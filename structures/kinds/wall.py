@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -25,21 +26,22 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.table_schema import rows
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
-from structures.geometry.checks import check
+from structures.kind import Keys, StructureKind, fewer_through_stones, other_seed, scaled
 from structures.layout import rubble, wall_plan
 from structures.layout.loose_grains import Plan, count_for
 from structures.layout.openings import opening_of
-from structures.schema import Density, Height, Length, OpeningTable, Share, Table
+from structures.macro_elements import NORTH, SOUTH, Layout, MacroElement, walls
+from structures.schema import Density, Height, Length, OpeningTable, Share, Table, Thickness, WallHeight
 
 
 class WallTable(Table):
     """The [structure] table of a wall."""
 
     length: Length = Field(4.0)
-    height: Length = 3.0
+    height: WallHeight = 3.0
     """without the gable"""
-    thickness: Length = Field(0.4)
-    course_height: Length = 0.25
+    thickness: Thickness = Field(0.4)
+    course_height: WallHeight = 0.25
     """aimed at; courses adapt to the openings"""
     unit_length: Length | None = None
     """of a block; by default two courses"""
@@ -49,7 +51,7 @@ class WallTable(Table):
     """through-stones: with n, every n-th stone of every n-th course; 0 for none"""
     core: Literal["none", "solid", "rubble"] = "none"
     """between two outer leaves: stones, or rubble of spheres"""
-    core_thickness: Length | None = None
+    core_thickness: Thickness | None = None
     """of the core; by default a third of the thickness"""
     core_diameters: tuple[Length, ...] | None = Field(None, strict=False, min_length=1, max_length=20)
     """of the rubble; by default 0.6 and 0.4 of the core's thickness"""
@@ -88,7 +90,6 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         if wall.hollow:
             blocks += _rubble(keys, wall, blocks, beds, own)
     blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
-    check(blocks)
     return blocks
 
 
@@ -184,3 +185,27 @@ def inside(key: str, centre: float, width: float, half: float) -> None:
     room = half - 0.5 * width
     if abs(centre) > room:
         raise InputError(f"{key}centre", f"must be between {-room:.4g} and {room:.4g} m for an opening inside the wall, got {centre:g}")
+
+
+def bonds(table: Keys) -> dict[str, Keys]:
+    """Fewer stones through its leaves, other rubble in its core."""
+    return fewer_through_stones(table) | (other_seed(table, "core_seed", " of the core") if table.get("core") == "rubble" else {})
+
+
+def parts(layout: Layout) -> list[MacroElement]:
+    """A wall on its own: out of its plane to both sides, and in it."""
+    own = np.flatnonzero(~layout.fixed)
+    found = walls.out_of_plane(layout, "wall", own, (NORTH, SOUTH), _eaves(layout, own), "wall")
+    return found + walls.in_plane(layout, "wall", "wall")
+
+
+def _eaves(layout: Layout, own: np.ndarray) -> float:
+    """Up to where a wall has its full length: above it is a gable [m]."""
+    axis = layout.axis(own)
+    return layout.top(own[layout.low[own, axis] <= layout.low[own, axis].min() + 1e-6])
+
+
+KIND = StructureKind(
+    build, WallTable, first={"length": 4.0, "height": 3.0, "thickness": 0.4, "course_height": 0.25}, masonry="squared stone",
+    resized=partial(scaled, WallTable, lengths=("course_height", "unit_length")), bonds=bonds, parts=parts,
+)  # fmt: skip

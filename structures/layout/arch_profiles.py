@@ -32,7 +32,7 @@ from pydantic import Field
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.units import Unit
-from structures.schema import LONGEST, Length, Table
+from structures.schema import LONGEST, Length, Table, Thickness
 
 AGREE = 1e-6  # relative difference up to which redundant keys agree
 COS30 = math.sqrt(0.75)
@@ -53,7 +53,7 @@ class RingTable(Table):
     """angle between the springing joints"""
     skew: Annotated[float, Unit("degrees")] | None = Field(None, gt=0, le=45)
     """of the outermost joints of a flat arch to the upright; by default 20"""
-    thickness: Length
+    thickness: Thickness
     """of the ring"""
     voussoirs: int = Field(27, ge=2, le=2000)
     """to the ring"""

@@ -12,7 +12,7 @@ from masonry_cd.foundation import libm
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces
 from structures.geometry.prism import between, box
-from structures.schema import Height, Length, Table
+from structures.schema import Height, Length, Table, WallHeight
 
 MOST_DRUMS = 500  # of a column: more are slices
 
@@ -20,7 +20,7 @@ MOST_DRUMS = 500  # of a column: more are slices
 class ColumnTable(Table):
     """The [structure] table of a column."""
 
-    height: Length = 6.0
+    height: WallHeight = 6.0
     """with plinth and capital"""
     diameter: Length = 0.9
     """of the shaft at its foot"""

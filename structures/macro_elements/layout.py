@@ -64,6 +64,11 @@ class Layout:
         """Of the boxes around the blocks, (B, 3) [m]."""
         return 0.5 * (self.low + self.high)
 
+    @property
+    def names(self) -> list[str]:
+        """The groups of the free blocks, in their order."""
+        return list(dict.fromkeys(str(name) for name in self.group[~self.fixed]))
+
     def of_walls(self, *names: str) -> np.ndarray:
         """Numbers of the free blocks of walls."""
         return np.flatnonzero(np.isin(self.wall, names) & ~self.fixed)

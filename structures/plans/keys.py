@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
-from structures.schema import Length, Table
+from structures.schema import Length, Table, Thickness, WallHeight
 
 ROLES = ("walls", "axes", "openings", "heights", "vaults", "columns")
 
@@ -64,9 +64,9 @@ class PlanKeys(Table):
     """of a drawing that does not say it, or says it wrongly"""
     layers: LayersTable = Field(default_factory=lambda: LayersTable.model_validate({}))
     """what lies on which layer of a drawing"""
-    wall_height: Length | None = None
+    wall_height: WallHeight | None = None
     """of walls for which the drawing has none"""
-    wall_thickness: Length | None = None
+    wall_thickness: Thickness | None = None
     """of walls of which only the middle line is drawn, where no mark says it"""
     thickest: Length = 2.5
     """two faces further apart than this are no wall"""

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from datasets import contents
-from masonry_cd.studies.accuracy_case import accuracy_case
 from models import stepper, still, wall
 
 from masonry_cd.app.case import prepare
@@ -22,6 +21,7 @@ from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.studies.accuracy.command import Asked, accuracy
 
 TICKS, TICK, FRAME = 992, 1e-2 / 32, 32
 SCENE = """
@@ -189,4 +189,4 @@ def test_a_push_that_gives_way_is_dated_by_the_steps_as_they_were(tmp_path):
 def test_accuracy_wants_a_number(tmp_path):
     scene(tmp_path)
     with pytest.raises(InputError, match="compares fixed time steps"):
-        accuracy_case(tmp_path / "scene.toml", {"duration": None}, (), tmp_path / "out", print)
+        accuracy(tmp_path / "scene.toml", tmp_path / "out", Asked(), print)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,20 +12,23 @@ from typing import Any
 import pytest
 from models import box
 from places import EXAMPLES
+from pydantic import BaseModel
 
+import loads
 from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.limit_case import summary as limit_summary
-from masonry_cd.app.ranges import RANGES, WEIGHTS
 from masonry_cd.app.record_doubts import unusual_pga
 from masonry_cd.app.scene import Scene, parse_scene, read_scene
 from masonry_cd.app.starters import starter
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.units import number_in
+from masonry_cd.foundation.units import Declared, declared_at
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.materials import Material
 from structures import KINDS
+from structures.tables import CommonTable
 
 ROOT = EXAMPLES.parent
 TEXT = """
@@ -63,35 +67,19 @@ CASES = [
     ("material.friction={default = 0.6, base-block = 1.5}", "material.friction.base-block = 1.5: ", "tangent"),
     ('material={density=2000.0, friction=0.6, deformable="uniform", young=1500.0}', "material.young = 1500 Pa: ", '"1500 MPa"'),
     ("material.joints={normal_stiffness=20.0}", "material.joints.normal_stiffness = 20 N/m3: ", '"20 N/mm3"'),
-    ("material.joints={cohesion=0.2}", "material.joints.cohesion = 0.2 Pa: ", 'if MPa is meant: "0.2 MPa"'),
-    ("material.joints={compressive_strength=2.4}", "material.joints.compressive_strength = 2.4 Pa: ", '"2.4 MPa"'),
-    ("material.compressive_strength=2e4", "material.compressive_strength = 20000 Pa: ", '"20000 kPa"'),
     ('structure.ties=[{along="x", height=1.0, diameter=0.03, yield_force=160}]', "structure.ties[0].yield_force = 160 N is", '"160 kN"'),
     ('structure.ties=[{along="x", height=1.0, diameter=30, yield_force=1e8}]', "structure.ties[0].diameter = 30 m: ", '"30 mm"'),
     ('loads=[{kind="tie", blocks=["base", "stone"], area=7e-4, tension=40.0}]', "loads[0].tension = 40 N is 0.057 MPa", '"40 kN"'),
-    ('loads=[{kind="point", block="stone", force=[0, 0, -400.0]}]', "loads[0].force = 400 N is 0.02 times the", '"400 kN"'),
     ('loads=[{kind="point", block="st*", force=[0, 0, -40.0]}]', "loads[0].force = 40 N is 0.002 times the", '"40 kN"'),
-    ("material.compressive_strength=3.0", "material.compressive_strength = 3 Pa: ", 'if MPa is meant: "3 MPa"'),
-    ('material={density=2000.0, friction=0.6, deformable="uniform", young=900.0}', "material.young = 900 Pa: ", '"900 MPa"'),
-    ('structure.ties=[{along="x", height=1.0, section=[20, 25]}]', "structure.ties[0].section = 25 m: ", 'mm is meant: "25 mm"'),
+    ('structure.ties=[{along="x", height=1.0, section=[20, 25]}]', "structure.ties[0].section[0] = 20 m: ", 'mm is meant: "20 mm"'),
     ("run.gravity=[0, 0, -1.0]", "run.gravity = 1 m/s2 is 0.102 g: ", 'if g is meant: "1 g"'),
-    ("run.gravity=[0, 0, -981.0]", "run.gravity = 981 m/s2 is 100 g: ", 'if cm/s2 is meant: "981 cm/s2"'),
     ('structure={kind="church", roof_mass=1.2}', "structure.roof_mass = 1.2 kg/m2: ", 'if kN/m2 is meant: "122.4 kg/m2"'),
     ('structure={kind="building", roofs=[{mass=1.5}]}', "structure.roofs[0].mass = 1.5 kg/m2: ", 'if kN/m2 is meant: "153 kg/m2"'),
-    ('structure={kind="building", roofs=[{mass=0.15}]}', "structure.roofs[0].mass = 0.15 kg/m2: ", '"0.15 t/m2"'),
-    ('structure={kind="wall", core_density=19}', "structure.core_density = 19 kg/m3: ", 'if kN/m3 is meant: "1937 kg/m3"'),
     ("structure.floors=[{height=3.0, mass=4.0}]", "structure.floors[0].mass = 4 kg/m2: ", 'if kN/m2 is meant: "407.9 kg/m2"'),
-    ('loads=[{kind="pulse", direction="x", acceleration=0.15, duration=1}]', "loads[0].acceleration = 0.15 m/s2 is 0.0153 g: ", '"0.15 g"'),
     ('loads=[{kind="vehicle", axles=[100, 100], spacing=[2.0]}]', "loads[0].axles[0] = 100 N: ", 'if kN is meant: "100 kN"'),
-    ('loads=[{kind="vehicle", name="LM1", speed=60}]', "loads[0].speed = 60 m/s: ", 'if km/h is meant: "60 km/h"'),
-    ('structure={kind="bridge", fill={density=20}}', "structure.fill.density = 20 kg/m3: ", 'kN/m3 is meant: "2039 kg/m3"'),
-    ('structure={kind="building", walls=[{density=1.8}]}', "structure.walls[0].density = 1.8 kg/m3: ", 't/m3 is meant: "1.8 t/m3"'),
-    ('loads=[{kind="push", control="displacement", direction="x", blocks="stone", targets=[0.1, -0.5]}]',
-     "loads[0].targets = -0.5 m is 0.5", '"-0.5 mm"'),
-    ("material.joints={normal_stiffness=1e10, damping=5}", "material.joints.damping = 5: ", "0.05 for 5 %"),
+    ('loads=[{kind="push", control="displacement", direction="x", blocks="stone", targets=[0.1,-0.5]}]',
+     "loads[0].targets[1] = -0.5 m", '"-0.5 mm"'),
     ('structure={kind="bridge", fill={friction_angle=0.6}}', "structure.fill.friction_angle = 0.6 degrees: ", '"0.6 rad"'),
-    ('structure={kind="bridge", cover=500}', "structure.cover = 500 m: ", '"500 mm"'),
-    ("structure.floors=[{height=3.0, mass=300, anchors={spacing=1800}}]", "structure.floors[0].anchors.spacing = 1800 m: ", '"1800 mm"'),
     ('limit.check={spectrum="NTC", tc_star=300}', "limit.check.tc_star = 300 s: ", 'if ms is meant: "300 ms"'),
     ("structure.ties=[{along='x', height=1.0, area=314}]", "structure.ties[0].area = 314 m2: ", '"314 cm2"; if mm2 is meant: "314 mm2"'),
     ('limit.check={spectrum="EC8", behaviour_factor=4.0}', "limit.check.behaviour_factor = 4: ", "2 at the most"),
@@ -245,26 +233,28 @@ def test_a_density_that_a_file_of_blocks_states_is_looked_at(density: float, sai
     assert structure_doubts(parse_scene(TEXT, Path("scene.toml"), ['quiet_checks=["structure.path"]']), blocks) == []
 
 
-@pytest.mark.parametrize("case", CASES, ids=[case[0][:50] for case in CASES])
-def test_what_is_suggested_is_read_as_another_value(case: tuple[str, str, str]) -> None:
-    (line,) = lines(case[0])
-    found = re.search(r'is meant: "([^"]+)"', line)
-    if found:
-        _, _, value, unit = case[1].split(" ")[:4]
-        assert number_in(found.group(1), unit.rstrip(":")) != float(value)
+QUANTITIES = {"kg/m2", "kg/m3", "N/m3", "m2"}  # of which every key is such a quantity of masonry or its ties
 
 
-def test_units_that_are_suggested_have_the_size_that_the_reader_gives_them() -> None:
-    """Those of a range are of one dimension, that of its keys."""
-    of = {"g": "m/s2", "cm/s2": "m/s2", "cm/s": "m/s", "mm/s": "m/s", "km/h": "m/s", "mm": "m", "cm": "m", "kN": "N", "MN": "N"}
-    of |= {"t/m3": "kg/m3", "t/m2": "kg/m2", "MPa": "Pa", "GPa": "Pa", "kPa": "Pa", "cm2": "m2", "mm2": "m2"}
-    of |= {"N/mm3": "N/m3", "MN/m3": "N/m3", "rad": "degrees", "ms": "s"}
-    for name, usual in RANGES.items():
-        for unit, size in usual.others:
-            if unit in of:
-                assert number_in(f"1 {unit}", of[unit]) == pytest.approx(size), name
-            else:
-                assert unit in WEIGHTS or (unit, size) == ("kN/m3", 1e3)
+def test_every_key_of_such_a_quantity_says_what_is_usual() -> None:
+    """A height, a thickness, and what has a unit of its own."""
+    models = [CommonTable, Material, *(load.table for load in loads.KINDS.values()), *(kind.table for kind in KINDS.values())]
+    seen = {(model, name): field for model in models if model for name, field in _declared_in(model)}
+    bare = [
+        f"{model.__name__}.{name}"
+        for (model, name), one in seen.items()
+        if (one.unit in QUANTITIES or (one.unit == "m" and name.endswith(("height", "thickness")))) and not one.usual
+    ]
+    assert len(seen) > 200 and bare == []
+
+
+def _declared_in(model: type[BaseModel]) -> Iterator[tuple[str, Declared]]:
+    """The keys of a table, and of those in it, with what their fields declare."""
+    for name in model.model_fields:
+        field = declared_at((model,), (name,))
+        yield name, field
+        for inner in field.models:
+            yield from _declared_in(inner)
 
 
 FILES = sorted([*EXAMPLES.glob("*.toml"), *(ROOT / "benchmarks").glob("*.toml"), ROOT / "docs" / "accuracy.toml"])

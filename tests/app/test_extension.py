@@ -51,10 +51,13 @@ duration = 1.0
 SLAB = """\
     from masonry_cd.mechanics.model.blocks import Block
     from structures.geometry.prism import box
+    from structures.kind import StructureKind
 
     def build(table, density, folder):
         return [Block("ground", *box((-2, -2, -1), (2, 2, 0)), density, "base", fixed=True),
                 Block("slab", *box((-1, -1, 0), (1, 1, table["thickness"])), density)]
+
+    KIND = StructureKind(build)
 """
 ONE_CONTACT = """\
     import numpy as np

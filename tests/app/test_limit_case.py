@@ -213,7 +213,6 @@ def test_what_falls_by_itself_is_named(tmp_path):
         ("[limit]\nlive = [0]\n", "no load of this scene"),
         ("[limit]\nlive = [0, 0]\n", "each of the [[loads]] once"),
         ("[limit]\npsuh = 'x'\n", 'did you mean "push"'),
-        ("[limit]\npush = 'x'\nsides = 2\n", "at least 3"),
         ("gravity = 1\n[limit]\npush = 'x'\n", "unknown key"),
     ],
 )

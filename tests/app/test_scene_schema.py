@@ -28,7 +28,6 @@ from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly
 from reports.settings import Report
 from structures import KINDS as STRUCTURES
-from structures.tables import table_of
 
 STUDIES = [EXAMPLES / "study_arch.toml"]
 SCENES = sorted({*EXAMPLES.glob("*.toml"), ROOT / "docs" / "accuracy.toml"} - set(STUDIES))
@@ -89,9 +88,9 @@ def test_every_kind_is_in_it_with_all_of_its_keys(schema):
     own = {kind["properties"]["kind"]["const"]: set(kind["properties"]) for kind in tables["structure"]["oneOf"]}
     assert own.keys() == set(STRUCTURES)
     for kind, found in own.items():
-        model = table_of(kind)
+        model = STRUCTURES[kind].table
         assert model is not None
-        assert found == set(model.model_fields) | {"kind", "most_blocks", "floors", "foundations", "ground", "noise", "ties"}
+        assert found == set(model.model_fields) | {"kind", "most_blocks", "floors", "foundations", "ground", "ties"}
     shaking = {kind["properties"]["kind"]["const"]: set(kind["properties"]) for kind in tables["loads"]["items"]["oneOf"]}
     assert shaking == {kind: set(load.table.model_fields) for kind, load in LOADS.items()}
     assert set(tables["run"]["properties"]) == set(Run.model_fields)
@@ -112,7 +111,6 @@ def test_the_examples_fit(schema, path):
         ("structure", "span", "wide"),
         ("structure", "openings", []),  # of a wall
         ("structure", "foundations", "corner"),
-        ("structure", "noise", {"seed": 1}),
         ("structure", "ground", "yes"),
         ("structure", "ties", [{"along": "x"}]),
         ("structure", "floors", [{"height": 3.0}]),
@@ -156,7 +154,6 @@ def test_a_load_that_the_reader_refuses_does_not_fit(schema, change, tmp_path):
     [
         ("structure", "abutment", False),
         ("structure", "foundations", {"x": [-2.2, 2.2]}),
-        ("structure", "noise", {"size": 1e-6}),
         ("structure", "ground", -3.0),
         ("structure", "ties", [{"along": "x", "height": 0.2, "diameter": 0.02}]),
         ("material", "friction", {"default": 0.6, "arch-base": 0.9}),

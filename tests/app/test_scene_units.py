@@ -29,7 +29,7 @@ from masonry_cd.app.scene_units import scene_in_si, unit_of_key
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.units import KINDS
 from structures import KINDS as STRUCTURES
-from structures.tables import CommonTable, table_of
+from structures.tables import CommonTable
 
 NUMBERS = """
 quiet_checks = ["loads[1].force"]
@@ -206,7 +206,7 @@ def test_no_text_of_a_key_repeats_a_unit_that_its_field_declares() -> None:
     twice = [text for text in said if len(re.findall(r"\[([^\]]+)\]", text)) > 1 and sum(f"[{unit}]" in text for unit in KINDS) > 1]
     assert twice == []
     tables: list[type[BaseModel]] = [CommonTable, *(load.table for load in loads.KINDS.values())]
-    tables += [table for kind in STRUCTURES if (table := table_of(kind)) is not None]
+    tables += [kind.table for kind in STRUCTURES.values() if kind.table is not None]
     texts = [(table.__name__, name, field.description) for table in tables for name, field in table.model_fields.items()]
     assert [where for where in texts if where[2] and any(f"[{unit}]" in where[2] for unit in KINDS)] == []
 

@@ -13,8 +13,6 @@ import pytest
 from json_schema import faults
 from typer.testing import CliRunner
 
-from masonry_cd.app.case import prepare
-from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_schema import TITLE, scene_schema, schema_text, structure_schema
 from masonry_cd.app.starters import SCHEMA, starter
 from masonry_cd.cli.app import app
@@ -33,18 +31,6 @@ def schema() -> dict[str, Any]:
 
 def init(*words: object):
     return CliRunner().invoke(app, ["init", *map(str, words)])
-
-
-@pytest.mark.usefixtures("trusting")
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_starter_is_a_sound_scene(kind, tmp_path):
-    path = tmp_path / f"{kind}.toml"
-    result = init(kind, "-o", path)
-    assert result.exit_code == 0, result.stderr
-    assert str(path) in result.stdout
-    case = prepare(read_scene(path, SHORT))
-    assert case.assembly.fixed.any()
-    assert (~case.assembly.fixed).sum() >= 3
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -122,9 +108,7 @@ def test_the_schema_of_another_version_is_replaced(tmp_path):
 def test_an_unknown_kind_is_refused_with_a_suggestion(tmp_path):
     result = init("aqeduct", "-o", tmp_path / "scene.toml")
     assert result.exit_code == 2
-    assert result.stderr == (
-        f'masonry-cd: error: "aqeduct": no such kind of structure (did you mean "aqueduct"?); kinds: {", ".join(KINDS)}\n'
-    )
+    assert 'structure.kind: unknown kind "aqeduct" (did you mean "aqueduct"?)' in result.stderr
     assert not list(tmp_path.iterdir())
 
 

@@ -20,6 +20,7 @@ from masonry_cd.cli.app import app
 from masonry_cd.foundation import plugins
 from masonry_cd.foundation.trust import VARIABLE, trusted
 from masonry_cd.interface import protocols
+from masonry_cd.studies.assess.assumptions import assumptions_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
 EXAMPLE = ROOT / "examples" / "plugin"
@@ -87,8 +88,8 @@ def command(*words: object) -> tuple[int, str]:
 @pytest.mark.usefixtures("installed")
 def test_a_scene_uses_kinds_and_a_report_of_a_package(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(SCENE)
-    code, said = command("run", tmp_path / "scene.toml", "-o", tmp_path / "out", "-q")
-    assert code == 0, said
+    code, said = command("run", tmp_path / "scene.toml", "-o", tmp_path / "out", "-q", "--set", "loads[0].amplitude=4 mm/s")
+    assert code == 0 and "loads[0].amplitude = 0.004 m/s: the ground moves at" in said
     rows = list(csv.DictReader((tmp_path / "out" / "heights.csv").open(encoding="utf-8")))
     assert [row["block"] for row in rows] == ["plate", "cube1", "cube2"]
     assert float(rows[2]["height_m"]) == pytest.approx(0.75, abs=1e-3)
@@ -113,7 +114,7 @@ def test_a_record_is_read_by_a_reader_of_a_package(tmp_path: Path, form: str) ->
 def test_the_command_lists_them_and_a_scene_without_them_imports_none(tmp_path: Path) -> None:
     code, said = command("plugins")
     assert code == 0
-    assert "structure stack: masonry-cd-stacks 0.1.0, masonry_cd_stacks.stack:build" in said.splitlines()
+    assert "structure stack: masonry-cd-stacks 0.1.0, masonry_cd_stacks.stack:STACK" in said.splitlines()
     assert {line.partition(" ")[0] for line in said.splitlines()} == {"structure", "load", "reader", "report", "mechanism", "joint"}
     assert not any(name.startswith("masonry_cd_stacks") for name in sys.modules)
 
@@ -190,8 +191,23 @@ def test_a_load_of_the_users_and_trust_from_python(tmp_path: Path) -> None:
 def test_what_the_example_adds_is_what_the_protocols_say() -> None:
     load = {plugin.group: plugins.load(plugin.group, plugin.name) for plugin in mc.plugins()}
     assert isinstance(load["loads"], protocols.LoadKind) and isinstance(load["readers"], protocols.RecordReader)
-    assert isinstance(load["reports"], protocols.Report) and callable(load["structures"])
+    assert isinstance(load["reports"], protocols.Report) and callable(load["structures"].build)
     assert isinstance(load["joint_laws"], protocols.JointLaw) and callable(load["mechanisms"])
+
+
+@pytest.mark.usefixtures("installed")
+def test_a_kind_of_a_package_has_a_starter_doubts_units_sizes_and_parts(tmp_path: Path) -> None:
+    code, said = command("init", "stack", "-o", tmp_path / "scene.toml")
+    assert code == 0, said
+    code, said = command("build", tmp_path / "scene.toml", "-o", tmp_path / "out", "--no-picture", "--set", "structure.side=50 m")
+    assert code == 0 and 'structure.side = 50 m: cubes are 1 cm (a model) to 5 m wide; if mm is meant: "50 mm"' in said
+    scene = mc.scene(tmp_path / "scene.toml")
+    (sizes,) = (one for one in assumptions_of(scene.checked, scene.tables, shakes=False)[0] if one.name == "block size")
+    tables = scene.tables
+    sizes.levels[0].change(tables)
+    assert sizes.levels[0].name == "x 0.7" and tables["structure"]["cubes"] == 6
+    code, said = command("limit", tmp_path / "scene.toml", "--macro-elements", "--no-picture", "-o", tmp_path / "parts")
+    assert code == 0 and "whole" in said
 
 
 TOWER = (

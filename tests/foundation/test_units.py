@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.table_schema import key_texts, rows, table_schema
-from masonry_cd.foundation.units import COMMON, KINDS, Unit, UnitError, number_in, unit_at
+from masonry_cd.foundation.units import COMMON, KINDS, Unit, UnitError, declared_at, number_in
 
 READ = [
     ("30 mm", "m", 0.03), ("30mm", "m", 0.03), (" 3e1 mm ", "m", 0.03), ("-.5 cm", "m", -0.005), ("1 ft", "m", 0.3048),
@@ -137,5 +137,5 @@ def test_schema_and_texts_have_the_unit_of_the_field() -> None:
 
 def test_the_unit_of_a_key_is_found_by_its_path() -> None:
     paths = {("length",): "m", ("places", 1): "m", ("strength", "arch"): "Pa", ("laws", "a-b", "force"): "N", ("later", 0, "force"): "N"}
-    assert {path: unit_at((Outer,), path) for path in paths} == paths
-    assert [unit_at((Outer,), path) for path in (("name",), ("nothing",), ("inner", "nothing"))] == ["", "", ""]
+    assert {path: declared_at((Outer,), path).unit for path in paths} == paths
+    assert [declared_at((Outer,), path).unit for path in (("name",), ("nothing",), ("inner", "nothing"))] == ["", "", ""]

@@ -117,7 +117,7 @@ def test_the_key_says_within_what_and_a_note_how_far(tmp_path: Path) -> None:
     lines += ["f " + " ".join(str(1 + i) for i in face) for face in uneven.faces]
     (tmp_path / "stone.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
     table = {"kind": "file", "path": "stone.obj", "units": "m", "up": "z"}
-    _, notes = structures.build_with_notes(table, 2000.0, tmp_path)
+    _, notes, *_ = structures.make(table, 2000.0, tmp_path)
     assert any("faces of 1 blocks made flat, corners moved by at most" in note for note in notes)
     with pytest.raises(InputError, match="is not planar"):
         structures.build(table | {"flatness": 0.0}, 2000.0, tmp_path)

@@ -92,7 +92,7 @@ def test_a_scene_says_what_was_moved(tmp_path: Path) -> None:
     blockfile.write(tmp_path / "loose.json", shaken(build("wall", **WALL), 1e-3))
     with pytest.raises(InputError, match="overlap"):
         structures.build({"kind": "file", "path": "loose.json"}, 2000.0, tmp_path)
-    _, (note,) = structures.build_with_notes({"kind": "file", "path": "loose.json", "gaps": 4e-3}, 2000.0, tmp_path)
+    _, (note,), *_ = structures.make({"kind": "file", "path": "loose.json", "gaps": 4e-3}, 2000.0, tmp_path)
     assert note.startswith("loose.json: ")
     assert float(note.split()[-2]) < 4e-3
     text = json.loads((tmp_path / "loose.json").read_text())

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from masonry_cd.mechanics.model.blocks import Block
+from structures import KINDS
 from structures.kinds import church, tower, vault, wall
 from structures.macro_elements import MacroElement, macro_elements
 from structures.macro_elements.layout import Layout
@@ -22,7 +23,7 @@ CHURCH = {
 
 def parts(kind: str, blocks: list[Block]) -> dict[str, MacroElement]:
     """By name."""
-    found = macro_elements(kind, blocks)
+    found = macro_elements(blocks, KINDS[kind].parts)
     assert len({one.name for one in found}) == len(found)
     fixed = np.array([block.fixed for block in blocks])
     for one in found:

@@ -123,7 +123,7 @@ def test_gltf_and_3mf_state_unit_and_axis(tmp_path: Path) -> None:
         assert [block.name for block in boxes(tmp_path, name)] == ["lower", "upper"]
     with pytest.raises(InputError, match=r'^structure\.units: "m", but a\.3mf says "mm"; leave the key out$'):
         build(tmp_path, "a.3mf", units="m")
-    _, notes = structures.build_with_notes({"kind": "file", "path": "a.glb", "up": "z"}, 2000.0, tmp_path)
+    _, notes, *_ = structures.make({"kind": "file", "path": "a.glb", "up": "z"}, 2000.0, tmp_path)
     assert notes == ['a.glb: up "z" as the scene says, where the file has "y"']
 
 
@@ -199,7 +199,7 @@ def test_an_overlap_is_accepted_where_asked_for_and_reported(tmp_path: Path) -> 
     meshfile.write(tmp_path / "t.obj", blocks)
     with pytest.raises(InputError, match=r't\.obj: blocks "\w+" and "\w+": they overlap by 1 mm; 1 more pairs overlap'):
         build(tmp_path, "t.obj")
-    made, notes = structures.build_with_notes({"kind": "file", "path": "t.obj", "overlap": 0.002}, 2000.0, tmp_path)
+    made, notes, *_ = structures.make({"kind": "file", "path": "t.obj", "overlap": 0.002}, 2000.0, tmp_path)
     assert len(made) == 3
     assert notes == ["t.obj: 2 pairs of blocks overlap, by at most 1 mm"]
     with pytest.raises(InputError, match="overlap by 1 mm"):

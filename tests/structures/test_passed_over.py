@@ -23,7 +23,7 @@ BRICK = ((0.0, 0.0, 0.0), (0.5, 0.25, 0.2))
 
 def made(folder: Path, name: str, **keys: Any) -> tuple[list[Block], str]:
     """The blocks of a file, and its notes."""
-    blocks, notes = structures.build_with_notes({"kind": "file", "path": name, **keys}, 2000.0, folder)
+    blocks, notes, *_ = structures.make({"kind": "file", "path": name, **keys}, 2000.0, folder)
     return blocks, "\n".join(notes)
 
 

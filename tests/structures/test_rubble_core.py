@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from models import gravity, still
+from models import gravity, material_of, still
 from scipy.optimize import nnls
 from solids import build
 
@@ -13,7 +13,6 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.materials import Material
 from structures.layout import rubble
 
 WALL: dict[str, object] = {"length": 1.6, "height": 1.0, "thickness": 0.6, "course_height": 0.25, "through": 2, "core_thickness": 0.2}
@@ -57,7 +56,7 @@ def test_rubble_fills_a_third_of_the_slot_at_least() -> None:
 def test_rubble_is_at_rest_in_a_tenth_of_a_second_and_the_leaves_stay() -> None:
     blocks = build("wall", **WALL, **SPHERES)
     run = Run.model_validate({"dt": 2e-3, "duration": 1.0, "solver": "nlgs", "tolerance": 1e-4})
-    machine = Stepper(Assembly.from_blocks(blocks, Material(friction=0.6, rolling_friction=0.1)), still(100), gravity(100), run)
+    machine = Stepper(Assembly.from_blocks(blocks, material_of(0.6, rolling=0.1)), still(100), gravity(100), run)
     for _ in range(50):
         machine.step()
     moved = np.linalg.norm(machine.state.position - machine.assembly.centre, axis=1)

@@ -80,7 +80,7 @@ def test_a_column_of_drums_is_faceted_within_the_chord(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"structure\.chord: missing; solid\.geo has 1 curved face, the first at"):
         cut(tmp_path, text, unit_length=1.0)
     keys = {"kind": "solid", "path": "solid.geo", "trusted": True, **KEYS, "unit_length": 1.0, "chord": 0.02}
-    blocks, notes = structures.build_with_notes(keys, 2000.0, tmp_path)
+    blocks, notes, *_ = structures.make(keys, 2000.0, tmp_path)
     drum = blocks[0]
     sides = len(drum.faces) - 2
     off = 0.4 * (1.0 - np.cos(np.pi / sides))

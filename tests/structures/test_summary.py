@@ -13,11 +13,11 @@ from solids import build
 
 import structures
 from masonry_cd.mechanics.model.blocks import Block
-from structures.summary import lines, odd_size, warnings
+from structures.summary import lines, odd_size, report, warnings
 
 
 def test_a_stack_counted_by_hand() -> None:
-    made = structures.report(tower(5, side=0.5, height=0.25))
+    made = report(tower(5, side=0.5, height=0.25))
     assert (made["blocks"], made["fixed"], made["joints"], made["contacts"], made["pieces"]) == (5, 1, 5, 20, 1)
     assert made["mass"] == pytest.approx(5 * 0.5 * 0.5 * 0.25 * 2000.0)
     assert made["centre_of_mass"] == pytest.approx([0.0, 0.0, 0.625])
@@ -27,7 +27,7 @@ def test_a_stack_counted_by_hand() -> None:
 
 
 def test_smallest_and_largest_block_are_named() -> None:
-    made = structures.report(wall(3, 2, length=0.4))
+    made = report(wall(3, 2, length=0.4))
     assert made["smallest"]["volume"] == pytest.approx(0.5 * made["largest"]["volume"])
     assert made["smallest"]["name"].startswith("c1.")
     text = "\n".join(lines(made))
@@ -42,11 +42,11 @@ def test_two_stacks_are_two_pieces() -> None:
         box("slab", (4.0, -1.0, -0.5), (5.0, 1.0, 0.0), fixed=True),
         box("b", (4.2, -0.5, 0.0), (4.8, 0.5, 0.5)),
     ]
-    assert structures.report(blocks)["pieces"] == 2
+    assert report(blocks)["pieces"] == 2
 
 
 def test_a_block_that_touches_nothing_is_named() -> None:
-    made = structures.report([*tower(2), box("stray", (5.0, 5.0, 5.0), (5.5, 5.5, 5.5))])
+    made = report([*tower(2), box("stray", (5.0, 5.0, 5.0), (5.5, 5.5, 5.5))])
     assert (made["loose"], made["hanging"], made["adrift"]) == (["stray"], [], [])
     (line,) = warnings(made)
     assert line.startswith('block "stray" touches no other block, and falls; of a file, structure.gaps = WIDTH [m] closes')
@@ -54,7 +54,7 @@ def test_a_block_that_touches_nothing_is_named() -> None:
 
 def test_a_piece_without_a_support_is_named() -> None:
     blocks = [*tower(2), box("low", (5.0, 0.0, 5.0), (5.5, 0.5, 5.5)), box("high", (5.0, 0.0, 5.5), (5.5, 0.5, 6.0))]
-    made = structures.report(blocks)
+    made = report(blocks)
     assert (made["loose"], made["adrift"], made["pieces"]) == ([], ["low", "high"], 2)
     assert warnings(made)[0].startswith(
         "2 blocks (low, high): in a piece of the structure that touches no support, and falls as a whole; of a file, "
@@ -64,14 +64,14 @@ def test_a_piece_without_a_support_is_named() -> None:
 def test_a_block_between_two_others_hangs() -> None:
     """Nothing but friction holds it; those beside it stand on the ground."""
     blocks = [ground(2.0), *(box(f"b{k}", (0.5 * k - 1.0, -0.5, 0.3 * (k == 1)), (0.5 * k - 0.5, 0.5, 1.0)) for k in range(3))]
-    made = structures.report(blocks)
+    made = report(blocks)
     assert made["hanging"] == ["b1"]
     assert warnings(made)[0].startswith("1 hangs: nothing is under b1, only friction on the sides")
 
 
 @pytest.mark.parametrize("kind", ["wall", "column", "vault", "dome"])
 def test_every_kind_is_one_piece_by_default(kind: str) -> None:
-    made = structures.report(build(kind))
+    made = report(build(kind))
     assert made["hyperstaticity"] > 0
     assert made["pieces"] == 1
     assert made["hanging"] == []
@@ -91,8 +91,8 @@ def on_its_side(blocks: list[Block], up: str) -> list[Block]:
 def test_a_structure_on_its_side_is_recognised(kind: str, up: str) -> None:
     size = {"radius": 2.0, "thickness": 0.3} if kind == "arch" else {}
     blocks = structures.build({"kind": kind, **size}, 2000.0, Path())
-    assert structures.report(blocks)["side"] == ""
-    made = structures.report(on_its_side(blocks, up))
+    assert report(blocks)["side"] == ""
+    made = report(on_its_side(blocks, up))
     assert made["side"] == up
     (line,) = (line for line in warnings(made) if "hang" in line)
     assert f"does the structure lie on its side? far fewer would hang if {up} pointed upwards" in line
@@ -105,9 +105,9 @@ def test_what_hangs_in_an_upright_structure_puts_it_on_no_side() -> None:
         box("right", (1.0, -0.5, -1.0), (2.0, 0.5, 1.0), fixed=True),
     ]
     between = [box(f"b{k}", (-1.0 + 0.5 * k, -0.5, 0.0), (-0.5 + 0.5 * k, 0.5, 1.0)) for k in range(4)]
-    made = structures.report([*abutments, *between])
+    made = report([*abutments, *between])
     assert (made["hanging"], made["side"]) == (["b0", "b1", "b2", "b3"], "")
-    cantilever = structures.report([ground(5.0), box("stone", (0, 0, 0), (1, 1, 1)), box("glued", (1, 0, 0.5), (2, 1, 1))])
+    cantilever = report([ground(5.0), box("stone", (0, 0, 0), (1, 1, 1)), box("glued", (1, 0, 0.5), (2, 1, 1))])
     assert (cantilever["hanging"], cantilever["side"]) == (["glued"], "")
 
 

@@ -26,7 +26,7 @@ def test_a_corner_off_its_faces_by_two_centimetres(tmp_path: Path, push: float) 
     table = {"kind": "file", "path": "w.obj", "units": "m", "up": "z"}
     with pytest.raises(InputError, match="is not planar, a corner is"):
         structures.build(table, 2000.0, tmp_path)
-    ((block,), notes) = structures.build_with_notes(table | {"repair": True}, 2000.0, tmp_path)
+    (block,), notes, *_ = structures.make(table | {"repair": True}, 2000.0, tmp_path)
     assert notes == ["w.obj: 3 warped faces cut into triangles"]
     assert (len(block.faces), len(block.parts)) == (9, 0)  # convex: no diagonal is a valley
     assert np.abs(vertices[:, None] - block.vertices).max(axis=2).min(axis=1).max() == 0.0  # corners stay

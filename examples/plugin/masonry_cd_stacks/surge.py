@@ -4,18 +4,22 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
+from masonry_cd.foundation.units import Unit, Usual
 
 
 class SurgeTable(LoadTable):
     """The keys; ``kind`` is among those of every load."""
 
-    amplitude: float = Field(gt=0.0)  # A [m/s]
-    length: float = Field(gt=0.0)  # T [s]
+    amplitude: Annotated[float, Unit("m/s"), Usual(0.01, 2.0, "the ground moves at 0.01 to 2 m/s", ("cm/s", "mm/s"))] = Field(gt=0.0)
+    """A"""
+    length: Annotated[float, Unit("s")] = Field(gt=0.0)
+    """T"""
 
 
 def surge(table: SurgeTable, grid: RunGrid, where: str) -> Part:

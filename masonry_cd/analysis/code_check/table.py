@@ -11,7 +11,7 @@ from loads.signal.accelerogram import Accelerogram, Scaled
 from loads.signal.site_spectrum import SiteSpectrum
 from masonry_cd.foundation.extensions import Entries
 from masonry_cd.foundation.fields import Span
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
 
 Height = Annotated[float, Unit("m"), Field(gt=0.0, le=1000.0)]
 Damping = Annotated[float, Field(gt=0.0, le=0.3)]
@@ -45,7 +45,7 @@ class CheckTable(SiteSpectrum):
     """That the motion of the ground belongs to: damage, life safety, or collapse; SLD and SLC are of the Italian codes only."""
     confidence_factor: Annotated[float, Field(ge=1.0, le=2.0)] = 1.35
     """By which the capacity is divided; 1.35 where the strength of the masonry plays no part, as here (C8.7.1.2.1.3)."""
-    behaviour_factor: Annotated[float, Field(ge=1.0, le=4.0)] = 2.0
+    behaviour_factor: Annotated[float, Usual(1.0, 2.0, "codes give local mechanisms and parts 2 at the most"), Field(ge=1.0, le=4.0)] = 2.0
     """q of the linear check at SLV, q_a of Eurocode 8."""
     displacements: bool = True
     """Check SLV and SLC by displacements, too: the mechanism is then followed to its end, some forty limit analyses."""

@@ -19,10 +19,15 @@ from masonry_cd.analysis.outputs import STUDY, numbers_in
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import Number, Table
+from masonry_cd.foundation.units import Usual
+from masonry_cd.mechanics.model.usual import LENGTHS
 
 QUANTITIES = tuple(key for key, number in numbers_in(STUDY).items() if number.judges)
 OF_PARTS = (".grade_number", ".drift")
 WHOLE_NUMBERS = ("collapsed_blocks", "steps_missed", "steps")  # counts: they have no logarithm worth a regression
+
+
+BOUND = Usual(0.0, 0.5, "openings, slips and displacements of limit states are below half a metre", LENGTHS)  # of quantities in metres
 
 
 class LimitTable(Table):
@@ -30,7 +35,7 @@ class LimitTable(Table):
 
     quantity: str
     """Column of runs.csv."""
-    above: Number | None = None
+    above: Annotated[Number, BOUND] | None = None
     """Exceeded above this."""
     at_least: str | None = None
     """Of the quantity "grade": from this one on, "D3"."""

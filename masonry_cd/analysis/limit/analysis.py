@@ -40,7 +40,6 @@ class NoFiniteFactor(InputError):
 class Options:
     """How to solve."""
 
-    sides: int = 0  # of the friction pyramids in space; 0: circular cones
     starts: int = 3  # of the search for the least factor without dilation; 0: no search
     seed: int = 0
 
@@ -151,16 +150,12 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     """Find the largest factor of the live loads.
 
     Raises:
-        InputError: a structure without supports, live loads that do no work, or no answer of the solver; in space, a search with pyramids.
+        InputError: a structure without supports, live loads that do no work, or no answer of the solver.
     """
     options = options or Options()
     begin = time.perf_counter()
-    problem, alone = at_rest(assembly, joints, loads, options)
-    _refuse_crushed(problem, alone, assembly, options)
-    if problem.axis is None and options.sides and options.starts:
-        raise InputError(
-            "limit.sides", "in space, sliding without dilation is searched for with circular cones; limit.starts = 0 leaves that out"
-        )
+    problem, alone = at_rest(assembly, joints, loads)
+    _refuse_crushed(problem, alone, assembly)
     if alone.factor < 1.0 - STANDS:
         nothing = replace(problem, live=problem.dead, dead=np.zeros_like(problem.dead))
         fall = _answer(nothing, assembly, joints, alone, 1.0, time.perf_counter() - begin)
@@ -169,7 +164,7 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         problem = crushable(limit_problem(assembly, joints, loads), assembly, joints)
     begin, endless = time.perf_counter(), False
     try:
-        problem, best = solved_finely(problem, lambda finer: largest_factor(finer, options)[0])
+        problem, best = solved_finely(problem, lambda finer: largest_factor(finer)[0])
     except Unbounded as failure:
         raise InputError("limit", f"no answer: {failure}") from None
     except NoFiniteFactor:
@@ -186,7 +181,7 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     return Analysis(problem, min(alone.factor, 1.0), answer, least, moves, starts, _remarks(programmes), endless)
 
 
-def largest_factor(problem: LimitProblem, options: Options) -> tuple[Optimum, float]:
+def largest_factor(problem: LimitProblem) -> tuple[Optimum, float]:
     """The best forces and velocities of a problem, and the largest factor that was looked for.
 
     Raises:
@@ -196,7 +191,7 @@ def largest_factor(problem: LimitProblem, options: Options) -> tuple[Optimum, fl
     if not problem.live.any():
         raise NoFiniteFactor("limit", NO_WORK)
     scale = _scale(problem)
-    scaled = by_solver(problem, problem.dead, scale * problem.live, CAP, options)
+    scaled = by_solver(problem, problem.dead, scale * problem.live, CAP)
     if scaled.factor > 0.99 * CAP:
         raise NoFiniteFactor("limit", NO_WORK)
     return replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity), scale * CAP
@@ -267,7 +262,7 @@ def _remarks(programmes: dict[str, Optimum]) -> tuple[str, ...]:
     )
 
 
-def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options | None = None) -> tuple[LimitProblem, Optimum]:
+def at_rest(assembly: Assembly, joints: Joints, loads: Loads) -> tuple[LimitProblem, Optimum]:
     """The largest share of the dead loads that a structure bears, at most 1, and the problem that this is of.
 
     Raises:
@@ -276,7 +271,7 @@ def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     if not assembly.fixed.any():
         raise InputError("structure", "no block is fixed: nothing carries it, and a limit analysis has no answer")
     problem = crushable(limit_problem(assembly, joints, replace(loads, support_velocity=None)), assembly, joints)
-    return solved_finely(problem, lambda finer: _rests(finer, options or Options()))
+    return solved_finely(problem, _rests)
 
 
 def refuse_crushed(problem: LimitProblem, assembly: Assembly) -> None:
@@ -286,28 +281,27 @@ def refuse_crushed(problem: LimitProblem, assembly: Assembly) -> None:
         InputError: names the joint; or no answer of the solver.
     """
     if problem.sections is not None:
-        options = Options()
-        _refuse_crushed(*solved_finely(problem, lambda finer: _rests(finer, options)), assembly, options)
+        _refuse_crushed(*solved_finely(problem, _rests), assembly)
 
 
-def _refuse_crushed(problem: LimitProblem, alone: Optimum, assembly: Assembly, options: Options) -> None:
+def _refuse_crushed(problem: LimitProblem, alone: Optimum, assembly: Assembly) -> None:
     if alone.factor < 1.0 - STANDS and problem.sections is not None:
-        refuse_crushed_at_rest(problem, alone, assembly, lambda bare: _rests(bare, options).factor >= 1.0 - STANDS)
+        refuse_crushed_at_rest(problem, alone, assembly, lambda bare: _rests(bare).factor >= 1.0 - STANDS)
 
 
-def _rests(problem: LimitProblem, options: Options) -> Optimum:
+def _rests(problem: LimitProblem) -> Optimum:
     """The largest share of the dead loads that is borne, at most 1; what has no answer is an error of the input."""
     try:
-        return by_solver(problem, np.zeros_like(problem.dead), problem.dead, 1.0, options)
+        return by_solver(problem, np.zeros_like(problem.dead), problem.dead, 1.0)
     except Unbounded as failure:
         raise InputError("limit", f"no answer: {failure}") from None
 
 
-def by_solver(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:
+def by_solver(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float) -> Optimum:
     """Exact in a plane, by an interior point method in space."""
     if problem.axis is not None:
         return solve_linear(problem, dead, live, cap)
-    return solve_conic(problem, dead, live, cap, sides=options.sides)
+    return solve_conic(problem, dead, live, cap)
 
 
 def _answer(problem: LimitProblem, assembly: Assembly, joints: Joints, best: Optimum, cap: float, seconds: float) -> Answer:

@@ -73,7 +73,7 @@ def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options:
         return analysis, Untied()
     bare = problem.without_ties()
     try:
-        best, _ = largest_factor(bare, options)
+        best, _ = largest_factor(bare)
         least = searched(bare, best, options.starts, options.seed)
     except (InputError, Unbounded) as failure:
         return analysis, Untied((), f"without its ties no load factor is found, and no mechanism: {failure}")

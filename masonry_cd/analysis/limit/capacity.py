@@ -131,7 +131,7 @@ def capacity_curve(assembly: Assembly, joints: Joints, loads: Loads, options: Cu
         raise InputError("limit.curve", "supports that move have no load factor to follow; push, tilt or live loads have")
     if reason := at_start_only(assembly.laws):
         raise InputError("limit.curve", f"{reason}; their load factor is known at the start only")
-    if at_rest(assembly, joints, loads, options.analysis)[1].factor < 1.0 - STANDS:
+    if at_rest(assembly, joints, loads)[1].factor < 1.0 - STANDS:
         raise InputError("limit.curve", "the structure does not stand under its dead loads: there is no factor to follow")
     return _Path(assembly, joints, loads, options).followed()
 

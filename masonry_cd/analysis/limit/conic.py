@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Limit analysis in space with circular friction cones, as a second-order cone programme, or with pyramids; by Clarabel.
+r"""Limit analysis in space with circular friction cones, as a second-order cone programme, by Clarabel.
 
 The kinematic form is solved, whose unknowns are the velocities of the blocks, six each, and few more; Clarabel's dual variables are the
 forces. With K the cone |y| <= x, over all points k,
@@ -14,9 +14,6 @@ they slide and open nothing. **Prices** of forces, p_k . r'_k + q . N, added to 
 
     w_1 . v + t = -1,    ((u_kn - y_k + p_kn)/mu_k, u_kt + p_kt) in K,    G v <= w + q.
 
-**Pyramids** inside the cones, with edges n + mu d_e in so many directions d_e, take u_kn - y_k + mu_k d_e . u_kt >= 0 for each edge: the
-programme is linear then, its factor at most that of the cones. The multipliers of these rows are shares of the edges.
-
 Goulart & Chen, Clarabel: an interior-point solver for conic programs with quadratic objectives, 2024.
 """
 
@@ -28,7 +25,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, hstack, identity, vstack
 
-from masonry_cd.analysis.limit.problem import LimitProblem, regular
+from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.foundation.extras import require
 
@@ -44,49 +41,40 @@ class ConeProgramme:
     cost: np.ndarray
     matrix: csc_matrix
     right: np.ndarray
-    edges: csr_matrix  # (3 P, E) forces that the first E rows of the nonnegative cone have a share of
+    normals: csr_matrix  # (3 P, E) of the points whose normal forces are the first E rows of the nonnegative cone
     lines: int  # rows of the nonnegative cone
     cones: np.ndarray  # (K,) points whose forces are the second-order cones
     strips: bool  # whether only their tangential parts are
     sense: float  # 1: the largest factor, -1: the least
 
 
-def cone_programme(
-    problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None, sides: int = 0
-) -> ConeProgramme:
-    """The programme of the head of this file for loads (unknowns,), with strips s (P,) or with pyramids of so many sides."""
+def cone_programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None) -> ConeProgramme:
+    """The programme of the head of this file for loads (unknowns,), with cones or with strips s (P,)."""
     n, ties, count = problem.unknowns, len(problem.strength), problem.points.count
     held = np.flatnonzero(problem.tension < problem.apex)
-    rough = np.flatnonzero(problem.mu > 0.0)
-    cones = rough if strip is not None or not sides else rough[:0]
-    edges = _edges(problem, strip is not None, sides)
+    cones = np.flatnonzero(problem.mu > 0.0)
+    normals = _normals(problem, strip is not None)
     yields = np.flatnonzero(np.isfinite(problem.strength))
     cut = csr_matrix((np.ones(len(held)), (held, np.arange(len(held)))), (count, len(held)))
-    wide = np.zeros(0) if strip is None else strip[rough]
+    wide = np.zeros(0) if strip is None else strip[cones]
     cost = [problem.jacobian.T @ problem.bond() - dead, [cap], (problem.tension - problem.apex)[held], problem.strength[yields], wide]
     extra = 1 + len(held) + len(yields) + len(wide)
     first = hstack([csr_matrix(live[None]), csr_matrix(([1.0], ([0], [0])), (1, extra))])
     lift = hstack([csr_matrix((count, 1)), cut, csr_matrix((count, len(yields) + len(wide)))], format="csr")
-    opens = hstack([-(edges.T @ problem.jacobian), edges[0::3].T @ lift])
+    opens = hstack([-(normals.T @ problem.jacobian), normals[0::3].T @ lift])
     signs = hstack([csr_matrix((extra, n)), -identity(extra)])
     pull = coo_matrix((-np.ones(len(yields)), (yields, 1 + len(held) + np.arange(len(yields)))), (ties, extra))
     rows = _cone_rows(problem, cones, lift) if strip is None else _strip_rows(problem, cones, extra)
     matrix = vstack([first, opens, signs, hstack([problem.bars, pull]), rows], format="csc")
     right = np.zeros(matrix.shape[0])
     right[0] = 1.0
-    return ConeProgramme(np.concatenate(cost), matrix, right, edges, edges.shape[1] + extra + ties, cones, strip is not None, 1.0)
+    return ConeProgramme(np.concatenate(cost), matrix, right, normals, normals.shape[1] + extra + ties, cones, strip is not None, 1.0)
 
 
-def _edges(problem: LimitProblem, strips: bool, sides: int) -> csr_matrix:
-    """Forces (3 P, E): the edges of pyramids of so many sides; the normals of points without friction, with strips of all points."""
-    rough = problem.mu > 0.0
-    leaning = np.flatnonzero(rough & (sides > 0) & (not strips))
-    upright = np.flatnonzero(~rough | strips)
-    point = np.concatenate([np.repeat(leaning, sides), upright])
-    ways = np.concatenate([np.tile(regular(sides), (len(leaning), 1)), np.zeros((len(upright), 2))])
-    force = np.column_stack([np.ones(len(point)), problem.mu[point][:, None] * ways])
-    column = np.repeat(np.arange(len(point)), 3)
-    return csr_matrix((force.ravel(), (_rows_of(point), column)), (3 * problem.points.count, len(point)))
+def _normals(problem: LimitProblem, strips: bool) -> csr_matrix:
+    """Unit forces (3 P, E) along the normals of points without friction, with strips of all points."""
+    point = np.flatnonzero((problem.mu == 0.0) | strips)
+    return csr_matrix((np.ones(len(point)), (3 * point, np.arange(len(point)))), (3 * problem.points.count, len(point)))
 
 
 def _cone_rows(problem: LimitProblem, rough: np.ndarray, lift: csr_matrix) -> csr_matrix:
@@ -130,22 +118,21 @@ def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray, 
     right = programme.right.copy()
     asked = prices[programme.cones].copy()
     asked[:, 0] /= problem.mu[programme.cones]
-    right[1 : 1 + programme.edges.shape[1]] = programme.edges.T @ prices.ravel()
+    right[1 : 1 + programme.normals.shape[1]] = programme.normals.T @ prices.ravel()
     right[1 + programme.lines :] = asked.ravel()
     if of_bars is not None:
         right[1 + programme.lines - len(of_bars) : 1 + programme.lines] = of_bars
     return replace(programme, right=right)
 
 
-def least_unborne_in_space(problem: LimitProblem, sides: int = 0) -> Optimum:
-    """As :func:`masonry_cd.analysis.limit.linear.least_unborne`, with cones or pyramids: max w_0 . v with w_1 . v = 0, no component of v
-    above one.
+def least_unborne_in_space(problem: LimitProblem) -> Optimum:
+    """As :func:`masonry_cd.analysis.limit.linear.least_unborne`, with cones: max w_0 . v with w_1 . v = 0, no component of v above one.
 
     Raises:
         Unbounded: no answer.
     """
-    programme, n = cone_programme(problem, problem.dead, problem.live, 1.0, sides=sides), problem.unknowns
-    matrix, right, opens = programme.matrix.tolil(), programme.right.copy(), 1 + programme.edges.shape[1]
+    programme, n = cone_programme(problem, problem.dead, problem.live, 1.0), problem.unknowns
+    matrix, right, opens = programme.matrix.tolil(), programme.right.copy(), 1 + programme.normals.shape[1]
     matrix[0, n] = 0.0  # without a cap, w_1 . v has no slack
     right[0] = 0.0
     one = hstack([identity(n), csr_matrix((n, matrix.shape[1] - n))])
@@ -154,13 +141,13 @@ def least_unborne_in_space(problem: LimitProblem, sides: int = 0) -> Optimum:
     return solve_programme(problem, replace(programme, matrix=rows, right=right, lines=programme.lines + 2 * n))
 
 
-def solve_conic(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, sides: int = 0) -> Optimum:
-    """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own; with pyramids for cones.
+def solve_conic(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float) -> Optimum:
+    """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own.
 
     Raises:
         Unbounded: no answer.
     """
-    return solve_programme(problem, cone_programme(problem, dead, live, cap, None, sides))
+    return solve_programme(problem, cone_programme(problem, dead, live, cap))
 
 
 def solve_programme(problem: LimitProblem, programme: ConeProgramme) -> Optimum:
@@ -210,7 +197,7 @@ def _optimum(problem: LimitProblem, programme: ConeProgramme, answer: Any) -> Op
     if str(answer.status) not in ENDED:
         raise Unbounded(f"Clarabel: {answer.status}")
     x, z = np.array(answer.x), np.array(answer.z)
-    force = (programme.edges @ z[1 : 1 + programme.edges.shape[1]]).reshape(-1, 3)
+    force = (programme.normals @ z[1 : 1 + programme.normals.shape[1]]).reshape(-1, 3)
     inside = z[1 + programme.lines :].reshape(-1, 3)
     if not programme.strips:
         force[programme.cones, 0] += inside[:, 0] / problem.mu[programme.cones]

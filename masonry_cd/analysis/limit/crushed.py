@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Collapse, Options, by_solver, collapse_of
+from masonry_cd.analysis.limit.analysis import Collapse, by_solver, collapse_of
 from masonry_cd.analysis.limit.crushing import solved_finely
 from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.problem import LimitProblem
@@ -69,14 +69,14 @@ def _named(j: int, strength: float, share: float, assembly: Assembly, joints: Jo
     return CrushedJoint(j, assembly.names[a], assembly.names[b], groups, strength, share)
 
 
-def little_left(problem: LimitProblem, assembly: Assembly, joints: Joints, options: Options) -> LittleLeft | None:
+def little_left(problem: LimitProblem, assembly: Assembly, joints: Joints) -> LittleLeft | None:
     """The least multiple of the dead loads of a structure that stands at which joints crush; None where the strength bears 1 + LEFT."""
     if problem.sections is None or problem.moves_support:
         return None
     most, bond = 1.0 + LEFT, np.zeros_like(problem.dead)
     bond[problem.unknowns - problem.rates :] = problem.dead[problem.unknowns - problem.rates :]  # which does not grow with the loads
     try:
-        finer, best = solved_finely(problem, lambda one: by_solver(one, bond, one.dead - bond, most, options))
+        finer, best = solved_finely(problem, lambda one: by_solver(one, bond, one.dead - bond, most))
     except Unbounded:
         return None
     moves = mechanism(finer, assembly, joints, best.velocity)

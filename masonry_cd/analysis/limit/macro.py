@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Options, by_solver, refuse_crushed, searched, searched_finely
+from masonry_cd.analysis.limit.analysis import by_solver, refuse_crushed, searched, searched_finely
 from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, Candidate, alike, dilation
 from masonry_cd.analysis.limit.crushing import solved_finely
 from masonry_cd.analysis.limit.from_mechanisms import Searched, begun_at
@@ -146,7 +146,7 @@ def _free(
 
 def _searched(problem: LimitProblem, begin: tuple[int, int], known: Sequence[np.ndarray]) -> tuple[Optimum, LeastFound | None]:
     """The associated answer of a problem and the least one without dilation, from so many starts of a seed and from known mechanisms."""
-    problem, best = solved_finely(problem, lambda finer: by_solver(finer, finer.dead, finer.live, MOST, Options()))
+    problem, best = solved_finely(problem, lambda finer: by_solver(finer, finer.dead, finer.live, MOST))
 
     def search(finer: LimitProblem) -> LeastFound | None:
         own = Searched(searched(finer, best, *begin), begin[0])

@@ -21,7 +21,6 @@ supports for V. With w_1 = 1 there, -lambda is what the supports still bear of i
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -279,9 +278,3 @@ def _assemble(rows: np.ndarray, ends: np.ndarray, assembly: Assembly, axis: int 
 
 def _with_column(matrix: csr_matrix, column: np.ndarray) -> csr_matrix:
     return hstack([matrix, csr_matrix(column[:, None])], format="csr")
-
-
-def regular(sides: int) -> np.ndarray:
-    """So many directions, evenly spread over a circle, (sides, 2)."""
-    turn = 2.0 * math.pi * np.arange(sides) / max(sides, 1)
-    return np.array([[math.cos(a), math.sin(a)] for a in turn]).reshape(-1, 2)

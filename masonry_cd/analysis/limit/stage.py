@@ -106,7 +106,7 @@ class Stages:
             if known is not None:
                 moves = mechanism(problem, placed, joints, known.velocity)
                 return Stage(placed, loads, pulling, joints, problem, known, moves, known.factor, deepest)
-        best, _ = largest_factor(problem, self.options)
+        best, _ = largest_factor(problem)
         self.stopped += bool(best.stopped)
         associated, moves = best.factor, mechanism(problem, placed, joints, best.velocity)
         if self.options.starts:
@@ -126,7 +126,7 @@ class Stages:
 
     def _from_held(self, problem: LimitProblem) -> Optimum | None:
         """The answer without dilation of a problem whose associated factor is not finite, None where there is none or it is."""
-        best = by_solver(problem, problem.dead, problem.live, HELD, self.options)
+        best = by_solver(problem, problem.dead, problem.live, HELD)
         if best.factor < 0.99 * HELD:
             return None
         least = (least_factor_in_space if self.axis is None else least_factor)(problem, best, 1, self.options.seed)
@@ -155,7 +155,7 @@ class Stages:
     def bears(self, moved: Moved) -> bool:
         """Whether any factor of the load is borne by blocks where they are."""
         try:
-            largest_factor(self._problem(moved.assembly, moved.loads, moved.joints)[1], self.options)
+            largest_factor(self._problem(moved.assembly, moved.loads, moved.joints)[1])
         except Unbounded:
             return False
         return True
@@ -167,7 +167,7 @@ class Stages:
             Unbounded: no answer of the solver.
         """
         pulling, problem = self._problem(moved.assembly, moved.loads, moved.joints)
-        best = least_unborne(problem) if self.axis is not None else least_unborne_in_space(problem, self.options.sides)
+        best = least_unborne(problem) if self.axis is not None else least_unborne_in_space(problem)
         moves = mechanism(problem, moved.assembly, moved.joints, best.velocity)
         return Stage(moved.assembly, moved.loads, pulling, moved.joints, problem, best, moves, best.factor, moved.deepest)
 

@@ -55,7 +55,6 @@ def build(
     for name in formats:
         if name != JSON:
             meshfile.require_writer(folder / f"blocks.{name}")
-    import structures
     from masonry_cd.app.case import make_structures
 
     try:
@@ -64,7 +63,7 @@ def build(
         if picture:
             say(_problem_drawn(fault, folder))
         raise
-    found = structures.report(made.blocks)
+    found = summary.report(made.blocks)
     warnings = [*summary.warnings(found), *_doubts(scene, made)]
     own_files.begin(folder, marks)
     written, nameless = _write_blocks(made, folder, formats)
@@ -122,7 +121,7 @@ def _write_plan(scene: Scene, folder: Path, picture: bool) -> list[Path]:
     """Write the plan of a building."""
     from masonry_cd.app import plan_files
 
-    return plan_files.write_plan_files(scene, folder, picture) if plan_files.is_of_plan(scene) else []
+    return plan_files.write_plan_files(scene, folder, picture)
 
 
 def _draw(scene: Scene, made: Made, folder: Path, picture: bool) -> list[Path]:

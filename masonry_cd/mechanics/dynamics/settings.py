@@ -11,10 +11,12 @@ from pydantic import Field, WithJsonSchema, model_validator
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Count, Flag, Number, Table, Vector, is_number
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
+from masonry_cd.mechanics.model.usual import ACCELERATIONS
 from masonry_cd.mechanics.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 from masonry_cd.mechanics.solvers.solver_name import SolverName
 
+EARTH = Usual(9.5, 10.5, "gravity on earth is 9.81 m/s2", ACCELERATIONS, size=True)
 ACCEPT = 10.0  # natural map error that is accepted, in tolerances
 WAIT = 5.0  # by which twice the duration is exceeded at most where a run waits for its blocks to be still [s]
 UNTIL_LOADS_END = 0.0  # as run.duration before the loads are known: it follows from them
@@ -77,7 +79,7 @@ class Run(Table):
     """Let elastic joints take up the weight and the tension of ties before the run; else both come upon them at once, and they swing."""
     first_velocities: FirstVelocities | None = None
     """Velocities that the blocks begin with, drawn at random, {size, seed}; at rest when not given."""
-    gravity: Annotated[Vector, Unit("m/s2")] = (0.0, 0.0, -9.81)
+    gravity: Annotated[Vector, Unit("m/s2"), EARTH] = (0.0, 0.0, -9.81)
     """Acceleration of gravity, a vector."""
 
     @model_validator(mode="before")

@@ -14,6 +14,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Number, Table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.by_group import by_group, numbers, of_group
+from masonry_cd.mechanics.model.usual import DAMPING, YOUNG
 
 RIGID, UNIFORM, TETRAHEDRA = KINDS = ("rigid", "uniform", "tetrahedra")  # of blocks
 POISSON = 0.2  # ratio, when not given
@@ -36,11 +37,11 @@ class ElasticBlocks(Table):
     ``default``. Where "rigid" is given for all, the keys below have no effect."""
     mesh_size: Annotated[Value, Unit("m"), *numbers(1e-6, 1e6)] | None = None
     """Size of the elements of tetrahedra, one value or values by group; larger than a block: as few as it can have."""
-    young: Annotated[Value, Unit("Pa"), *numbers(SOFTEST, STIFFEST, "Pa (1.5 GPa is 1.5e9)")] | None = None
+    young: Annotated[Value, Unit("Pa"), YOUNG, *numbers(SOFTEST, STIFFEST, "Pa (1.5 GPa is 1.5e9)")] | None = None
     """Young's modulus of blocks that deform, one value or values by group."""
     poisson: Annotated[Value, *numbers(0.0, 0.49)] = POISSON
     """Poisson's ratio of blocks that deform, one value or values by group."""
-    damping: Annotated[Value, *numbers(0.0, 10.0)] = 0.0
+    damping: Annotated[Value, DAMPING, *numbers(0.0, 10.0)] = 0.0
     """Viscous damping of blocks that deform, as a share of the critical damping of a vibration of ``damping_frequency``; proportional to
     the frequency of others. One value or values by group."""
     damping_frequency: Annotated[Value, Unit("Hz"), *numbers(1e-3, 1e6)] | None = None

@@ -19,6 +19,7 @@ from masonry_cd.foundation.fields import Flag, Number, Table
 from masonry_cd.foundation.quantities import pressure
 from masonry_cd.foundation.table_schema import Schema, table_schema
 from masonry_cd.foundation.units import Unit
+from masonry_cd.mechanics.model.usual import BOND, COMPRESSION, DENSITY, YOUNG
 
 MPA = 1e6  # [Pa]
 KN_PER_M3 = 1e3 / 9.80665  # density of what weighs a kilonewton per cubic metre [kg/m3]
@@ -108,7 +109,7 @@ KINDS = {
 }  # fmt: skip
 """By plain English names."""
 
-Modulus = Annotated[Number, Unit("Pa"), Field(ge=1e5, le=1e13)]
+Modulus = Annotated[Number, Unit("Pa"), YOUNG, Field(ge=1e5, le=1e13)]
 Stress = Annotated[Number, Unit("Pa"), Field(ge=1.0, le=1e10)]
 
 
@@ -134,11 +135,11 @@ class Masonry(Table):
     """Young's modulus of the masonry instead of the table's; G follows in proportion where it is not given."""
     G: Modulus | None = None
     """Shear modulus instead of the table's."""
-    density: Annotated[Number, Unit("kg/m3"), Field(ge=100.0, le=1e4)] | None = None
+    density: Annotated[Number, Unit("kg/m3"), DENSITY, Field(ge=100.0, le=1e4)] | None = None
     """Instead of the table's."""
-    compressive_strength: Stress | None = None
+    compressive_strength: Annotated[Stress, COMPRESSION] | None = None
     """Instead of the table's f."""
-    bed_strength: Stress | None = None
+    bed_strength: Annotated[Stress, BOND] | None = None
     """Instead of the table's f_v0, shear strength of beds without compression."""
 
     @field_validator("kind")

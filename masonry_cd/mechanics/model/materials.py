@@ -17,8 +17,10 @@ from masonry_cd.mechanics.model.joint_laws.friction import Friction
 from masonry_cd.mechanics.model.joint_laws.rolling import RollingFriction
 from masonry_cd.mechanics.model.masonry_kinds import RIGID, Masonry, MasonryKey
 from masonry_cd.mechanics.model.strength import KEY, Strength
+from masonry_cd.mechanics.model.usual import DENSITY
 
-LIGHTEST, HEAVIEST = 0.1, 1e6  # density [kg/m3], what numbers bear; what masonry has is in masonry_cd/app/ranges.py
+LIGHTEST, HEAVIEST = 0.1, 1e6  # density [kg/m3], what numbers bear; what masonry has is in usual.py
+_DENSITY = {"type": "number", "minimum": LIGHTEST, "maximum": HEAVIEST}
 
 
 class Material(ElasticBlocks):
@@ -27,7 +29,7 @@ class Material(ElasticBlocks):
     masonry: MasonryKey = None
     """Kind of existing masonry, which gives density, stiffness of the joints, and strength where stress is reported, by tables C8.5.I and
     C8.5.II of Circolare 7/2019: its name, or a table. Other keys of [material] and [material.joints] win."""
-    density: Annotated[Number, Unit("kg/m3"), WithJsonSchema({"type": "number", "minimum": LIGHTEST, "maximum": HEAVIEST})] | None = None
+    density: Annotated[Number, Unit("kg/m3"), DENSITY, WithJsonSchema(_DENSITY)] | None = None
     """Of every block that brings none of its own; that of the masonry when not given; a block file whose blocks all state theirs needs
     none."""
     friction: Friction

@@ -11,11 +11,14 @@ import numpy as np
 from masonry_cd.foundation.fields import Number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.by_group import numbers, of_group
+from masonry_cd.mechanics.model.usual import COMPRESSION
 
 WEAKEST, STRONGEST = 0.1, 1e10  # [Pa]: a value in MPa is doubted, not refused; up to more than any ceramic
 KEY = "compressive_strength"
 
-Strength: TypeAlias = Annotated[Number | dict[str, Number] | None, Unit("Pa"), *numbers(WEAKEST, STRONGEST, "Pa (5 MPa is 5e6)")]
+Strength: TypeAlias = Annotated[
+    Number | dict[str, Number] | None, Unit("Pa"), COMPRESSION, *numbers(WEAKEST, STRONGEST, "Pa (5 MPa is 5e6)")
+]
 
 
 def strength_by_group(given: float | Mapping[str, float] | None, groups: Sequence[str]) -> np.ndarray:

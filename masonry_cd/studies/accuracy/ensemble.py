@@ -33,10 +33,11 @@ from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.app.case import prepare
 from masonry_cd.app.result import Result, Say
 from masonry_cd.app.scene import Scene
+from masonry_cd.foundation.csv_files import write_rows
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import in_words, length
-from masonry_cd.studies.accuracy.measurement import Measurement, write_rows
+from masonry_cd.studies.accuracy.measurement import Measurement, nine_digits
 from masonry_cd.studies.accuracy.picture import Diagram, Panel, Point, exponent
 from masonry_cd.studies.study.checks import scene_of_run
 from masonry_cd.studies.study.of_scene import SIZE, space_of, tables_of
@@ -204,9 +205,8 @@ def ensembles(plan: EnsemblePlan, folder: Path, options: Options, say: Say) -> R
     found = measured(plan.maker.study.title, rows)
     facts = {"format": 1, "title": plan.maker.study.title, "settings": found.rows, "lines": found.lines, "warnings": found.warnings}
     write_json(folder / JSON, facts)
-    write_rows(
-        [one.setting._asdict() | {"member": k} | member_cells(row) for one in rows for k, row in enumerate(one.members)], folder / MEMBERS
-    )
+    members = [one.setting._asdict() | {"member": k} | member_cells(row) for one in rows for k, row in enumerate(one.members)]
+    write_rows(folder / MEMBERS, nine_digits(members))
     return Result(found, found.lines, found.warnings, [*found.write(folder), folder / JSON, folder / MEMBERS])
 
 

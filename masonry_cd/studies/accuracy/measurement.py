@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.csv_files import write_rows
 from masonry_cd.foundation.text_tables import markdown
 from masonry_cd.studies.accuracy.picture import Diagram, draw
 
@@ -30,7 +30,7 @@ class Measurement:
 
     def write(self, folder: Path) -> list[Path]:
         """Write accuracy.csv, accuracy.md and accuracy.png; their paths."""
-        write_rows(self.rows, folder / CSV)
+        write_rows(folder / CSV, nine_digits(self.rows))
         lines = [*(f"- {line}" for line in self.lines), *(f"- **{line}**" for line in self.warnings)]
         with replacing(folder / MARKDOWN) as part:
             part.write_text("\n".join([f"# {self.heading}", "", table(self.read), *lines]) + "\n", encoding="utf-8")
@@ -38,9 +38,9 @@ class Measurement:
         return [folder / name for name in OUTPUTS]
 
 
-def write_rows(rows: Sequence[Row], path: Path) -> None:
-    """Write rows as CSV, nine digits."""
-    write_csv(path, rows[0], ([f"{v:.9g}" if isinstance(v, float) else v for v in row.values()] for row in rows))
+def nine_digits(rows: Sequence[Row]) -> list[Row]:
+    """Rows for CSV."""
+    return [{key: f"{v:.9g}" if isinstance(v, float) else v for key, v in row.items()} for row in rows]
 
 
 def table(rows: Sequence[Row]) -> str:

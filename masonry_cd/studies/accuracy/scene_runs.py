@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.deformed import base_shift, solids_of
+from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.result import Say
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
@@ -141,7 +142,11 @@ def run_rows(
 
 
 def run_once(scene: Scene, repeats: int = 1) -> tuple[dict[str, Any], Motion]:
-    """Run a scene in a folder that is thrown away; its summary, with median times, and its motion."""
+    """Run a scene in a folder that is thrown away; its summary, with median times, and its motion.
+
+    Raises:
+        Interrupted: by a signal; half a run is none to compare.
+    """
     from masonry_cd.app.case import prepare
     from masonry_cd.app.run_case import run_case
 
@@ -149,6 +154,8 @@ def run_once(scene: Scene, repeats: int = 1) -> tuple[dict[str, Any], Motion]:
     for _ in range(repeats):
         with TemporaryDirectory() as folder:
             summaries.append(run_case(prepare(scene), Path(folder)))
+            if summaries[-1]["signal"]:
+                raise Interrupted(summaries[-1]["signal"])
             with Results.open(Path(folder) / "result.h5") as results:
                 motion = motion_of(results)
     for key in ("stepping_seconds", "wall_seconds"):

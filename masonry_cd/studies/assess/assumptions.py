@@ -5,7 +5,7 @@ joint stiffness   rigid; E the largest, the mean and the least of the masonry's 
 friction          20 % to either side, or the range that [assess] states
 block size        times 0.7 and 1.4, where the kind of structure has a key for it
 bond              straight joints, another seed, where the kind has a key for it
-fill              of a bridge: its resistance, how it spreads wheels, its pressure, its angle of friction
+others            what a kind of structure says may be assumed of it, as of the fill of a bridge
 damping           0, 2 and 5 % of critical, on elastic joints; where the scene's are rigid, all of them on joints of the mean E
 joint points      over the depth of elastic joints that open: 5, 7, 11 and 15
 time step         half of it
@@ -15,11 +15,11 @@ tolerance         a tenth of it
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from loads import kind_of
+import loads
 from masonry_cd.analysis.assessment.assessment import Known
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.case import make_structures
@@ -28,10 +28,11 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.settings import AUTO, LONGEST_STEP, RUNGS
 from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
-from structures.variants import rebonded, refilled, resized
+from structures.kind import StructureKind
 
 Tables = dict[str, Any]
 Change = Callable[[Tables], None]
+Structures = list[tuple[StructureKind, Tables]]
 
 STIFFNESS, FRICTION, SIZE, BOND, DAMPING, POINTS, STEP, TOLERANCE = (
     "joint stiffness", "friction", "block size", "bond", "damping", "joint points", "time step", "tolerance",
@@ -96,7 +97,7 @@ def assumptions_of(scene: Scene, tables: Tables, shakes: bool) -> tuple[list[Ass
     asked = scene.assess
     stiffness = _stiffness(scene, asked)
     size, refused = _size(scene, tables)
-    found: list[Assumption | LeftOut] = [stiffness, _friction(tables, asked), size, _bond(tables), *_fill(tables)]
+    found: list[Assumption | LeftOut] = [stiffness, _friction(tables, asked), size, *_of_kinds(scene, tables)]
     found += [_damping(scene, asked, stiffness), _points(scene), _step(tables), _tolerance(scene)]
     known, left = [], [] if SIZE in asked.leave_out else refused
     for one in found:
@@ -215,11 +216,11 @@ def _size(scene: Scene, tables: Tables) -> tuple[Assumption | LeftOut, list[Left
     """Smaller and larger blocks, and what larger ones are refused for: openings and corners leave them no place."""
     levels: list[Level] = []
     refused: list[LeftOut] = []
+    every = _structures(scene, tables)
+    if not any(kind.resized for kind, _ in every):
+        return LeftOut(SIZE, f"{_kinds(tables)} has no key for the size of its blocks"), []
     for factor in (SMALLER, LARGER):
-        made = [resized(table, factor) for table in _structures(tables)]
-        if not any(made):
-            return LeftOut(SIZE, f"{_kinds(tables)} has no key for the size of its blocks"), []
-        level = Level(f"x {factor:g}", _put(made), factor**-2.5)
+        level = Level(f"x {factor:g}", _put([kind.resized(table, factor) if kind.resized else None for kind, table in every]), factor**-2.5)
         why = _refusal(scene, tables, level) if factor == LARGER else ""
         if why:
             refused.append(LeftOut(f"{SIZE} {level.name}", why))
@@ -239,48 +240,46 @@ def _refusal(scene: Scene, tables: Tables, level: Level) -> str:
     return ""
 
 
-def _bond(tables: Tables) -> Assumption | LeftOut:
-    """The other bonds that the structures have keys for; structures of one kind together."""
-    every = [dict(rebonded(table)) for table in _structures(tables)]
-    return _put_in_turn(BOND, every, f"{_kinds(tables)} has no key for its bond")
+def _of_kinds(scene: Scene, tables: Tables) -> Iterator[Assumption | LeftOut]:
+    """Other bonds, and what else may be assumed of structures of these kinds; those of one kind together."""
+    every = _structures(scene, tables)
+    crossed = any((kind := loads.kind_of(load)) is not None and kind.places is not None for load in tables.get("loads") or ())
+    yield _in_turn(BOND, every, [kind.bonds(table) for kind, table in every], f"{_kinds(tables)} has no key for its bond")
+    for name in dict.fromkeys(name for kind, _ in every for name in kind.assumptions):
+        found = [kind.assumptions[name](table, crossed) if name in kind.assumptions else {} for kind, table in every]
+        why = next((one for one in found if isinstance(one, str)), "")
+        yield _in_turn(name, every, [{} if isinstance(one, str) else one for one in found], why)
 
 
-def _fill(tables: Tables) -> list[Assumption | LeftOut]:
-    """What else may be assumed of the fill of bridges; nothing of scenes without one."""
-    every = [refilled(table) for table in _structures(tables)]
-    crossed = any((kind := kind_of(load)) is not None and kind.places is not None for load in tables.get("loads") or ())
-    found = list[Assumption | LeftOut]()
-    for about in dict.fromkeys(about for one in every for about in one):
-        made = [dict(one.get(about, ())) for one in every]
-        name = f"fill {about}"
-        unused = about == "spread" and not crossed
-        why = "no vehicle stands on it" if unused else "it presses nothing that may move"
-        found.append(LeftOut(name, why) if unused else _put_in_turn(name, made, why))
-    return found
+def _in_turn(name: str, every: Structures, found: list[Tables], why: str) -> Assumption | LeftOut:
+    """An assumption whose levels are other keys of the structures, by their names; left out for a reason where there are none."""
+    names = dict.fromkeys(level for one in found for level in one)
+    made = {level: [table | one[level] if level in one else None for (_, table), one in zip(every, found, strict=True)] for level in names}
+    levels = tuple(Level(level, _put(tables)) for level, tables in made.items())
+    return Assumption(name, "as given", levels, statics=True) if levels else LeftOut(name, why)
 
 
-def _put_in_turn(assumption: str, every: list[Tables], why: str) -> Assumption | LeftOut:
-    """An assumption whose levels are other tables of the structures, by their names; left out where there are none."""
-    names = dict.fromkeys(name for found in every for name in found)
-    levels = [Level(name, _put([found.get(name) for found in every])) for name in names]
-    return Assumption(assumption, "as given", tuple(levels), statics=True) if levels else LeftOut(assumption, why)
+def _structures(scene: Scene, tables: Tables) -> Structures:
+    """The structures, one or several: the kind and the table of each."""
+    from structures import kind_of
+
+    return [(kind_of(str(table["kind"]), scene.folder), table) for table in _tables_of(tables)]
 
 
-def _structures(tables: Tables) -> list[Tables]:
-    """The tables of the structures, one or several."""
+def _tables_of(tables: Tables) -> list[Tables]:
     return list(tables.get("structures") or [tables["structure"]])
 
 
 def _kinds(tables: Tables) -> str:
     """The kinds of the structures, in words."""
-    return "a structure of kind " + ", ".join(dict.fromkeys(f'"{table.get("kind")}"' for table in _structures(tables)))
+    return "a structure of kind " + ", ".join(dict.fromkeys(f'"{table["kind"]}"' for table in _tables_of(tables)))
 
 
-def _put(made: list[Tables | None]) -> Change:
+def _put(made: Sequence[Tables | None]) -> Change:
     """Puts structures into the place of those that they were made of; None leaves one as it is."""
 
     def change(tables: Tables) -> None:
-        now = [copy.deepcopy(new) if new is not None else old for new, old in zip(made, _structures(tables), strict=True)]
+        now = [copy.deepcopy(new) if new is not None else old for new, old in zip(made, _tables_of(tables), strict=True)]
         if tables.get("structures"):
             tables["structures"] = now
         else:

@@ -7,12 +7,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.analysis.fragility.limits import LimitTable
+from masonry_cd.analysis.fragility.limits import BOUND, LimitTable
 from masonry_cd.app.case import prepare, structure_of
-from masonry_cd.app.ranges import RANGES
 from masonry_cd.app.scene import Origin, Scene, scene_of
 from masonry_cd.app.scene_text import dump_toml
-from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.plan import Maker, Plan
 from masonry_cd.studies.study.space import Asked, Space
 from masonry_cd.studies.study.study_file import Study
@@ -77,11 +76,11 @@ def check_first(plan: Plan) -> tuple[str, ...]:
 
 def bound_doubts(states: Mapping[str, LimitTable]) -> list[str]:
     """A line on each bound of a limit state that is likely in another unit."""
-    usual, out = RANGES["bound"], []
+    out = []
     for name, state in states.items():
-        if state.above is not None and UNITS.get(state.quantity) == "m" and not usual.holds(state.above):
-            meant = usual.meant(state.above, 1.0)
-            out.append("; ".join(filter(None, [f"limit_states.{name}.above = {state.above:g} m: {usual.reason}", meant])))
+        if state.above is not None and UNITS.get(state.quantity) == "m" and not BOUND.holds(state.above):
+            meant = BOUND.meant(state.above, "m")
+            out.append("; ".join(filter(None, [f"limit_states.{name}.above = {state.above:g} m: {BOUND.reason}", meant])))
     return out
 
 
@@ -103,17 +102,11 @@ def _some_level(study: Study) -> float | None:
 def _try(tables: dict[str, Any], key: str) -> None:
     """Read the tables as those of a scene; where the structure varies, build it."""
     import loads
-    from structures.size import KEY
-    from structures.tables import CommonTable, table_of
 
     scene = scene_of_run(tables)
     for i, table in enumerate(scene.loads):
         loads.parse_load(table, f"loads[{i}]")
     if key.startswith(BUILT):
-        model = table_of(str(scene.structure.get("kind")))
-        common = {"kind", KEY, *CommonTable.model_fields}
-        if model is not None:
-            parse_table(model, {name: value for name, value in scene.structure.items() if name not in common}, "structure")
         structure_of(scene)
 
 

@@ -48,32 +48,6 @@ def test_a_flat_block_slides_at_its_friction_in_every_direction(degrees):
     assert STATES[found.associated.mechanism.state[0]] == "slide"
 
 
-def test_pyramids_inside_the_cones_give_less_and_come_closer_with_their_sides():
-    blocks = [ground(3.0), box("a", (0.0, -0.2, 0.0), (2.0, 1.8, 0.4))]
-    direction = (math.cos(0.35), math.sin(0.35), 0.0)
-    few, many = (pushed(blocks, 0.6, direction, options=Options(sides=n, starts=0)).associated.factor for n in (4, 32))
-    assert few < many < 0.6
-    assert many == pytest.approx(0.6, rel=1 - math.cos(math.pi / 32))
-    assert few < 0.55
-
-
-def test_a_search_without_dilation_has_circular_cones():
-    blocks = [ground(3.0), box("a", (0.0, -0.2, 0.0), (2.0, 1.8, 0.4))]
-    with pytest.raises(InputError, match="in space, sliding without dilation is searched for with circular cones"):
-        pushed(blocks, 0.6, options=Options(sides=8, starts=1))
-
-
-@pytest.mark.parametrize("law", [JointLaw(), JointLaw(cohesion=1000.0, tension=500.0, normal_stiffness=1e10)])
-def test_pyramids_bear_a_little_less_than_cones_with_forces_and_a_mechanism_that_belong_together(law):
-    blocks = [ground(3.0), box("a", (0.0, -0.2, 0.0), (0.9, 0.6, 0.5)), box("b", (0.3, 0.1, 0.5), (1.0, 0.8, 1.0))]
-    cones, pyramids = (
-        pushed(blocks, 0.4, (1.0, 0.37, 0.0), {"default": law}, Options(sides=sides, starts=0)).associated for sides in (0, 8)
-    )
-    assert cones.factor * math.cos(math.pi / 8) - 1e-6 < pyramids.factor < cones.factor - 1e-4
-    assert pyramids.certificate.gap < 1e-6
-    assert max(pyramids.certificate.equilibrium, pyramids.certificate.friction) < 1e-6
-
-
 def test_cohesion_adds_its_share_to_sliding():
     area, weight = 4.0, 2000.0 * GRAVITY * 4.0 * 0.4
     law = {"default": JointLaw(cohesion=1000.0)}

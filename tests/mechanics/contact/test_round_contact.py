@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from models import box
+from models import box, material_of
 from scipy.optimize import nnls
 
 from masonry_cd.mechanics.contact.contact_set import ContactSet
@@ -11,7 +11,6 @@ from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.contact.round_contact import round_depths
 from masonry_cd.mechanics.model.blocks import Assembly, Block, Shapes
-from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 RADIUS = 0.25
@@ -23,7 +22,7 @@ def ball(centre: tuple[float, float, float], name: str = "ball", radius: float =
 
 
 def detect(blocks: list[Block], slack: float = 0.1, rolling: float = 0.0) -> ContactSet:
-    assembly = Assembly.from_blocks(blocks, Material(friction=0.6, rolling_friction=rolling))
+    assembly = Assembly.from_blocks(blocks, material_of(0.6, rolling=rolling))
     state = State.at_rest(assembly)
     still = np.zeros((assembly.count, 6))
     return Detector(assembly).detect(state.position, rotation_matrices(state.orientation), still, 1e-3, slack, np.zeros(3))
@@ -85,7 +84,7 @@ def test_the_distance_from_a_polyhedron_is_that_from_its_convex_hull():
 
 
 def test_a_contact_that_rolls_stays_the_same():
-    assembly = Assembly.from_blocks([TABLE, ball((-0.9, -0.5, RADIUS))], Material(friction=0.6, rolling_friction=0.1))
+    assembly = Assembly.from_blocks([TABLE, ball((-0.9, -0.5, RADIUS))], material_of(0.6, rolling=0.1))
     state, detector = State.at_rest(assembly), Detector(assembly)
     velocity = np.zeros((2, 6))
     for turn in (0.0, 0.5, 1.0):
@@ -103,7 +102,7 @@ def test_rolling_friction_spreads_a_contact_along_the_rolling():
     two = detect([TABLE, ball((3.0, 0.0, 0.0), "a"), ball((3.0, 0.0, 0.45), "b", 0.2)], rolling=0.1)
     effective = RADIUS * 0.2 / (RADIUS + 0.2)
     assert np.linalg.norm(two.point - two.point.mean(axis=0), axis=1) == pytest.approx(np.full(4, 0.1 * effective))
-    assembly = Assembly.from_blocks([TABLE, ball((-0.5, -0.5, RADIUS))], Material(friction=0.6, rolling_friction=0.1))
+    assembly = Assembly.from_blocks([TABLE, ball((-0.5, -0.5, RADIUS))], material_of(0.6, rolling=0.1))
     velocity = np.zeros((2, 6))
     velocity[1, 3:] = [0.6, 0.8, 5.0]  # rolls along (0.8, -0.6)
     state = State.at_rest(assembly)
@@ -114,7 +113,7 @@ def test_rolling_friction_spreads_a_contact_along_the_rolling():
 
 
 def test_spheres_make_no_joints():
-    assembly = Assembly.from_blocks([TABLE, ball((-0.5, -0.5, RADIUS))], Material(friction=0.6, rolling_friction=0.1))
+    assembly = Assembly.from_blocks([TABLE, ball((-0.5, -0.5, RADIUS))], material_of(0.6, rolling=0.1))
     assert find_joints(assembly).count == 0
 
 

@@ -11,19 +11,19 @@ import pytest
 from models import GRAVITY, box, ground, stepper, tower
 
 import structures
+from benchmarks.noise import noisy
 from masonry_cd.mechanics.contact.find_joints import INEXACT, MOST_INEXACT, built_gap, find_joints, joint_parts
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import JointLaw
-from structures.noise import with_noise
 
 TABLE = {"kind": "aqueduct", "spans": 1, "pier_courses": 4}
 STEPS = 30
 TOLERANCE = 1e-8
 
 
-def aqueduct(size: float, **noise: Any) -> list[Block]:
-    return structures.build({**TABLE, "noise": {"size": size, **noise}}, 2000.0, Path())
+def aqueduct(size: float, axes: str = "xyz") -> list[Block]:
+    return noisy(structures.build(TABLE, 2000.0, Path()), size, axes)
 
 
 def stood(blocks: list[Block], **settings: Any) -> tuple[Stepper, list[int], list[float]]:
@@ -48,7 +48,7 @@ def pair_forces(machine: Stepper) -> dict[tuple[int, int], np.ndarray]:
 @pytest.mark.parametrize("size", [1e-6, 8e-6])
 def test_an_aqueduct_with_gaps_rests_as_the_exact_one_does(size: float, axes: str, dt: float) -> None:
     exact, usual, _ = stood(aqueduct(0.0), dt=dt, planar=axes == "xz")
-    noisy, iterations, errors = stood(aqueduct(size, axes=axes), dt=dt)
+    noisy, iterations, errors = stood(aqueduct(size, axes), dt=dt)
     assert max(errors) <= TOLERANCE
     assert sum(iterations) <= 2 * sum(usual)
     assert np.abs(noisy.state.position - noisy.assembly.centre).max() < 1e-9
@@ -60,7 +60,7 @@ def test_an_aqueduct_with_gaps_rests_as_the_exact_one_does(size: float, axes: st
 
 def test_no_impacts_are_seen_in_gaps_that_count_as_none() -> None:
     """At a short step the gap over the step is a speed of several g h."""
-    machine = stepper(aqueduct(8e-6, axes="xyz"), 3, solver="auto", tolerance=1e-6, dt=1e-4)
+    machine = stepper(aqueduct(8e-6), 3, solver="auto", tolerance=1e-6, dt=1e-4)
     assert not any(machine.step().apart for _ in range(3))
 
 
@@ -111,7 +111,7 @@ def test_mortar_bonds_over_gaps_as_built() -> None:
     law = {"default": JointLaw(normal_stiffness=1e10, cohesion=2e5)}
     shares = {}
     for size in (0.0, 4e-6):
-        machine = stepper(aqueduct(size, axes="xyz"), 2, joints=law, solver="auto", tolerance=1e-6, planar=False)
+        machine = stepper(aqueduct(size), 2, joints=law, solver="auto", tolerance=1e-6, planar=False)
         machine.step()
         joints = find_joints(machine.assembly)
         parts = {tuple(sorted(pair)): k for k, pair in enumerate(joint_parts(machine.assembly).tolist())}
@@ -125,11 +125,11 @@ def test_a_noisy_block_rocks_as_the_exact_one_does() -> None:
     """It changes edges several times: what counts as closed changes neither when nor how hard."""
     angles = []
     for size in (0.0, 1e-6):
-        blocks, _ = with_noise([ground(2.0), box("b", (-0.2, -0.2, 0.0), (0.2, 0.2, 1.6))], {"size": size, "axes": "xyz"})
+        blocks = noisy([ground(2.0), box("b", (-0.2, -0.2, 0.0), (0.2, 0.2, 1.6))], size)
         machine = stepper(blocks, 1500, dt=1e-3, friction=1.0, solver="auto", tolerance=1e-8, planar=False)
         machine.kick(np.array([[0.0] * 6, [0.48, 0.0, 0.0, 0.0, 0.6, 0.0]]))
         angles.append([(machine.step(), 2.0 * machine.state.orientation[1, 2])[1] for _ in range(1500)])
-    exact, noisy = np.array(angles)
+    exact, rough = np.array(angles)
     assert np.ptp(exact) > 0.15
     assert (np.diff(np.sign(exact)) != 0.0).sum() >= 2
-    assert np.abs(noisy - exact).max() < 1e-3
+    assert np.abs(rough - exact).max() < 1e-3

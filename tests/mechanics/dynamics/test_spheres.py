@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, gravity, ground, stepper
+from models import GRAVITY, box, gravity, ground, material_of, stepper
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
@@ -246,7 +246,7 @@ def test_spheres_do_not_deform():
 
 def test_rolling_friction_needs_spheres():
     with pytest.raises(InputError, match=r"material.rolling_friction: no block is a sphere"):
-        Assembly.from_blocks([ground(), box("b", (0, 0, 0), (1, 1, 1))], Material(friction=0.6, rolling_friction=0.1))
+        Assembly.from_blocks([ground(), box("b", (0, 0, 0), (1, 1, 1))], material_of(0.6, rolling=0.1))
 
 
 def test_a_sphere_lies_on_a_block_that_deforms():

@@ -218,12 +218,12 @@ def test_two_bridges_side_by_side_keep_their_fill_in_place() -> None:
 
 
 def test_spans_piers_walls_and_parapets_are_its_parts_by_name() -> None:
-    from structures.macro_elements.by_kind import macro_elements
+    from structures.macro_elements import macro_elements
 
     bridge = made(
         {**SPAN, "rings": 2}, SPAN, walls={**WALLS, "wing_length": 2.0, "parapet_height": 0.9}, piers=[{"height": 4.0}], cover=0.4
     )
-    parts = {part.name: part for part in macro_elements("bridge", bridge.blocks)}
+    parts = {part.name: part for part in macro_elements(bridge.blocks, structures.KINDS["bridge"].parts)}
     sides = [f"{what} {side}" for what in ("spandrel", "wing1", "wing2") for side in ("front", "back")]
     assert set(parts) == {"span arch1", "span arch2", "pier1", *sides, "parapet_front", "parapet_back"}
     rings = {bridge.blocks[b].group for b in parts["span arch1"].blocks}

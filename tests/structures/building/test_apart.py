@@ -17,7 +17,7 @@ ROOM = {"south": [[0, 0], [6, 0]], "east": [[6, 0], [6, 4]], "north": [[6, 4], [
 
 def notes(folder: Path, **axes: list[list[float]]) -> list[str]:
     walls = [{"name": n, "axis": [[float(x) for x in p] for p in a], "thickness": 0.6, "height": 1.0} for n, a in (ROOM | axes).items()]
-    return structures.build_with_notes({"kind": "building", "block_length": 1.5, "course_height": 0.5, "walls": walls}, 2000.0, folder)[1]
+    return structures.make({"kind": "building", "block_length": 1.5, "course_height": 0.5, "walls": walls}, 2000.0, folder)[1]
 
 
 @pytest.mark.parametrize(

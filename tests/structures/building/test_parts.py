@@ -16,6 +16,7 @@ from statics3d import assembled, can_stand, in_one_piece
 
 import structures
 from masonry_cd.foundation.errors import InputError
+from structures.kinds.building import KIND
 from structures.macro_elements import macro_elements
 
 SIDES = [wall("w", [[0, -1], [0, 1]], 0.6, 2.7), wall("e", [[4.6, -1], [4.6, 1]], 0.6, 2.7)]
@@ -155,7 +156,7 @@ def test_what_has_nothing_to_stand_on_is_a_fault_with_its_place(case: str) -> No
 def test_each_wall_and_vault_is_a_macro_element_and_a_wall_falls_across_its_axis() -> None:
     slanted = wall("slanted", [[0, 0], [3, 3]], 0.5)
     blocks = build("building", walls=[slanted, wall("b", [[0, 0], [4, 0]], top=[[0, 2.4], [2, 3.2], [4, 2.4]])])
-    found = {one.name: one for one in macro_elements("building", blocks)}
+    found = {one.name: one for one in macro_elements(blocks, KIND.parts)}
     assert np.abs(found["slanted"].directions[0][0]) == pytest.approx(0.5**0.5, abs=0.02)
     assert found["slanted"].directions[0][0] * found["slanted"].directions[0][1] < 0.0
     assert {"b, gable", "b, upper part", "b, in its plane"} <= found.keys()

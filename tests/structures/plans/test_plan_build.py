@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from masonry_cd.app.scene_schema import PLAN_FILE, plan_schema_text
 from masonry_cd.cli.app import app
-from structures.kinds.building import build, table_of
+from structures.kinds.building import build, plan_tables
 from structures.plans import open_plan
 
 SCENE = """title = "Hut"
@@ -75,10 +75,10 @@ def test_keys_of_the_scene_win_over_the_plan_and_lists_add_to_it(hut: Path):
         "course_height": 0.25,
         "walls": [{"name": "x", "axis": [[9, 0], [9, 3]], "thickness": 0.5, "height": 1.0}],
     }
-    keys = table_of(own, hut)
-    assert keys.course_height == 0.25
-    assert keys.block_length == 1.0
-    assert [wall.name for wall in keys.walls] == ["w1", "w2", "w3", "w4", "x"]
+    keys, _ = plan_tables(own, hut)
+    assert keys["course_height"] == 0.25
+    assert keys["block_length"] == 1.0
+    assert [wall["name"] for wall in keys["walls"]] == ["w1", "w2", "w3", "w4", "x"]
 
 
 def test_a_wrong_key_in_a_plan_is_named(hut: Path):

@@ -15,14 +15,15 @@ from masonry_cd.foundation.fields import Number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.joint_laws.elastic import ElasticKeys
 from masonry_cd.mechanics.model.joint_laws.law import JointHistory, Law, of_masonry
+from masonry_cd.mechanics.model.usual import BOND
 
 
 class BondKeys(ElasticKeys):
     """Of ``[material.joints]``."""
 
-    cohesion: Annotated[Number, Unit("Pa"), Field(ge=0)] = 0.0
+    cohesion: Annotated[Number, Unit("Pa"), BOND, Field(ge=0)] = 0.0
     """Shear strength without compression, of a joint that has not broken yet."""
-    tension: Annotated[Number, Unit("Pa"), Field(ge=0)] | None = None
+    tension: Annotated[Number, Unit("Pa"), BOND, Field(ge=0)] | None = None
     """Tensile strength of a joint that has not broken yet; when not given, cohesion / friction, where Mohr-Coulomb's line ends."""
 
     @model_validator(mode="after")

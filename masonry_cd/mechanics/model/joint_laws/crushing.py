@@ -16,6 +16,7 @@ from masonry_cd.foundation.quantities import pressure
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.joint_laws.elastic import JOINT_POINTS, ElasticKeys
 from masonry_cd.mechanics.model.joint_laws.law import JointHistory, Law
+from masonry_cd.mechanics.model.usual import COMPRESSION
 
 CRUSHING_POINTS = 11  # over the depth of a joint that crushes: its moment is right to 1.6 %
 
@@ -23,7 +24,7 @@ CRUSHING_POINTS = 11  # over the depth of a joint that crushes: its moment is ri
 class CrushingKeys(ElasticKeys):
     """Of ``[material.joints]``."""
 
-    compressive_strength: Annotated[Number, Unit("Pa"), Field(gt=0)] | None = None
+    compressive_strength: Annotated[Number, Unit("Pa"), COMPRESSION, Field(gt=0)] | None = None
     """Pressure at which the joint crushes; that of the masonry where ``masonry.crushing`` asks for it, else it never does. In a run the
     joint is to be elastic, and stays as much shorter as it was crushed."""
 

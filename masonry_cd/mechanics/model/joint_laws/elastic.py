@@ -13,12 +13,14 @@ from typing import Annotated
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from masonry_cd.foundation.fields import Number, Table
-from masonry_cd.foundation.units import Unit
+from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.joint_laws.law import Law, of_masonry
+from masonry_cd.mechanics.model.usual import DAMPING
 
 JOINT_POINTS = 9  # over the depth: the moment of an open joint is right to 1.9 %
 SOFTER_ALONG = 2.4  # k_n over k_t of a material with Poisson's ratio 0.2: 2 (1 + nu)
-Stiffness = Annotated[Number, Unit("N/m3"), Field(ge=1.0, le=1e20)]  # on 1 Pa such joints shorten by a metre, and by less than rounding
+STIFF = Usual(1e8, 1e15, "joints of masonry have 1e8 to 1e13 N/m3", ("N/mm3", "MN/m3", "kN/m3"))
+Stiffness = Annotated[Number, Unit("N/m3"), STIFF, Field(ge=1.0, le=1e20)]  # on 1 Pa they shorten by a metre, and by less than rounding
 
 
 class ElasticKeys(Table):
@@ -34,7 +36,7 @@ class ElasticKeys(Table):
     1.9 % too strong with 9, 3.3 % with 7, 37 % with 3, which take up to a third less time."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
     """Of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
-    damping: Annotated[Number, Field(ge=0, le=10)] = 0.0
+    damping: Annotated[Number, DAMPING, Field(ge=0, le=10)] = 0.0
     """Of a dashpot beside the spring, as a share of the critical damping of a vibration at the first elastic period of the structure, or of
     ``damping_frequency`` where that is given; proportional to the frequency of others."""
     damping_frequency: Annotated[Number, Unit("Hz"), Field(gt=0, le=1e6)] | None = None

@@ -16,6 +16,7 @@ import numpy as np
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Number, is_number
 from masonry_cd.mechanics.model.by_group import by_group, pair_in_words, pair_table
+from masonry_cd.mechanics.model.usual import FRICTION
 
 KEY = "material.friction"
 ROUGHEST = 20  # coefficient of friction: beyond, an angle was meant
@@ -30,7 +31,7 @@ def _wrong(mu: Any) -> str:
 
 
 _SCHEMA = {"type": "number", "minimum": 0, "maximum": ROUGHEST}
-Friction: TypeAlias = Annotated[Number | dict[str, Number], *by_group(_wrong, _SCHEMA)]
+Friction: TypeAlias = Annotated[Number | dict[str, Number], FRICTION, *by_group(_wrong, _SCHEMA)]
 
 
 def friction_table(friction: float | Mapping[str, float], groups: Sequence[str]) -> np.ndarray:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Structures of other blocks: as many more as their size says, in the same outline."""
+"""What a kind says of itself: blocks of another size fill the same outline, other bonds are other blocks, other fills the same."""
 
 from __future__ import annotations
 
+import copy
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 import structures
-from structures.variants import rebonded, refilled, resized
+from structures import kind_of
 
 TABLES: list[dict[str, Any]] = [
     {"kind": "arch", "span": 4.0, "thickness": 0.4, "voussoirs": 15},
@@ -50,10 +51,11 @@ def volume(corners: np.ndarray) -> float:
 @pytest.mark.parametrize("table", TABLES, ids=lambda table: str(table["kind"]))
 def test_smaller_blocks_are_more_and_fill_the_same(table: dict[str, Any]) -> None:
     count, filled, high = built(table)
+    resized = kind_of(table["kind"]).resized
+    assert resized is not None
+    given = copy.deepcopy(table)
     small, large = (resized(table, factor) for factor in (0.7, 1.4))
-    assert small is not None
-    assert large is not None
-    assert table == dict(table)  # the table that was given is left as it was
+    assert table == given
     more, same, as_high = built(small)
     assert more > 1.2 * count
     assert built(large)[0] < count
@@ -61,9 +63,9 @@ def test_smaller_blocks_are_more_and_fill_the_same(table: dict[str, Any]) -> Non
     assert as_high == pytest.approx(high, rel=0.02)
 
 
-def test_blocks_of_a_file_have_no_size() -> None:
-    assert resized({"kind": "file", "path": "blocks.json"}, 0.7) is None
-    assert rebonded({"kind": "file", "path": "blocks.json"}) == []
+def test_blocks_of_a_file_have_no_size_and_no_bond() -> None:
+    assert kind_of("file").resized is None
+    assert kind_of("file").bonds({"kind": "file", "path": "blocks.json"}) == {}
 
 
 @pytest.mark.parametrize(
@@ -74,17 +76,16 @@ def test_blocks_of_a_file_have_no_size() -> None:
         ({"kind": "vault", "voussoirs": 9}, ["straight joints between rings"]),
         ({"kind": "aqueduct", "spans": 1}, ["whole courses in piers"]),
         ({"kind": "wall", "leaves": 2}, ["half the through-stones"]),
-        ({"kind": "wall", "noise": {"size": 1e-6, "seed": 4}}, ["other seed of the noise"]),
         ({"kind": "arch", "span": 4.0, "thickness": 0.4}, []),
         ({"kind": "bridge", "spans": [{"span": 5.0, "rise": 1.5, "thickness": 0.6, "rings": 3}]}, ["rings as one"]),
     ],
 )
 def test_other_bonds_are_other_blocks(table: dict[str, Any], names: list[str]) -> None:
-    found = rebonded(table)
-    assert [name for name, _ in found] == names
+    found = kind_of(table["kind"]).bonds(table)
+    assert list(found) == names
     first = structures.make(table, 2000.0, Path()).blocks
-    for _, other in found:
-        made = structures.make(other, 2000.0, Path()).blocks
+    for keys in found.values():
+        made = structures.make(table | keys, 2000.0, Path()).blocks
         same = len(made) == len(first) and all(np.array_equal(a.vertices, b.vertices) for a, b in zip(made, first, strict=True))
         assert not same
 
@@ -97,17 +98,19 @@ def test_other_fills_are_the_same_blocks_under_other_assumptions() -> None:
         "walls": {"thickness": 0.4},
     }
     (first,) = structures.make(table, 2000.0, Path()).fills
-    found = refilled(table)
-    assert {about: [name for name, _ in some] for about, some in found.items()} == {
-        "resistance": ["none", "twice"],
-        "spread": ["2:1"],
-        "pressure": ["active", "none"],
-        "angle": ["25 degrees", "35 degrees"],
+    assumptions = kind_of("bridge").assumptions
+    found = {name: dict(assume(table, True)) for name, assume in assumptions.items()}
+    assert {name: list(some) for name, some in found.items()} == {
+        "fill resistance": ["none", "twice"],
+        "fill spread": ["2:1"],
+        "fill pressure": ["active", "none"],
+        "fill angle": ["25 degrees", "35 degrees"],
     }
-    made = {about: [structures.make(other, 2000.0, Path()).fills[0] for _, other in some] for about, some in found.items()}
-    assert [(fill.passive, fill.passive_shaken) for fill in made["resistance"]] == [(0.0, 0.0), (1.0, 0.6)]
-    assert [fill.spread for fill in made["spread"]] == ["2:1"]
-    assert [fill.coefficients[fill.pressure] for fill in made["pressure"]] == pytest.approx([1.0 / 3.0, 0.0])
-    assert made["angle"][0].coefficients["passive"] < first.coefficients["passive"] < made["angle"][1].coefficients["passive"]
-    assert refilled({"kind": "wall"}) == {}
-    assert refilled({**table, "walls": None})["pressure"] == []
+    made = {name: [structures.make(table | keys, 2000.0, Path()).fills[0] for keys in some.values()] for name, some in found.items()}
+    assert [(fill.passive, fill.passive_shaken) for fill in made["fill resistance"]] == [(0.0, 0.0), (1.0, 0.6)]
+    assert [fill.spread for fill in made["fill spread"]] == ["2:1"]
+    assert [fill.coefficients[fill.pressure] for fill in made["fill pressure"]] == pytest.approx([1.0 / 3.0, 0.0])
+    loose, dense = (fill.coefficients["passive"] for fill in made["fill angle"])
+    assert loose < first.coefficients["passive"] < dense
+    assert isinstance(assumptions["fill spread"](table, False), str)  # why it is not varied
+    assert isinstance(assumptions["fill pressure"]({**table, "walls": None}, False), str)
