@@ -21,7 +21,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from benchmarks.sitting import HERE, head, sitting
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
+from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.dynamics.adaptive import AdaptiveSteps
 
 RECORD = HERE.parents[1] / "shared/records/laquila_2009_AQV_NS.asc"
@@ -73,14 +74,14 @@ def scene_text(name: str, record: Path | None, scale: float, step: str, seconds:
     )
 
 
-def run_once(text: str) -> dict[str, Any]:
+def run_once(text: str) -> tuple[Summary, float]:
     """Run a scene by the text of its file; its summary, and the seconds of the processor."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "scene.toml"
         file.write_text(text)
         case, begin = prepare(read_scene(file)), time.process_time()
         summary = run_case(case, Path(folder) / "out")
-        return summary | {"processor": time.process_time() - begin}
+        return summary, time.process_time() - begin
 
 
 def ensemble(scene: str, record: Path | None, members: int, name: str, step: str, seconds: float | None) -> Row:
@@ -88,17 +89,17 @@ def ensemble(scene: str, record: Path | None, members: int, name: str, step: str
     runs = [run_once(scene_text(scene, record, 1.0 + PERTURBED * m, step, seconds)) for m in range(members)]
 
     def quartiles(key: str) -> np.ndarray:
-        return np.percentile([run[key] for run in runs], [25.0, 50.0, 75.0])
+        return np.percentile([getattr(run, key) for run, _ in runs], [25.0, 50.0, 75.0])
 
-    iterations = [run["steps"] * run["solver"]["iterations_mean"] for run in runs]
+    iterations = [run.steps * run.solver.iterations_mean for run, _ in runs]
     return Row(
         name,
         quartiles("displacement_max"),
         quartiles("opening_max"),
-        float(np.median([run["steps"] for run in runs])),
+        float(np.median([run.steps for run, _ in runs])),
         float(np.median(iterations)),
-        float(np.median([run["processor"] for run in runs])),
-        float(np.median([run["solver"]["steps_missed"] for run in runs])),
+        float(np.median([seconds for _, seconds in runs])),
+        float(np.median([run.solver.steps_missed for run, _ in runs])),
     )
 
 

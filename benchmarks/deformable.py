@@ -18,10 +18,10 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
 from masonry_cd.studies.study.numbers import of_run
 
@@ -71,7 +72,7 @@ class Row(NamedTuple):
 
     name: str
     young: float  # [Pa]; inf: rigid
-    summary: Mapping[str, Any]
+    summary: Summary
     drift: float  # the largest, as a share of the height
     first_crack: float  # time of it [s]; NaN: no joint opened
     cost: float  # milliseconds of the processor per step, files included
@@ -88,7 +89,7 @@ def row(name: str, young: float, asked: Scene) -> Row:
         with Results.open(file) as results:
             opened = results.peaks["first_opening_time"]
     first = float(np.nanmin(opened)) if np.isfinite(opened).any() else np.nan
-    return Row(name, young, summary, np.nan if drift is None else drift, first, 1e3 * spent / int(summary["steps"]))
+    return Row(name, young, summary, np.nan if drift is None else drift, first, 1e3 * spent / summary.steps)
 
 
 def scene(name: str, *changes: str) -> Scene:
@@ -135,13 +136,13 @@ def table(name: str, moduli: list[float], kinds: Collection[str]) -> list[str]:
     first = None
     for found in runs(name, moduli, kinds):
         first, s = first or found, found.summary
-        moved, opening, sliding = (f"{1e3 * s[key]:.2f}" for key in ("displacement_max", "opening_max", "sliding_max"))
+        moved, opening, sliding = (f"{1e3 * getattr(s, key):.2f}" for key in ("displacement_max", "opening_max", "sliding_max"))
         stiff = "rigid" if np.isinf(found.young) else f"{1e-9 * found.young:g}"
         times = [
             "" if np.isnan(found.drift) else f"{100.0 * found.drift:.2f}",
             "" if np.isnan(found.first_crack) else f"{found.first_crack:.3f}",
         ]
-        joints = [opening, sliding, s["joints_opened"], s["solver"]["steps_missed"]]
+        joints = [opening, sliding, s.joints_opened, s.solver.steps_missed]
         cells = [found.name, stiff, moved, *times, *joints, f"{found.cost:.2f}", f"{found.cost / first.cost:.1f}"]
         lines.append("| " + " | ".join(map(str, cells)) + " |")
         print(lines[-1], flush=True)

@@ -31,6 +31,7 @@ from masonry_cd.analysis.outputs.summary import damage_numbers
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from reports.settings import Report
 from reports.ties import write_ties
 
@@ -50,7 +51,7 @@ def damage_of(results: Results, settings: Report) -> PartDamage:
     return part_damage(results, damage_settings(settings))
 
 
-def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
+def write_joint_damage(results: Results, folder: Path, settings: Report) -> Summary:
     """Write joints.csv, and ties.csv where there are ties; return the numbers of damage for the summary, see :func:`damage_numbers`."""
     run, end = Measured(results, damage_settings(settings)), end_state(results, thresholds_of(settings))
     write_joints_csv(run.table, folder / "joints.csv", end.provisional)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from masonry_cd.foundation import own_files, plugins
 from reports.settings import OUTPUTS, Report
@@ -21,6 +21,7 @@ from reports.settings import OUTPUTS, Report
 if TYPE_CHECKING:  # scenes are checked before HDF5 is loaded
     from masonry_cd.analysis.damage.part_damage import PartDamage
     from masonry_cd.io.results import Results
+    from masonry_cd.io.summary import Summary
 
 
 @dataclass(eq=False)
@@ -30,10 +31,9 @@ class Job:
     results: Results
     folder: Path
     settings: Report
-    summary: Mapping[str, Any]
+    summary: Summary  # outputs add to it
     time: float | None = None  # of the frame that maps show [s]; None: of the last
     asked: Mapping[str, bool] = field(default_factory=dict)  # of outputs that are wanted, or not, whatever the settings say
-    more: dict[str, Any] = field(default_factory=dict)  # what outputs add to the summary
 
     @cached_property
     def damage(self) -> PartDamage:

@@ -24,6 +24,8 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import finite_number
 from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import Cycle
 from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
 
 CURVES, CYCLES = "force_displacement.csv", "push_cycles.csv"
@@ -36,9 +38,6 @@ TABLES = {
 }
 FILES = (CURVES, CYCLES, *TABLES, CURVE_PLOT, GAUGE_PLOT)
 CURVE_COLUMNS = ("push", "time", "displacement", "force", "moment", "inertia")
-CYCLE_COLUMNS = (
-    "push", "cycle", "begin", "end", "displacement_max", "displacement_min", "force_max", "force_min", "dissipated", "damping",
-)  # fmt: skip
 FORCES = (("displacement [mm]", 1e3), ("force [kN]", 1e-3))
 POINTS = 4000  # of a curve that are drawn
 SHOWN = {"points": ("ux", "uy", "uz"), "joint_gauges": ("opening", "sliding", "normal_force", "depth"), "cracks": ("opening", "slip")}
@@ -50,27 +49,27 @@ INSIDE = 5  # curves at most whose legend goes into the plot
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
 
 
-def write_laboratory(results: Results, folder: Path, drawn: bool = True) -> dict[str, Any]:
-    """Write the tables and, where they are to be ``drawn``, the plots; return the summary's share, empty of a run without any of them."""
+def write_laboratory(results: Results, folder: Path, drawn: bool = True) -> Summary:
+    """Write the tables and, where they are to be ``drawn``, the plots; return the summary's share, nothing of a run without pushes."""
     if not results.gauges.any:
-        return {}
+        return Summary()
     curves = push_curves(results)
     if curves:
         of_curves = [(curve.name, {name: getattr(curve, name) for name in CURVE_COLUMNS[1:]}) for curve in curves]
         write_csv(folder / CURVES, CURVE_COLUMNS, _rows(of_curves), digits=10)
-    pushes = [curve.numbers() for curve in curves if curve.kind == "push"]
-    cycles = [[row["name"], k + 1, *(c[name] for name in CYCLE_COLUMNS[2:])] for row in pushes for k, c in enumerate(row["cycles"])]
+    pushes = tuple(curve.numbers() for curve in curves if curve.kind == "push")
+    columns = tuple(Cycle.model_fields)
+    cycles = [[push.name, k, *(getattr(cycle, name) for name in columns)] for push in pushes for k, cycle in enumerate(push.cycles, 1)]
     if cycles:
-        write_csv(folder / CYCLES, CYCLE_COLUMNS, cycles, digits=10)
+        write_csv(folder / CYCLES, ("push", "cycle", *columns), cycles, digits=10)
     gauges = histories_of(results, asked=False)
     for kind, found in gauges.items():
-        head, columns = TABLES[f"{kind}.csv"][0], list(next(iter(found.values())))
-        write_csv(folder / f"{kind}.csv", [head, *columns], _rows(found.items()), digits=10)
+        write_csv(folder / f"{kind}.csv", [TABLES[f"{kind}.csv"][0], *next(iter(found.values()))], _rows(found.items()), digits=10)
     if drawn and curves:
         save(push_figure([curve for curve in curves if curve.kind == "push"] or curves, title=results.title), folder / CURVE_PLOT)
     if drawn and gauges:
         save(gauges_figure(gauges, results.title), folder / GAUGE_PLOT)
-    return {"pushes": pushes} if pushes else {}
+    return Summary(pushes=pushes) if pushes else Summary()
 
 
 def histories_of(results: Results, asked: bool = True) -> dict[str, dict[str, History]]:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,13 +12,11 @@ from masonry_cd.analysis.ties import histories
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary_tables import Tie
 from reports.drawing.parts import Ties
 
 CSV = "ties.csv"
-COLUMNS = (
-    "tie", "block_a", "block_b", "bars", "length", "area", "yield_force", "tension_start", "tension_max", "tension_max_time",
-    "stress_max", "tension_end", "yielded", "yield_time",
-)  # fmt: skip
+COLUMNS = ("tie", "block_a", "block_b", *tuple(Tie.model_fields)[2:])
 
 
 def tie_lines(results: Results, origin: np.ndarray) -> dict[str, np.ndarray]:
@@ -37,13 +34,12 @@ def tie_tensions(results: Results, times: np.ndarray) -> dict[str, np.ndarray]:
     return {"tie_tension": np.array([[tie.at(float(time)) for time in times] for tie in ties], np.float32)} if ties else {}
 
 
-def write_ties(results: Results, folder: Path) -> list[dict[str, Any]]:
-    """Write ties.csv, and return its rows; nothing is written without ties."""
+def write_ties(results: Results, folder: Path) -> None:
+    """Write ties.csv; nothing without ties."""
     rows = [tie.row() for tie in histories(results)]
     if rows:
-        cells = (row | {"tie": row["name"], "block_a": row["blocks"][0], "block_b": row["blocks"][1]} for row in rows)
-        write_csv(folder / CSV, COLUMNS, ([cell[column] for column in COLUMNS] for cell in cells), digits=10)
-    return rows
+        cells = ([row.name, *row.blocks, *(getattr(row, name) for name in COLUMNS[3:])] for row in rows)
+        write_csv(folder / CSV, COLUMNS, cells, digits=10)
 
 
 def ties_at(results: Results, solids: Solids, pose: Pose, factor: float) -> Ties:

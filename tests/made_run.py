@@ -12,6 +12,7 @@ import numpy as np
 from masonry_cd.analysis.damage.step_peaks import StepPeaks
 from masonry_cd.io.layout import JOINT_PEAKS
 from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import JointPeaks, measure_joints
@@ -86,7 +87,7 @@ def write_run(
             if stress is not None:
                 writer.append({"stress": stress[k]})
         if ended:
-            writer.write_closing('{"stopped": ""}')
+            writer.write_closing(Summary(stopped=""))
         writer.flush()
         if peaks:
             writer.write_peaks({name: getattr(largest, name) for name in JOINT_PEAKS}, of_steps.arrays if every else None)

@@ -18,6 +18,7 @@ force.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -26,8 +27,9 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.quantities import force, length
+from masonry_cd.foundation.quantities import counted, force, length
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary_tables import Bilinear, Cycle, Push
 
 WINDOW = 1 / 200  # of the run, over which means are taken
 LOW, HIGH, LEFT, SECANT = 0.1, 0.4, 0.8, 0.6  # shares of the peak
@@ -89,7 +91,7 @@ class PushCurve:
         moved = np.flatnonzero(np.abs(self.displacement) > 0.01 * np.abs(self.displacement).max(initial=0.0))
         return float(np.sign(self.displacement[moved[0]])) if len(moved) else 1.0
 
-    def cycles(self) -> list[dict[str, float]]:
+    def cycles(self) -> tuple[Cycle, ...]:
         """Its whole cycles, see the head of this file."""
         u, sign = self.displacement * self._side, self._side
         near = BACK * float(np.abs(u).max(initial=0.0))
@@ -98,38 +100,44 @@ class PushCurve:
         ends = [0, *up.tolist()]
         if len(u) and abs(u[-1]) <= near and (u[ends[-1] :] < -near).any():
             ends.append(len(u))
-        return [self._cycle(a, b, sign) for a, b in pairwise(ends)]
+        return tuple(self._cycle(a, b, sign) for a, b in pairwise(ends))
 
-    def _cycle(self, begin: int, end: int, sign: float) -> dict[str, float]:
+    def _cycle(self, begin: int, end: int, sign: float) -> Cycle:
         u, f = sign * self.displacement[begin:end], sign * self.force[begin:end]
         way = np.diff(u, prepend=sign * self.displacement[begin - 1] if begin else 0.0)
         energy, high, low = float(np.sum(f * way)), float(u.max()), float(u.min())
         mean = np.convolve(f, np.full(min(self.window, len(f)), 1.0 / min(self.window, len(f))), "valid")
         most, least = float(mean.max()), float(mean.min())
         stored = 0.25 * (most * high + least * low)
-        return {
-            "begin": float(self.time[begin]),
-            "end": float(self.time[end - 1]),
-            "displacement_max": high,
-            "displacement_min": low,
-            "force_max": most,
-            "force_min": least,
-            "dissipated": energy,
-            "damping": energy / (4.0 * math.pi * stored) if stored > 0.0 else math.nan,
-        }
+        return Cycle(
+            begin=float(self.time[begin]),
+            end=float(self.time[end - 1]),
+            displacement_max=high,
+            displacement_min=low,
+            force_max=most,
+            force_min=least,
+            dissipated=energy,
+            damping=energy / (4.0 * math.pi * stored) if stored > 0.0 else math.nan,
+        )
 
-    def numbers(self) -> dict[str, Any]:
+    def numbers(self) -> Push:
         """What a laboratory writes into its table, for the summary."""
         u, f = self.envelope()
-        found: dict[str, Any] = {"name": self.name, "direction": list(self.direction), "energy": self.energy}
-        found |= {"inertia_share": self.inertia_share, "cycles": self.cycles(), "peak_force": None}
-        if not len(f) or not f.max() > 0.0:
-            return found
-        top = int(np.argmax(f))
-        peak = float(f[top])
-        ultimate = _falls_to(u, f, top, LEFT * peak)
-        found |= {"peak_force": peak, "peak_displacement": float(u[top]), "stiffness": _secant(u, f, LOW * peak, HIGH * peak)}
-        return found | {"ultimate_displacement": ultimate, "bilinear": _bilinear(u, f, peak, ultimate)}
+        of_peak: dict[str, Any] = {"peak_force": None}
+        if len(f) and f.max() > 0.0:
+            top = int(np.argmax(f))
+            peak = float(f[top])
+            ultimate = _falls_to(u, f, top, LEFT * peak)
+            of_peak = {"peak_force": peak, "peak_displacement": float(u[top]), "stiffness": _secant(u, f, LOW * peak, HIGH * peak)}
+            of_peak |= {"ultimate_displacement": ultimate, "bilinear": _bilinear(u, f, peak, ultimate)}
+        return Push(
+            name=self.name,
+            direction=self.direction,
+            energy=self.energy,
+            inertia_share=self.inertia_share,
+            cycles=self.cycles(),
+            **of_peak,
+        )
 
 
 def push_curves(results: Results) -> list[PushCurve]:
@@ -160,9 +168,9 @@ def require_pushes(results: Results) -> list[PushCurve]:
     return found
 
 
-def push_numbers(results: Results) -> list[dict[str, Any]]:
-    """Those of all pushes, for the summary."""
-    return [curve.numbers() for curve in push_curves(results) if curve.kind == "push"]
+def push_numbers(results: Results) -> tuple[Push, ...]:
+    """The numbers of all pushes of a run, for the summary."""
+    return tuple(curve.numbers() for curve in push_curves(results) if curve.kind == "push")
 
 
 def _was_below(u: np.ndarray, near: float) -> np.ndarray:
@@ -199,7 +207,7 @@ def _falls_to(u: np.ndarray, f: np.ndarray, top: int, level: float) -> float | N
     return float(u[k - 1] + (u[k] - u[k - 1]) * (f[k - 1] - level) / (f[k - 1] - f[k]))
 
 
-def _bilinear(u: np.ndarray, f: np.ndarray, peak: float, ultimate: float | None) -> dict[str, float] | None:
+def _bilinear(u: np.ndarray, f: np.ndarray, peak: float, ultimate: float | None) -> Bilinear | None:
     """Stiffness, yield force and displacement, ultimate displacement and ductility; to the end where none is reached.
 
     None where the first point of the curve is beyond the secant, as that of rigid joints is, which have no stiffness.
@@ -217,37 +225,27 @@ def _bilinear(u: np.ndarray, f: np.ndarray, peak: float, ultimate: float | None)
     if not inside > 0.0:
         return None
     force = k * (end - math.sqrt(inside))
-    return {
-        "stiffness": k,
-        "yield_force": force,
-        "yield_displacement": force / k,
-        "ultimate_displacement": end,
-        "ductility": end * k / force,
-    }
+    return Bilinear(
+        stiffness=k, yield_force=force, yield_displacement=force / k, ultimate_displacement=end, ductility=end * k / force
+    )  # fmt: skip
 
 
-def push_lines(rows: list[dict[str, Any]]) -> list[str]:
-    """The pushes of a summary in words, one line each."""
-    lines = []
-    for row in rows:
-        if row["peak_force"] is None:
-            lines.append(f'push "{row["name"]}": it has met no force')
-            continue
-        parts = [f"{force(row['peak_force'])} at {length(row['peak_displacement'])}"]
-        parts += [f"stiffness {row['stiffness'] / 1e6:.3g} kN/mm"] if row["stiffness"] else []
-        parts += [f"80 % of it at {length(row['ultimate_displacement'])}"] if row["ultimate_displacement"] else []
-        cycles = row["cycles"]
-        parts += [f"{len(cycles)} cycle{'s' if len(cycles) > 1 else ''}"] if cycles else []
-        parts.append(f"inertia up to {100.0 * row['inertia_share']:.2g} % of the force")
-        lines.append(f'push "{row["name"]}": at most {", ".join(parts)}')
-    return lines
+def push_line(push: Push) -> str:
+    """A push of a summary in words."""
+    if push.peak_force is None:
+        return f'push "{push.name}": it has met no force'
+    parts = [f"{force(push.peak_force)} at {length(push.peak_displacement)}"]
+    parts += [f"stiffness {push.stiffness / 1e6:.3g} kN/mm"] if push.stiffness else []
+    parts += [f"80 % of it at {length(push.ultimate_displacement)}"] if push.ultimate_displacement else []
+    parts += [counted(len(push.cycles), "cycle")] if push.cycles else []
+    return f'push "{push.name}": at most {", ".join(parts)}, inertia up to {100.0 * push.inertia_share:.2g} % of the force'
 
 
-def push_warnings(rows: list[dict[str, Any]]) -> list[str]:
+def push_warnings(pushes: Iterable[Push]) -> list[str]:
     """Pushes whose force is inertia by more than is meant."""
     return [
-        f'push "{row["name"]}": inertia is up to {100.0 * row["inertia_share"]:.2g} % of the force recorded, above {100.0 * MEANT:g} %: '
+        f'push "{push.name}": inertia is up to {100.0 * push.inertia_share:.2g} % of the force recorded, above {100.0 * MEANT:g} %: '
         "a smaller speed, or damping where joints swing, makes it less"
-        for row in rows
-        if row["inertia_share"] > MEANT
+        for push in pushes
+        if push.inertia_share > MEANT
     ]

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary_tables import Tie
 from masonry_cd.io.tie_bars import TieBar
 from masonry_cd.mechanics.model.fill import BARS
 
@@ -46,26 +46,26 @@ class TieHistory:
         """Tension in the last step up to a time [N]; before the first step that of the first."""
         return float(self.total[max(0, int(np.searchsorted(self.time, time * (1.0 + 1e-12), side="right")) - 1)])
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> Tie:
         """Its row of ties.csv and of the summary."""
         worst, yields = int(np.argmax(self.total)), np.flatnonzero(self.yielding)
         limit = float(sum(bar.limit for bar in self.bars))
         ends = max(self.bars, key=lambda bar: bar.section).points
-        return {
-            "name": self.label,
-            "blocks": list(self.blocks),
-            "bars": len(self.bars),
-            "length": float(np.sqrt(((ends[1] - ends[0]) ** 2).sum())),
-            "area": self.area,
-            "yield_force": limit if np.isfinite(limit) else None,
-            "tension_start": float(self.total[0]),
-            "tension_max": float(self.total[worst]),
-            "tension_max_time": float(self.time[worst]),
-            "stress_max": float(self.total[worst]) / self.area,
-            "tension_end": float(self.total[-1]),
-            "yielded": bool(len(yields)),
-            "yield_time": float(self.time[yields[0]]) if len(yields) else None,
-        }
+        return Tie(
+            name=self.label,
+            blocks=self.blocks,
+            bars=len(self.bars),
+            length=float(np.sqrt(((ends[1] - ends[0]) ** 2).sum())),
+            area=self.area,
+            yield_force=limit if np.isfinite(limit) else None,
+            tension_start=float(self.total[0]),
+            tension_max=float(self.total[worst]),
+            tension_max_time=float(self.time[worst]),
+            stress_max=float(self.total[worst]) / self.area,
+            tension_end=float(self.total[-1]),
+            yielded=bool(len(yields)),
+            yield_time=float(self.time[yields[0]]) if len(yields) else None,
+        )
 
 
 def histories(results: Results) -> list[TieHistory]:

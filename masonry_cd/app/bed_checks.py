@@ -14,11 +14,10 @@ as it gets, and bears what makes its points matter. Below MATTERS the edge is as
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary_tables import Beds
 from masonry_cd.mechanics.contact.joint_points import GRAVITY, LIGHT, MOST, resolved_share
 from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -28,17 +27,13 @@ WIDE = 0.5  # of the largest opening of a joint, from which on it is looked at
 MATTERS = 0.03  # share of the depth in contact below which a force at the very edge changes a joint's moment by less than 2 %
 
 
-def beds(assembly: Assembly, results: Results) -> dict[str, Any]:
-    """The key ``beds`` of summary.json, on open elastic joints; none where no joint is elastic.
-
-    ``share_least``: the least share of the depth of a joint that carried, None where none was open; ``unresolved``: how many joints have
-    too few points for it, and of the worst of them ``share``, ``points``, the ``resolved`` share of these, and ``where`` it is.
-    """
+def beds(assembly: Assembly, results: Results) -> Beds | None:
+    """How open elastic joints were resolved, for the summary; None where no joint is elastic."""
     joints, law = results.joints, assembly.laws
     stiffness, _ = stiffness_of_joints(assembly, joints)
     by_points = np.flatnonzero((stiffness > 0.0) & ~_meshed(assembly)[np.stack([joints.block_a, joints.block_b])].any(axis=0))
     if not len(by_points):
-        return {}
+        return None
     group = assembly.group_of
     points = law.points[group[joints.block_a], group[joints.block_b]][by_points].astype(int)
     resolved = np.array([resolved_share(n) for n in range(3, MOST + 1, 2)])[(points - 3) // 2]
@@ -48,15 +43,20 @@ def beds(assembly: Assembly, results: Results) -> dict[str, Any]:
     bears = force >= LIGHT * np.minimum(weight[joints.block_a], weight[joints.block_b])[by_points]
     seen = bears & (opening >= np.maximum(OPENED, WIDE * opening.max(axis=0, initial=0.0)))
     coarse = np.where(seen & (share < resolved) & (share > MATTERS), share, 0.0).max(axis=0, initial=0.0)
-    found = {"share_least": float(share[seen].min()) if seen.any() else None, "unresolved": int((coarse > 0.0).sum())}
-    if not found["unresolved"]:
-        return {"beds": found}
+    least, unresolved = float(share[seen].min()) if seen.any() else None, int((coarse > 0.0).sum())
+    if not unresolved:
+        return Beds(share_least=least, unresolved=0)
     worst = int(coarse.argmax())
     ends = (assembly.names[block[by_points[worst]]] for block in (joints.block_a, joints.block_b))
     where = " - ".join(f'"{name}"' for name in ends)
-    return {
-        "beds": found | {"share": float(coarse[worst]), "points": int(points[worst]), "resolved": float(resolved[worst]), "where": where}
-    }
+    return Beds(
+        share_least=least,
+        unresolved=unresolved,
+        share=float(coarse[worst]),
+        points=int(points[worst]),
+        resolved=float(resolved[worst]),
+        where=where,
+    )
 
 
 def touching_share(force: np.ndarray, stiffness: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ from loads.supports import one_block, select
 from masonry_cd.analysis.code_check.ground import record_of
 from masonry_cd.app.record_doubts import record_doubts, size_doubts
 from masonry_cd.app.scene import Scene
-from masonry_cd.app.scene_text import is_within, keys_of, parse_toml
+from masonry_cd.app.scene_text import is_within, keys_of
 from masonry_cd.app.scene_units import scene_in_si, usual_keys_of
 from masonry_cd.app.senses import astray
 from masonry_cd.foundation.errors import InputError
@@ -110,7 +110,7 @@ def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence
 
 def _tables(scene: Scene) -> dict[str, Any]:
     """The tables of a scene, as numbers."""
-    return scene_in_si(parse_toml(scene.text, scene.origin.path), scene.folder)
+    return scene_in_si(scene.tables, scene.folder)
 
 
 def _spoken(found: Sequence[Doubt], quiet: Sequence[str]) -> list[str]:

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from masonry_cd.io.summary import Summary
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -11,12 +13,12 @@ if TYPE_CHECKING:
 FEW = 5  # free blocks that are a study of mechanics rather than a building
 
 
-def elasticity_left_out(case: Case) -> dict[str, Any]:
-    """Keys of summary.json on the elastic period that rigid joints leave out; none where something is elastic, or nothing shakes."""
+def elasticity_left_out(case: Case) -> Summary:
+    """The elastic period that rigid joints leave out, for the summary; nothing where something is elastic, or nothing shakes."""
     assembly, material = case.assembly, case.scene.material
     rigid = assembly.deformation is None and not assembly.laws.elastic.any() and not assembly.shapes.rounding.any()
     if not rigid or (~assembly.fixed).sum() <= FEW or not case.joints.count or not _shaken(case):
-        return {}
+        return Summary()
     from masonry_cd.analysis.modal.elastic_period import elastic_period
 
     named = material.masonry

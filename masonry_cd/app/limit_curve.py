@@ -108,13 +108,13 @@ def curve_rows(curve: CapacityCurve) -> list[dict[str, Any]]:
 
 def write_curve(curve: CapacityCurve, names: tuple[str, ...], folder: Path) -> list[Path]:
     """Write capacity.csv and capacity.json."""
-    from masonry_cd.app.summary import write_json
     from masonry_cd.foundation.csv_files import write_csv
+    from masonry_cd.foundation.json_files import write_json
 
     table, file = (folder / name for name in CURVE_OUTPUTS[:2])
     rows = [[f"{cell:.9g}" if isinstance(cell, float) else cell for cell in row.values()] for row in curve_rows(curve)]
     write_csv(table, COLUMNS, rows)
-    write_json(numbers(curve, names), file)
+    write_json(file, numbers(curve, names))
     return [table, file]
 
 

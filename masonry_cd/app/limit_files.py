@@ -18,18 +18,18 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     Raises:
         InputError: an unknown view, no off-screen OpenGL for the pictures; the tables are written by then.
     """
-    from masonry_cd.app.summary import write_json
+    from masonry_cd.foundation.json_files import write_json
     from reports.limit.page import LimitPage, write_limit_page
     from reports.limit.tables import write_check, write_limit_ties, write_tables
 
     own_files.begin(folder, EVERY)
     own_files.remove(folder, EVERY)
     facts = summary(case)
-    write_json(facts, folder / "limit.json")
+    write_json(folder / "limit.json", facts)
     collapse = case.collapse
     written = [folder / "limit.json", *write_tables(collapse, case.assembly, case.joints, folder), *write_limit_ties(case.ties, folder)]
     if case.check is not None:
-        write_json(case.check.numbers(), folder / "check.json")
+        write_json(folder / "check.json", case.check.numbers())
         write_check(case.check.numbers(), folder / "check.csv")
         written += [folder / "check.json", folder / "check.csv"]
     if case.crossing is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What became of a structure under its loads: the load factor at which it gave way, the tensions of its ties, the damage shock by shock.
+"""What became of a structure under its loads: the load factor at which it gave way, the tensions of its ties.
 
 A push or a tilt grows until the structure gives way: a block has moved, relative to the base, by more than MOVED of the smallest width of a
 block, and the structure carries less than the load applied (:mod:`masonry_cd.app.carried`). Its factor is the largest that it carried.
@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.limit.outcome import one_factor
+from masonry_cd.analysis.ties import histories
 from masonry_cd.app.carried import largest_carried
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.quantities import force, length
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import LimitBracket, LoadFactor
 from masonry_cd.io.tie_bars import TieBar
 
 if TYPE_CHECKING:
@@ -25,32 +26,29 @@ MOVED = 0.01
 FEW = 100  # blocks up to which a run in a plane is judged by limit analysis as well
 FEW_POINTS = 800  # contact points up to which one in space is: three seconds for a corner of 73 blocks
 STARTS = 3  # of its search for the least factor
-NOT_THE_LEAST = (
-    "rigid joints that slide allow several load factors: this run found one, not the least, and another run.solver or run.seed may find "
-    "another; masonry-cd limit SCENE gives the bracket"
-)
 
 
-def outcome(case: Case, results: Results) -> dict[str, Any]:
+def outcome(case: Case, results: Results) -> Summary:
     """For the summary; a scene without such loads gets none of it."""
-    return _load_factor(case, results) | _ties(results)
+    found, ties = _load_factor(case, results), tuple(tie.row() for tie in histories(results))
+    return (Summary() if found is None else Summary(load_factor=found)) | (Summary(ties=ties) if ties else Summary())
 
 
-def _load_factor(case: Case, results: Results) -> dict[str, Any]:
-    """lambda at the end, and when the structure gave way."""
+def _load_factor(case: Case, results: Results) -> LoadFactor | None:
+    """lambda at the end, and when the structure gave way; None without a load that grows."""
     gravity, free = np.array(case.scene.run.gravity), ~case.assembly.fixed
     load_step = results.per_step("load_step").astype(np.int64)
     if not gravity.any() or not len(load_step) or not set(_patterns(case)) & {"push", "tilt"}:  # no pulse, no push by displacement
-        return {}
+        return None
     factor = case.loading.load_factor(case.scene.run.gravity)[load_step]  # after each step
     if not factor.any():
-        return {}
+        return None
     limit = MOVED * float(case.assembly.shapes.size[free[case.assembly.shapes.part_block]].min())
     rigid = not case.assembly.laws.by_area.any()
-    found: dict[str, Any] = {"end": float(factor[-1]), "limit": limit, "given_way": None, "given_way_time": None, "rigid": rigid}
-    found |= _given_way(case, results, factor, limit)
+    given_way = {"given_way": None, "given_way_time": None} | _given_way(case, results, factor, limit)
     bracket = limit_bracket(case) if rigid else None
-    return {"load_factor": found | ({} if bracket is None else {"limit_analysis": bracket})}
+    found: dict[str, Any] = given_way if bracket is None else given_way | {"limit_analysis": bracket}
+    return LoadFactor(end=float(factor[-1]), limit=limit, rigid=rigid, **found)
 
 
 def _patterns(case: Case) -> list[str]:
@@ -101,7 +99,7 @@ def _work_of_one(case: Case, pull: np.ndarray, moment: np.ndarray) -> np.ndarray
     return np.concatenate([[0.0], np.cumsum(np.sum(0.5 * (push[1:] + push[:-1]) * np.diff(moment, axis=0), axis=1))])
 
 
-def limit_bracket(case: Case) -> dict[str, float | None] | None:
+def limit_bracket(case: Case) -> LimitBracket | None:
     """The least factor found, None where no start comes to an end, and the associated one, None where it is not finite, by limit analysis,
     where that takes seconds: of few blocks, under one push or tilt that limit analysis takes as it is; None elsewhere."""
     from masonry_cd.analysis.limit.analysis import Options, analyse
@@ -130,7 +128,7 @@ def limit_bracket(case: Case) -> dict[str, float | None] | None:
     if not found.stands or found.endless:
         return None
     least, upper = found.least, None if found.unlimited else found.associated.factor
-    return {"least_found": None if least is None else least.optimum.factor, "associated": upper}
+    return LimitBracket(least_found=None if least is None else least.optimum.factor, associated=upper)
 
 
 def tie_bars(case: Case) -> list[TieBar]:
@@ -138,68 +136,3 @@ def tie_bars(case: Case) -> list[TieBar]:
     forces, centre = case.loading.forces, case.assembly.centre
     ties = () if forces is None else forces.ties
     return [TieBar(tie.name, tie.blocks, centre[list(tie.blocks)] + tie.arms, tie.section, tie.limit) for tie in ties]
-
-
-def _ties(results: Results) -> dict[str, Any]:
-    """What each tie had to bear."""
-    from masonry_cd.analysis.ties import histories
-
-    found = [tie.row() for tie in histories(results)]
-    return {"ties": found} if found else {}
-
-
-def outcome_lines(summary: dict[str, Any]) -> list[str]:
-    """Load factor, shocks and ties of a summary in words, one line each."""
-    lines = [_shock_line(shock) for shock in summary.get("shocks", ())]
-    if "load_factor" in summary:
-        factor, only = summary["load_factor"], one_factor(summary["load_factor"].get("limit_analysis"))
-        lines += [_factor_line(factor), *([NOT_THE_LEAST] if factor.get("rigid") and not only else []), *_bracket_line(factor)]
-    return lines + [_tie_line(tie) for tie in summary.get("ties", ())]
-
-
-def _shock_line(shock: dict[str, Any]) -> str:
-    when = f"{shock['start']:.4g} to {shock['end']:.4g} s, rest to {shock['rest_end']:.4g} s"
-    return f'after "{shock["name"]}" ({when}): joints: {joints_in_words(shock)}; {shock["collapsed_blocks"] or "no"} blocks fell'
-
-
-def joints_in_words(damage: dict[str, Any]) -> str:
-    """How many joints opened, slid and came apart, and how far."""
-    opened, slid = (damage.get(f"joints_only_{word}", damage[f"joints_{word}"]) for word in ("opened", "slid"))
-    return (
-        f"{opened} opened (at most {length(damage['opening_max'])}), {slid} slid (at most {length(damage['sliding_max'])}), "
-        f"{damage.get('joints_opened_and_slid', 0)} opened and slid, {damage['joints_separated']} separated"
-    )
-
-
-def _factor_line(factor: dict[str, Any]) -> str:
-    if factor["given_way"] is None:
-        return f"load factor: {factor['end']:.4g} at the end, and the structure had not given way"
-    if "given_way_displacement" not in factor:
-        moved = f"a block had moved by more than {1e3 * factor['limit']:.3g} mm"
-        return f"load factor: {factor['given_way']:.4g} when {moved}, at {factor['given_way_time']:.4g} s; {factor['end']:.4g} at the end"
-    place = f"at {factor['given_way_time']:.4g} s, a block {length(factor['given_way_displacement'])} from its place"
-    return f"load factor: {factor['given_way']:.4g} is the largest that was carried, {place}; {factor['end']:.4g} at the end"
-
-
-def _bracket_line(factor: dict[str, Any]) -> list[str]:
-    """What limit analysis says beside a run, where it was asked."""
-    bracket = factor.get("limit_analysis")
-    if not bracket:
-        return []
-    least, upper = bracket["least_found"], bracket["associated"]
-    if least is None:
-        return [f"limit analysis: {upper:.4g} at most (associated); no start of the search for the least factor came to an end"]
-    if upper is None:
-        wedged = "the blocks are wedged, and what friction on their faces bears beyond that is the solver's choice"
-        return [f"limit analysis: {least:.4g}, the least found without dilation, and none with it that is finite: {wedged}"]
-    if one_factor(bracket):
-        return [f"limit analysis: {upper:.4g}; how joints slide makes no difference here"]
-    return [f"limit analysis: {least:.4g}, the least found without dilation, to {upper:.4g} (associated)"]
-
-
-def _tie_line(tie: dict[str, Any]) -> str:
-    most = f"{force(tie['tension_max'])} ({tie['stress_max'] / 1e6:.3g} MPa) at {tie['tension_max_time']:.3g} s"
-    first, second = tie["blocks"]
-    named = f'tie "{first}" to "{second}"' if tie["name"] == f"{first} to {second}" else f'tie "{tie["name"]}" ("{first}" to "{second}")'
-    yields = f", yielded from {tie['yield_time']:.3g} s on" if tie["yielded"] else ""
-    return f"{named}: at most {most}{yields}, {force(tie['tension_end'])} at the end"

@@ -84,14 +84,14 @@ def write_macro(case: MacroCase, folder: Path, pictures: bool = True, view: str 
     Raises:
         InputError: an unknown view, no off-screen OpenGL; a run without damage.csv.
     """
-    from masonry_cd.app.summary import write_json
+    from masonry_cd.foundation.json_files import write_json
 
     damage = {} if run is None else _damage(case, run)
     own_files.begin(folder, MACRO_OUTPUTS)
     own_files.begin(folder / PICTURES, ("*.png",))
     own_files.remove(folder / PICTURES, ("*.png",))
     facts, least = macro_summary(case), least_rows(case.rows)
-    write_json(facts, folder / JSON)
+    write_json(folder / JSON, facts)
     write_macro_csv(facts["mechanisms"], folder / CSV)
     drawn = _draw(case, least, folder / PICTURES, view) if pictures else {}
     held = [f"{one.element.name} {way_words(one.direction)}" for one in case.parts if not one.mechanisms]

@@ -9,7 +9,7 @@ import signal
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.advance import Advance, Advanced
@@ -17,6 +17,7 @@ from masonry_cd.app.bed_checks import beds
 from masonry_cd.app.beginning import begin as begin_run
 from masonry_cd.app.beginning import pauses_of, stepper_of
 from masonry_cd.app.case import Case
+from masonry_cd.app.closing_lines import run_warnings
 from masonry_cd.app.disc_space import check_disc_space, result_bytes
 from masonry_cd.app.dump import Dump
 from masonry_cd.app.explain import left_out
@@ -28,7 +29,7 @@ from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import Checkpoints, Plan
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.app.summary import as_json, loads_acted, run_summary, run_warnings, tolerances, write_json
+from masonry_cd.app.summary import loads_acted, run_summary, tolerances
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import part_of
 from masonry_cd.io import checkpoint
@@ -36,12 +37,11 @@ from masonry_cd.io.lock import locked
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_file import NAME as SUMMARY
+from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from reports.files import known_files
 
 RESULTS = "result.h5"
-FIRST = ("format", "title", "verdict")  # keys of summary.json
 
 
 def file_names() -> tuple[str, ...]:
@@ -57,7 +57,7 @@ def run_case(
     dump: Sequence[int] = (),
     limit: float = math.inf,
     own: Own | None = None,
-) -> dict[str, Any]:
+) -> Summary:
     """Run a case and write everything into a folder, which is made if need be.
 
     Args:
@@ -77,8 +77,8 @@ def run_case(
             a folder that another run writes into; results that do not fit on its disc.
 
     Returns:
-        the summary, as in summary.json; its ``stopped`` says why the run ended early, empty when it did not, and ``signal`` the number of
-        the signal that ended it.
+        the summary; its ``stopped`` says why the run ended early, empty when it did not, ``signal`` the number of the signal that ended
+        it, and ``timed_out`` that the limit did.
     """
     begin = time.perf_counter()
     scene = case.scene
@@ -101,14 +101,16 @@ def run_case(
         stepper.watch = dumped if dump else None
         since = case.seconds - begin
         with _writer(case, folder / RESULTS, saved, resume) as writer:
-            report = _steps(case, stepper, writer, saved, _Watch(interrupt, limit), quiet, resume, own)
-            summary = run_summary(case, report) | {
-                "dumped": [path.name for path in dumped.written],
-                "explanation": left_out(scene, stepper, report),
-                "warnings": [*([mended] if mended else []), *case.warnings, *dumped.warnings()],
-            }
+            watch = _Watch(interrupt, limit)
+            report = _steps(case, stepper, writer, saved, watch, quiet, resume, own)
+            summary = run_summary(case, report) | Summary(
+                timed_out=watch.timed_out,
+                dumped=tuple(path.name for path in dumped.written),
+                explanation=tuple(left_out(scene, stepper, report)),
+                warnings=(*([mended] if mended else []), *case.warnings, *dumped.warnings()),
+            )
             if own is not None and own.note:
-                summary["python"] = own.note
+                summary |= Summary(python=own.note)
             summary = _closing(case, writer, summary, since)
         interrupt.at_once = not report.signal  # from here on nothing is torn
         summary = _write_damage(case, folder, summary, since)
@@ -134,10 +136,12 @@ class _Watch:
 
     def __init__(self, interrupt: Interrupt, limit: float) -> None:
         self._interrupt, self._limit, self._end = interrupt, limit, time.perf_counter() + limit
+        self.timed_out = False
 
     def check(self) -> None:
         self._interrupt.check()
-        if time.perf_counter() > self._end:
+        self.timed_out = time.perf_counter() > self._end
+        if self.timed_out:
             raise TimedOut(self._limit)
 
 
@@ -170,61 +174,58 @@ def _steps(
         )
 
 
-def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
+def _write_damage(case: Case, folder: Path, summary: Summary, since: float) -> Summary:
     """Write joints.csv and summary.json; return the summary, whose seconds count from a reading of the clock."""
     from reports import damage as damage_files
 
     with Results.open(folder / RESULTS) as results:
         summary |= damage_files.write_joint_damage(results, folder, case.scene.report)
-        summary |= _write_laboratory(results, folder)
-    summary = {key: summary[key] for key in FIRST} | summary
-    summary["wall_seconds"] = since + time.perf_counter()
-    write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
+        if results.gauges.any:
+            from reports.laboratory import write_laboratory
+
+            summary |= write_laboratory(results, folder)
+    summary |= Summary(wall_seconds=since + time.perf_counter())
+    summary.write(folder)  # before the pictures, which may fail for want of a library
     return summary
 
 
-def _write_laboratory(results: Results, folder: Path) -> dict[str, Any]:
-    """Write what pushes and gauges have recorded; return the summary's share."""
-    if not results.gauges.any:
-        return {}
-    from reports.laboratory import write_laboratory
-
-    return write_laboratory(results, folder)
-
-
-def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
+def _write_asked(case: Case, folder: Path, summary: Summary, since: float) -> Summary:
     """Write the tables, pictures and the page that the scene asks for; return the summary with what they add."""
     if case.scene.report.asks or case.scene.stress:
         from reports import outputs
 
         with Results.open(folder / RESULTS) as results:
-            summary |= outputs.write_asked(results, folder, case.scene.report, summary)
-        summary["wall_seconds"] = since + time.perf_counter()
-        write_json(summary, folder / SUMMARY)
+            summary = outputs.write_asked(results, folder, case.scene.report, summary)
+        summary |= Summary(wall_seconds=since + time.perf_counter())
+        summary.write(folder)
     return summary
 
 
-def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: float) -> dict[str, Any]:
+def _closing(case: Case, writer: ResultWriter, summary: Summary, since: float) -> Summary:
     """Complete the summary but for the damage, and write it into the results, from which ``report`` can write it if a kill comes."""
     from masonry_cd.analysis.damage.joint_damage import displacement_max
-    from masonry_cd.analysis.pushover import push_curves, push_warnings
+    from masonry_cd.analysis.pushover import push_numbers, push_warnings
 
     settings = case.scene.run
     with Results.open(writer.path, sums=False) as results:
-        summary |= outcome(case, results) | {"displacement_max": displacement_max(results)}
-        summary["solver"] = {**summary["solver"], **tolerances(case, results)}
-        summary["loads"] = {**summary["loads"], "acted": loads_acted(case, results)}
+        summary |= outcome(case, results) | Summary(
+            displacement_max=displacement_max(results),
+            solver=summary.solver.model_copy(update=tolerances(case, results)),
+            loads=summary.loads.model_copy(update={"acted": loads_acted(case, results)}),
+        )
         fast = time_step_checks.after_run(case.assembly, results, settings.dt)
         gravity = math.hypot(*settings.gravity)
         of_beds = beds(case.assembly, results)
         restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.longest_step, settings.tolerance)
-        pushed = push_warnings([curve.numbers() for curve in push_curves(results) if curve.kind == "push"])
-    summary["warnings"] = [*pushed, *run_warnings(summary), *summary["warnings"], *fast, *restless]
-    summary["doubts"] = [*pushed, *case.doubts, *restless]
-    summary |= of_beds
-    summary["time_step_remarks"] = [*case.coarse, *fast]
-    summary["wall_seconds"] = since + time.perf_counter()
-    writer.write_closing(as_json(summary))
+        pushed = push_warnings(push_numbers(results))
+    summary |= Summary() if of_beds is None else Summary(beds=of_beds)
+    summary |= Summary(
+        warnings=(*pushed, *run_warnings(summary), *summary.warnings, *fast, *restless),
+        doubts=(*pushed, *case.doubts, *restless),
+        time_step_remarks=(*case.coarse, *fast),
+        wall_seconds=since + time.perf_counter(),
+    )
+    writer.write_closing(summary)
     return summary
 
 

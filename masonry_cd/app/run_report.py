@@ -99,7 +99,7 @@ class RunReport:
     @property
     def at_rest(self) -> bool:
         """Whether works and motions stayed below what solving to the tolerance leaves, so that they are no measure."""
-        return self.work_max <= self.resolution
+        return bool(self.work_max <= self.resolution)
 
     @property
     def lift_share(self) -> float:

@@ -8,7 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from masonry_cd.app.result import Result, said
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust, warn
+from masonry_cd.cli.printing import warn
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust
 
 
 def assess(

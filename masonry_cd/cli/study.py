@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from masonry_cd.app.result import Result, said
-from masonry_cd.cli.shared import Force, Output, Quiet, Trust, exclude, warn
+from masonry_cd.cli.printing import warn
+from masonry_cd.cli.shared import Force, Output, Quiet, Trust, exclude
 
 
 def study(

@@ -9,22 +9,30 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from masonry_cd.foundation.atomic import replacing
 
 
 def write_json(path: Path, found: object, digits: int = 0) -> None:
     """Write a file, with so many digits of floats where they are given: a processor that rounds otherwise then writes the same file."""
     with replacing(path) as part:
-        text = json.dumps(plain(found, digits), indent=1, ensure_ascii=False, allow_nan=False)
-        part.write_text(text + "\n", encoding="utf-8")
+        part.write_text(as_json(found, digits), encoding="utf-8")
+
+
+def as_json(found: object, digits: int = 0) -> str:
+    """The text of such a file."""
+    return json.dumps(plain(found, digits), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def plain(value: Any, digits: int = 0) -> Any:
     """A value as JSON can hold it."""
     if isinstance(value, Mapping):
         return {str(key): plain(one, digits) for key, one in value.items()}
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, (list, tuple, np.ndarray)):
         return [plain(one, digits) for one in value]
+    if isinstance(value, np.generic):
+        value = value.item()
     if isinstance(value, float):
         return None if not math.isfinite(value) else float(f"{value:.{digits}g}") if digits else value
     return value

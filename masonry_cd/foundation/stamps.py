@@ -27,7 +27,7 @@ HOW = "masonry_cd.foundation.numba_internals"  # decides what any kernel is comp
 
 def stamp(function: FunctionType) -> str:
     """The hash of a function that is compiled; empty where it depends on the text of a module that has changed since this process began."""
-    texts, left, seen = {_text(HOW)}, [function], set[FunctionType]()
+    texts, left, seen = {text_of(HOW)}, [function], set[FunctionType]()
     while left:
         if (one := left.pop()) not in seen:
             seen.add(one)
@@ -91,11 +91,11 @@ def _shown(value: Any, reached: list[FunctionType]) -> str:
     if isinstance(value, ModuleType):
         return value.__name__  # what it names that is used is shown by itself
     module = getattr(value, "__module__", None) or type(value).__module__
-    return f"{type(value).__qualname__} {getattr(value, '__name__', value)!r}" if _comes_along(module) else _text(module)
+    return f"{type(value).__qualname__} {getattr(value, '__name__', value)!r}" if _comes_along(module) else text_of(module)
 
 
 @cache
-def _text(module: str) -> str:
+def text_of(module: str) -> str:
     """The text of a module; empty where it has been written to, or put into its place, since this process began."""
     path = Path(getattr(sys.modules.get(module), "__file__", None) or "")
     if not path.is_file():

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import html
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
     from masonry_cd.analysis.damage.part_damage import PartDamage
+    from masonry_cd.io.summary import Summary
 
 HEIGHT = 900  # of a page in a notebook [pixels]
 
@@ -39,7 +40,7 @@ class Plots(Sealed):
         self,
         results: Callable[[], AbstractContextManager[Results]],
         settings: Report,
-        summary: Callable[[], Mapping[str, Any]],
+        summary: Callable[[], Summary],
         damage: Callable[[], PartDamage],
     ) -> None:
         self._results, self._settings, self._summary, self._damage = results, settings, summary, damage

@@ -18,8 +18,8 @@ from masonry_cd.analysis.gauge_histories import unit_of_column
 from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.outputs.summary import damage_numbers
 from masonry_cd.analysis.pushover import push_curves, require_pushes
+from masonry_cd.app.closing_lines import closing_lines, damage_line
 from masonry_cd.app.per_step import QUANTITIES
-from masonry_cd.app.summary import closing_lines, damage_line
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.plots import Plots
 from masonry_cd.interface.returned import closing_as_html
@@ -27,7 +27,7 @@ from masonry_cd.interface.run_exports import RunExports
 from masonry_cd.interface.run_stress import RunStress
 from masonry_cd.interface.scenes import Scene, scene_of
 from masonry_cd.interface.tables import columns_of, frame_of, frame_of_rows
-from masonry_cd.io.summary_file import read_summary
+from masonry_cd.io.summary import Summary, read_summary
 from masonry_cd.mechanics.model.joint_laws import histories
 from reports.damage import damage_of, damage_settings
 from reports.laboratory import histories_of
@@ -59,34 +59,39 @@ class Run(RunExports, RunStress):
     """
 
     @cached_property
+    def _summary(self) -> Summary:
+        """What the run has come to."""
+        with self.results() as found:
+            written = read_summary(self.folder) or found.closing or Summary()
+            if written.has("joints_opened"):
+                return written
+            end = end_state(found, self._thresholds)
+            numbers = damage_numbers(Measured(found, damage_settings(self._report)), end)
+            return Summary(title=self.title, stopped=end.stopped) | written | numbers
+
+    @cached_property
     def summary(self) -> dict[str, Any]:
         """What the run has come to, as in summary.json; of a run that was killed, what its frames show.
 
         Raises:
             InputError: a file summary.json that is none.
         """
-        with self.results() as found:
-            written = read_summary(self.folder) or found.closing
-            if "joints_opened" in written:
-                return written
-            end = end_state(found, self._thresholds)
-            numbers = damage_numbers(Measured(found, damage_settings(self._report)), end)
-            return {"title": self.title, "stopped": end.stopped} | written | numbers
+        return self._summary.as_dict()
 
     @property
     def stopped(self) -> str:
         """Why the run ended before its time, in words; empty where it did not. :func:`masonry_cd.resume` continues it."""
-        return str(self.summary.get("stopped") or "")
+        return self._summary.stopped
 
     @property
     def provisional(self) -> str:
         """Why residual values and grades are not the last, in words; empty where the run ended at rest."""
-        return str(self.summary.get("provisional") or "")
+        return self._summary.provisional
 
     @property
     def warnings(self) -> list[str]:
         """What must not pass in silence, a line each."""
-        return [*self._words, *map(str, self.summary.get("warnings") or ())]
+        return [*self._words, *self._summary.warnings]
 
     @cached_property
     def scene(self) -> Scene:
@@ -235,7 +240,7 @@ class Run(RunExports, RunStress):
             raise InputError("force_displacement", f'"{push}" is no push or prop{suggest(push, names)}; there are {there}')
         curve = curves[names.index(push) if push else 0]
         columns = {name: getattr(curve, name) for name in ("displacement", "force", "moment", "inertia")}
-        return frame_of(columns, curve.time, "time", numbers=curve.numbers())
+        return frame_of(columns, curve.time, "time", numbers=curve.numbers().as_dict())
 
     def gauge(self, name: str) -> DataFrame:
         """What a point, joint, crack or support of the scene's [output] has recorded: a row per step, as in points.csv and so on.
@@ -256,13 +261,13 @@ class Run(RunExports, RunStress):
     def plot(self) -> Plots:
         """Its pictures: ``run.plot.crack_map()``, ``.stress_map()``, ``.energy()``, ``.history()``, ``.page()``,
         ``.force_displacement()``, ``.gauges()``."""
-        return Plots(self.results, self._report, lambda: self.summary, lambda: self.damage)
+        return Plots(self.results, self._report, lambda: self._summary, lambda: self.damage)
 
     @property
     def lines(self) -> list[str]:
         """What happened, in words: the closing lines of the command line."""
-        found = self.summary
-        return closing_lines(found) if "solver" in found else [f"{self.title}: {self.stopped}", damage_line(found)]
+        found = self._summary
+        return closing_lines(found) if found.has("solver") else [f"{self.title}: {self.stopped}", damage_line(found)]
 
     def __str__(self) -> str:
         return "\n".join(self.lines)

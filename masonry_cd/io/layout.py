@@ -1,77 +1,165 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a result file holds, by name.
+"""The layout of result.h5: one table of its datasets, by which it is written, checked, read, sealed and documented (docs/outputs.md).
 
-Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
+SI units, world frame. The first dimension says how a dataset comes about: what has a row per frame F, step N, shock K or byte of the
+closing words grows as the run goes, in chunks and without compression; largest values over all steps are written over; all else is written
+once. The order of what is written once is that of its checksum, so a new dataset goes behind the others of its kind. Numbers of a step, of
+the shape (N,) each, are not among these: :mod:`masonry_cd.app.per_step` declares them.
 
-    /time (F,)  /position (F, B, 3)  /orientation (F, B, 4) w first  /velocity (F, B, 6) linear, angular
-    /gradient (F, B, 3, 3)   of the displacement of blocks that deform, body frame; zeros of rigid ones; only where blocks deform
-    /joints/{block_a, block_b, area, normal, polygon_start, polygon}          what the joints are
-    /joints/{opening, sliding, rotation, contact_area, normal_force, shear_force} (F, J)
-    /joints/force_point (F, J, 3)    where the force of a joint crosses its plane, NaN where it has none
-    /joints/force (F, J, 3)   mean force of the joint on its block b over the step before, its opposite acts on block a [N]
-    /reaction (F, S, 6)   force and moment about its centre of mass of each of S supports on what it carries, likewise [N, N m]
-    /joints/bonded (F, J)   share of the area that is bonded; only where joints are
-    /joints/crushed (F, J)   by how much the joint is shorter for good where it is most so [m]; only where joints can crush
-    /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
-    /stress (F, B, 6)   mean stress of the blocks since the frame before, xx yy zz xy yz xz, tension positive [Pa]; NaN of supports and in
-        the first frame; only where the scene asks for it, as the next two:
-    /joints/mean_normal_force (F, J)   mean normal force since the frame before [N]
-    /joints/edge_stress (F, J)   largest compression by that force, see masonry_cd/mechanics/model/edge_stress.py [Pa]; infinite at an edge
-    /meshes/{block (M,), node_start (M + 1,), nodes (K, 3), element_start (M + 1,), elements (E, d + 1)}   the meshes of M blocks that are
-        cut into tetrahedra, or triangles in a plane: nodes as built [m], in a plane in the middle of the block; corners of elements among
-        all nodes; only where blocks are meshed and the scene asks for stress, as the next two, in single precision:
-    /meshes/displacement (F, K, 3)   of the nodes, beyond the motion of the rigid block, body frame [m]: a node built at X is at
-        x + R (X - c + u), with the position x and the rotation R of its block, built at c
-    /meshes/stress (F, E, 6)   mean stress of the elements since the frame before, as /stress [Pa]
-    /peaks/{displacement (B,), drift (P,), level_displacement (P, L), level_drift (P, L)}   over all steps, of blocks, parts and levels
-    /peaks/{hinge_opening (J,), hinge_time (J,), hinge_place (J, 3)}   likewise, of joints while they were hinges
-    /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
-    /solver/violation (N,) [m/s], /solver/{false_slip, false_opening} (N,) [m]   of the contact laws, see
-    masonry_cd/mechanics/dynamics/violations.py /step_time (N,) [s]   /load_step (N,), the step of the loads that was applied /ties/tension
-    (N, T) [N]   of each bar, in the order of the attribute ties; absent without ties /shocks/{name, start, end, frame} (S,)   of a
-    sequence: times [s], and the frame at the end of the rest after each shock /shocks/{opening, sliding, rotation, contact_area_loss,
-    first_opening_time} (S, J)   the peaks of the joints up to there /shocks/peaks/{drift (S, P), hinge_opening (S, J)}   likewise, those of
-    the parts and hinges /closing (L,)   bytes of what summary.json holds of a run that has ended, beside the damage (JSON) /blocks/*   the
-    blocks as they were built: a report needs no scene; /blocks/structure only where a scene has several;
-        /blocks/radius (B,) [m] only where there are spheres, 0 of polyhedra; a sphere has one vertex, its centre, and no face;
-        /blocks/support (1,), to which displacements are relative, -1 without one
-    /segments/*   checksums, see segments.py
-    /guides/*, /gauges/*   what a scene looks at in every step, see gauges.py
-    attributes: scene (the text of the scene file), scene_file (where it lies, seen from this file's folder), title, versions (JSON), run (a
-        name that no other run has), format (of this layout), ties (JSON, see tie_bars.py), inputs (JSON: SHA-256 of each file that the
-        scene reads), constant (SHA-256 of all that does not grow, but for scene_file)
-
-Files of older versions have neither /joints/force nor /reaction, and neither /peaks nor /blocks/support: their largest drifts and hinges
-are those of the frames.
-A file without the attribute ``format`` is of a version of the program before there were checksums; it still reads.
+Files of older versions lack some datasets; what they lack is not asked for, or is taken from the frames. One without the attribute
+``format`` is from before there were checksums; it still reads.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+from masonry_cd.io.gauges import GUIDE_COLUMNS
 from masonry_cd.mechanics.model.joint_laws import bonded, crushing, histories
-from masonry_cd.mechanics.model.joints import Joints
 
 FORMAT = 1  # of the layout; raised when an older program would misread it
-FRAME_FIELDS = ("time", "position", "orientation", "velocity")
-JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force", "force_point")
-FORCE, REACTION = "force", "reaction"  # of joints and supports; older files have none
-GRADIENT = "gradient"  # a history that only runs with blocks that deform have
-LAW_HISTORIES = tuple(history.name for history in histories())  # those that only runs have some of whose joints have the law
-BONDED, CRUSHED = bonded.HISTORY.name, crushing.HISTORY.name  # share of the area; by how much a joint is shorter for good [m]
-STRESS = "stress"  # a history that only runs have whose scene asks for it, as those of the joints:
+REAL, WHOLE, FLAG, TEXT, BYTES = "f", "iu", "b", "O", "S"  # kinds of numpy's types
+KINDS = {REAL: "real numbers", WHOLE: "whole numbers", FLAG: "flags", TEXT: "texts", BYTES: "texts", REAL + WHOLE: "numbers"}
+DIMENSIONS = {
+    "F": "frames", "N": "steps", "K": "shocks", "bytes": "bytes", "B": "blocks", "S": "supports", "J": "joints",
+    "P": "parts, the whole last", "H": "levels of the height, the foot first", "T": "bars of ties",
+    "M": "meshed blocks", "V": "nodes of meshes", "E": "elements",
+}  # fmt: skip
+GROWS = ("F", "N", "K", "bytes")  # first dimensions of what grows
+
+
+class Dataset(NamedTuple):
+    """A dataset of the file."""
+
+    name: str
+    shape: tuple[str | int, ...]  # sizes, dimensions by their names, or one more than such a dimension, "B+1"
+    kind: str  # of its type
+    unit: str
+    meaning: str
+    when: str = ""  # where a file has it; empty: everywhere
+
+    @property
+    def grows(self) -> bool:
+        """Whether it gets rows as the run goes."""
+        return self.shape[0] in GROWS
+
+    @property
+    def peak(self) -> bool:
+        """Whether it holds largest values over all steps, which are written over."""
+        return self.name.startswith(("joints/peak/", "peaks/"))
+
+
+FILL, MESHED, STRESSED = "blocks carry fill", "blocks are meshed and the scene asks for stress", "the scene asks for stress"
+NEWER, ELASTIC, SEQUENCE = "not in files of older versions", "blocks deform", "the loads are a sequence of shocks"
+PUSHED, WATCHED = "there are pushes by displacement or props", "the scene asks in [output]"
+
+DATASETS = (
+    Dataset("blocks/name", ("B",), TEXT, "", "of the block"),
+    Dataset("blocks/group", ("B",), TEXT, "", "of the block"),
+    Dataset("blocks/fixed", ("B",), FLAG, "", "it is a support"),
+    Dataset("blocks/density", ("B",), REAL, "kg/m3", "of the block"),
+    Dataset("blocks/vertex_start", ("B+1",), WHOLE, "", "where the vertices of each block begin, and where the last end"),
+    Dataset("blocks/vertices", ("corners", 3), REAL, "m", "as built; a sphere has one, its centre"),
+    Dataset("blocks/face_start", ("B+1",), WHOLE, "", "where the faces of each block begin"),
+    Dataset("blocks/loop_start", ("faces+1",), WHOLE, "", "where the vertices of each face begin"),
+    Dataset("blocks/loops", ("entries",), WHOLE, "", "vertices of the faces, counted in each block, counter-clockwise seen from outside"),
+    Dataset("joints/block_a", ("J",), WHOLE, "", "number of the first block"),
+    Dataset("joints/block_b", ("J",), WHOLE, "", "number of the second block"),
+    Dataset("joints/area", ("J",), REAL, "m2", "at rest"),
+    Dataset("joints/normal", ("J", 3), REAL, "", "at rest, from the first block to the second"),
+    Dataset("joints/polygon_start", ("J+1",), WHOLE, "", "where the corners of each joint begin"),
+    Dataset("joints/polygon", ("points", 3), REAL, "m", "corners of the joints at rest"),
+    Dataset("blocks/structure", ("B",), TEXT, "", "the structure that the block belongs to", "a scene has several"),
+    Dataset("blocks/support", (1,), WHOLE, "", "block to which displacements are relative, -1 without one", NEWER),
+    Dataset("blocks/radius", ("B",), REAL, "m", "of spheres, 0 of polyhedra", "there are spheres"),
+    Dataset("blocks/carried_mass", ("B",), REAL, "kg", "that the block carries", FILL),
+    Dataset("blocks/carried_centre", ("B", 3), REAL, "m", "centre of that mass", FILL),
+    Dataset("blocks/carried_inertia", ("B", 3, 3), REAL, "kg m2", "of that mass about its centre", FILL),
+    Dataset("meshes/block", ("M",), WHOLE, "", "numbers of the meshed blocks", MESHED),
+    Dataset("meshes/node_start", ("M+1",), WHOLE, "", "where the nodes of each block begin", MESHED),
+    Dataset("meshes/nodes", ("V", 3), REAL, "m", "as built, in a plane in the middle of the block", MESHED),
+    Dataset("meshes/element_start", ("M+1",), WHOLE, "", "where the elements of each block begin", MESHED),
+    Dataset("meshes/elements", ("E", "d+1"), WHOLE, "", "nodes of tetrahedra, or of triangles in a plane", MESHED),
+    Dataset("joints/peak/opening", ("J",), REAL, "m", "largest"),
+    Dataset("joints/peak/sliding", ("J",), REAL, "m", "largest"),
+    Dataset("joints/peak/rotation", ("J",), REAL, "rad", "largest"),
+    Dataset("joints/peak/contact_area_loss", ("J",), REAL, "", "largest share of the area"),
+    Dataset("joints/peak/first_opening_time", ("J",), REAL, "s", "NaN where it never opened"),
+    Dataset("peaks/displacement", ("B",), REAL, "m", "largest of each centre of mass relative to the support", NEWER),
+    Dataset("peaks/drift", ("P",), REAL, "", "largest of each part", NEWER),
+    Dataset("peaks/level_displacement", ("P", "H"), REAL, "m", "largest of each level in plan", NEWER),
+    Dataset("peaks/level_drift", ("P", "H"), REAL, "", "largest of each level", NEWER),
+    Dataset("peaks/hinge_opening", ("J",), REAL, "m", "largest while the joint was a hinge", NEWER),
+    Dataset("peaks/hinge_time", ("J",), REAL, "s", "when that was; NaN without a hinge", NEWER),
+    Dataset("peaks/hinge_place", ("J", 3), REAL, "m", "where it touched then, at rest; NaN likewise", NEWER),
+    Dataset("time", ("F",), REAL, "s", "of the frame"),
+    Dataset("position", ("F", "B", 3), REAL, "m", "of the centres of mass"),
+    Dataset("orientation", ("F", "B", 4), REAL, "", "unit quaternions, w first"),
+    Dataset("velocity", ("F", "B", 6), REAL, "m/s, rad/s", "linear, angular"),
+    Dataset("joints/opening", ("F", "J"), REAL, "m", "widest corner gap"),
+    Dataset("joints/sliding", ("F", "J"), REAL, "m", "of the corners that touch"),
+    Dataset("joints/rotation", ("F", "J"), REAL, "rad", "of the blocks relative to each other"),
+    Dataset("joints/contact_area", ("F", "J"), REAL, "m2", "in contact"),
+    Dataset("joints/normal_force", ("F", "J"), REAL, "N", "at the frame"),
+    Dataset("joints/shear_force", ("F", "J"), REAL, "N", "at the frame"),
+    Dataset("joints/force_point", ("F", "J", 3), REAL, "m", "where the force crosses the joint's plane, NaN where there is none"),
+    Dataset("joints/force", ("F", "J", 3), REAL, "N", "mean force on the second block over the step before", NEWER),
+    Dataset("reaction", ("F", "S", 6), REAL, "N, N m", "mean force and moment about its centre of each support on what it carries", NEWER),
+    Dataset("gradient", ("F", "B", 3, 3), REAL, "", "of the displacement within the blocks, body frame; zeros of rigid ones", ELASTIC),
+    *(Dataset(f"joints/{law.name}", ("F", "J"), REAL, law.unit, law.meaning, "joints have the law") for law in histories()),
+    Dataset("stress", ("F", "B", 6), REAL, "Pa", "mean since the frame before: xx yy zz xy yz xz, tension positive", STRESSED),
+    Dataset("joints/mean_normal_force", ("F", "J"), REAL, "N", "mean since the frame before", STRESSED),
+    Dataset("joints/edge_stress", ("F", "J"), REAL, "Pa", "largest compression by that force; infinite at an edge", STRESSED),
+    Dataset("meshes/displacement", ("F", "V", 3), REAL, "m", "u of the nodes, body frame: one built at X is at x + R (X - c + u)", MESHED),
+    Dataset("meshes/stress", ("F", "E", 6), REAL, "Pa", "mean of the elements since the frame before, as that of blocks", MESHED),
+    Dataset("ties/tension", ("N", "T"), REAL, "N", "of each bar, in the order of the attribute ties", "there are ties"),
+    *(Dataset(f"guides/{name}", ("N", "guides"), REAL, "", "see io/gauges.py", PUSHED) for name in GUIDE_COLUMNS),
+    Dataset("gauges/points", ("N", "watched", 6), REAL, "m, m/s", "displacement and velocity of points", WATCHED),
+    Dataset("gauges/base", ("N", 6), REAL, "m, m/s", "displacement and velocity of the support of displacements", WATCHED),
+    Dataset("gauges/joints", ("N", "watched joints", 8), REAL, "m, N, N m", "see io/gauges.py", WATCHED),
+    Dataset("gauges/cracks", ("N", "cracks", 3), REAL, "m", "how the second point has moved relative to the first", WATCHED),
+    Dataset("gauges/supports", ("N", "watched supports", 3), REAL, "N", "force on what the support carries", WATCHED),
+    Dataset("shocks/name", ("K",), BYTES, "", "of the shock", SEQUENCE),
+    Dataset("shocks/frame", ("K",), WHOLE, "", "at the end of the rest after it", SEQUENCE),
+    Dataset("shocks/start", ("K",), REAL, "s", "of the shock", SEQUENCE),
+    Dataset("shocks/end", ("K",), REAL, "s", "of the shock", SEQUENCE),
+    Dataset("shocks/opening", ("K", "J"), REAL, "m", "largest up to there", SEQUENCE),
+    Dataset("shocks/sliding", ("K", "J"), REAL, "m", "largest up to there", SEQUENCE),
+    Dataset("shocks/rotation", ("K", "J"), REAL, "rad", "largest up to there", SEQUENCE),
+    Dataset("shocks/contact_area_loss", ("K", "J"), REAL, "", "largest up to there", SEQUENCE),
+    Dataset("shocks/first_opening_time", ("K", "J"), REAL, "s", "NaN where it had not opened", SEQUENCE),
+    Dataset("shocks/peaks/drift", ("K", "P"), REAL, "", "largest of each part up to there", SEQUENCE),
+    Dataset("shocks/peaks/hinge_opening", ("K", "J"), REAL, "m", "largest while the joint was a hinge, up to there", SEQUENCE),
+    Dataset("closing", ("bytes",), "u", "", "JSON of what summary.json holds beside the damage", "the run has ended"),
+)
+BY_NAME = {dataset.name: dataset for dataset in DATASETS}
+ATTRIBUTES = {
+    "scene": "the text of the scene file",
+    "title": "of the scene",
+    "versions": "of the program and of what decides its numbers (JSON)",
+    "run": "a name that no other run has",
+    "inputs": "SHA-256 of each file that the scene reads (JSON)",
+}  # which every file has
+OPTIONAL_ATTRIBUTES = {"ties": "the bars of ties (JSON)", "gauges": "what is kept in every step besides (JSON)"}
+OTHER_ATTRIBUTES = {
+    "scene_file": "where the scene file lies, seen from this file's folder",
+    "format": "of this layout",
+    "constant": "SHA-256 of all that does not grow, but for scene_file",
+}
+
+
+def _under(folder: str, *, of: str = "") -> tuple[str, ...]:
+    """Names of the datasets in a folder of the file, those of a first dimension, or else those that are written once or over."""
+    chosen = (one for one in DATASETS if one.name.rpartition("/")[0] == folder and (one.shape[0] == of if of else not one.grows))
+    return tuple(one.name.rpartition("/")[2] for one in chosen)
+
+
+CONSTANTS = tuple(one.name for one in DATASETS if not one.grows and not one.peak)  # in the order of their checksum
+JOINT_CONSTANTS, MESH_ARRAYS = _under("joints"), _under("meshes")
+JOINT_PEAKS, STEP_PEAKS, SHOCK_PEAKS = _under("joints/peak"), _under("peaks"), _under("shocks/peaks", of="K")
+JOINT_HISTORIES = tuple(name for name in _under("joints", of="F") if not BY_NAME[f"joints/{name}"].when)
+LAW_HISTORIES = tuple(law.name for law in histories())
+BONDED, CRUSHED = bonded.HISTORY.name, crushing.HISTORY.name
+FORCE, REACTION, GRADIENT, STRESS, CLOSING = "force", "reaction", "gradient", "stress", "closing"
 MEAN_NORMAL_FORCE, EDGE_STRESS = "mean_normal_force", "edge_stress"
-NODE_DISPLACEMENT, ELEMENT_STRESS = "meshes/displacement", "meshes/stress"  # and these two where blocks are meshed as well
-MESH_ARRAYS = ("block", "node_start", "nodes", "element_start", "elements")  # under /meshes, likewise
-JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
-STEP_PEAKS = ("displacement", "drift", "level_displacement", "level_drift", "hinge_opening", "hinge_time", "hinge_place")  # under /peaks
-SHOCK_PEAKS = ("drift", "hinge_opening")  # under /shocks/peaks
-JOINT_CONSTANTS = tuple(Joints.__dataclass_fields__)
-BLOCK_ARRAYS = ("name", "group", "fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")
-OPTIONAL_ARRAYS = (  # where a scene has several structures; in new files; where there are spheres; where blocks carry fill; stress of
-    # meshed blocks
-    "blocks/structure", "blocks/support", "blocks/radius", "blocks/carried_mass", "blocks/carried_centre", "blocks/carried_inertia",
-    *(f"meshes/{name}" for name in MESH_ARRAYS),
-)  # fmt: skip
-OPTIONAL_ATTRIBUTES = ("ties", "gauges")  # where there are some, see tie_bars.py and gauges.py
-ATTRIBUTES = ("scene", "title", "versions", "run", "inputs")
-CLOSING = "closing"
+NODE_DISPLACEMENT, ELEMENT_STRESS = "meshes/displacement", "meshes/stress"

@@ -6,7 +6,7 @@ Readers go on to compiled kernels and to VTK, which check nothing.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import h5py
@@ -15,142 +15,105 @@ import numpy as np
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.hdf5_file import READ_ERRORS
 from masonry_cd.io.layout import (
-    BLOCK_ARRAYS,
-    CLOSING,
-    EDGE_STRESS,
-    ELEMENT_STRESS,
-    FORCE,
-    FRAME_FIELDS,
-    GRADIENT,
-    JOINT_CONSTANTS,
-    JOINT_HISTORIES,
+    BY_NAME,
+    CONSTANTS,
+    DATASETS,
     JOINT_PEAKS,
-    LAW_HISTORIES,
-    MEAN_NORMAL_FORCE,
-    MESH_ARRAYS,
-    NODE_DISPLACEMENT,
-    REACTION,
+    KINDS,
+    REAL,
     STEP_PEAKS,
-    STRESS,
+    WHOLE,
+    Dataset,
 )
-from masonry_cd.io.segments import held, in_pieces
+from masonry_cd.io.segments import GROUP, held, in_pieces
 
-REAL, WHOLE, FLAG, TEXT, BYTES = "f", "iu", "b", "O", "S"  # kinds of numpy's types
-KINDS = {REAL: "real numbers", WHOLE: "whole numbers", FLAG: "flags", TEXT: "texts", BYTES: "texts"}
-BLOCKS = {"name": TEXT, "group": TEXT, "fixed": FLAG, "vertex_start": WHOLE, "face_start": WHOLE, "loop_start": WHOLE, "loops": WHOLE}
-JOINTS = {"block_a": WHOLE, "block_b": WHOLE, "polygon_start": WHOLE}
-PER_STEP = ("penetration", "step_time", "load_step")
+Sizes = dict[str, int]  # of dimensions that are known, by their names
 
 
-def check_constants(file: h5py.File, path: Path) -> None:
-    """Check what does not grow: the blocks, the joints and their peaks.
+def check_constants(file: h5py.File, path: Path) -> Sizes:
+    """Check what does not grow: the blocks, the joints and their peaks. The sizes of dimensions that follow from it come back.
 
     Raises:
         InputError: it is missing, or not what it should be.
     """
-    for name in ("time", *(f"blocks/{name}" for name in BLOCK_ARRAYS), *(f"joints/{name}" for name in JOINT_CONSTANTS)):
-        if name not in file:
-            raise InputError(path, f"not the result of a run, or one that ended before its first frame (it has no {name})")
-    blocks = {name: _read(file, path, f"blocks/{name}", BLOCKS.get(name, REAL)) for name in BLOCK_ARRAYS}
-    joints = {name: _read(file, path, f"joints/{name}", JOINTS.get(name, REAL)) for name in JOINT_CONSTANTS}
-    count, pairs = len(blocks["name"]), len(joints["area"])
-    if "blocks/structure" in file:
-        _shape(path, "blocks/structure", _read(file, path, "blocks/structure", TEXT), (count,))
-    if "blocks/radius" in file:
-        _check_radii(path, _read(file, path, "blocks/radius", REAL), blocks["vertex_start"], count)
-    corners, faces = len(blocks["vertices"]), len(blocks["loop_start"]) - 1
-    for name in ("group", "fixed", "density"):
-        _shape(path, f"blocks/{name}", blocks[name], (count,))
-    _shape(path, "blocks/vertices", blocks["vertices"], (corners, 3))
-    _starts(path, "blocks/vertex_start", blocks["vertex_start"], count, corners)
-    _starts(path, "blocks/face_start", blocks["face_start"], count, faces)
-    _starts(path, "blocks/loop_start", blocks["loop_start"], faces, len(blocks["loops"]))
-    of_face = np.repeat(np.arange(count), np.diff(blocks["face_start"]))
-    of_loop = np.repeat(of_face, np.diff(blocks["loop_start"]))
-    _indices(path, "blocks/loops", blocks["loops"], np.diff(blocks["vertex_start"])[of_loop])
-    for name in ("block_a", "block_b"):
-        _shape(path, f"joints/{name}", joints[name], (pairs,))
-        _indices(path, f"joints/{name}", joints[name], count)
-    _shape(path, "joints/normal", joints["normal"], (pairs, 3))
-    _shape(path, "joints/polygon", joints["polygon"], (len(joints["polygon"]), 3))
-    _starts(path, "joints/polygon_start", joints["polygon_start"], pairs, len(joints["polygon"]))
-    for name in JOINT_PEAKS:
-        _shape(path, f"joints/peak/{name}", _read(file, path, f"joints/peak/{name}", REAL), (pairs,))
-    if "blocks/support" in file:
-        _check_support(path, _read(file, path, "blocks/support", WHOLE), blocks["fixed"])
+    needed = ("time", *(name for name in CONSTANTS if not BY_NAME[name].when))
+    if missing := next((name for name in needed if name not in file), ""):
+        raise InputError(path, f"not the result of a run, or one that ended before its first frame (it has no {missing})")
+    sizes: Sizes = {}
+    found = {name: _read(file, path, BY_NAME[name], sizes) for name in CONSTANTS if name in file or name in needed}
+    found |= {f"joints/peak/{name}": _read(file, path, BY_NAME[f"joints/peak/{name}"], sizes) for name in JOINT_PEAKS}
+    blocks, fixed = sizes["B"], found["blocks/fixed"]
+    _check_lists(path, found, (("blocks/vertex_start", "corners"), ("blocks/face_start", "faces"), ("blocks/loop_start", "entries")), sizes)
+    of_face = np.repeat(np.arange(blocks), np.diff(found["blocks/face_start"]))
+    of_loop = np.repeat(of_face, np.diff(found["blocks/loop_start"]))
+    _indices(path, "blocks/loops", found["blocks/loops"], np.diff(found["blocks/vertex_start"])[of_loop])
+    for name in ("joints/block_a", "joints/block_b"):
+        _indices(path, name, found[name], blocks)
+    _check_lists(path, found, (("joints/polygon_start", "points"),), sizes)
+    if "blocks/radius" in found:
+        _check_radii(path, found["blocks/radius"], found["blocks/vertex_start"])
+    if "blocks/support" in found:
+        _check_support(path, found["blocks/support"], fixed)
     if "meshes" in file:
-        _check_meshes(file, path, count)
+        _check_meshes(file, path, found, sizes)
     if "peaks" in file or "segments/step_peaks" in file:
-        _check_step_peaks(file, path, count, pairs)
+        _check_step_peaks(file, path, sizes)
+    return sizes | {"S": int(np.count_nonzero(fixed))}
 
 
-def _check_radii(path: Path, radii: np.ndarray, vertex_start: np.ndarray, blocks: int) -> None:
+def _check_radii(path: Path, radii: np.ndarray, vertex_start: np.ndarray) -> None:
     """Check the radii of spheres, 0 of polyhedra; a sphere has one vertex, its centre."""
-    _shape(path, "blocks/radius", radii, (blocks,))
-    _shape(path, "blocks/vertex_start", vertex_start, (blocks + 1,))
     if not ((radii >= 0.0) & (radii < np.inf)).all() or (np.diff(vertex_start)[radii > 0.0] != 1).any():
         raise InputError(path, "blocks/radius is not that of spheres")
 
 
 def _check_support(path: Path, support: np.ndarray, fixed: np.ndarray) -> None:
     """Check the number of the support to which displacements are relative, -1 for none."""
-    _shape(path, "blocks/support", support, (1,))
     if not -1 <= support[0] < len(fixed) or (support[0] >= 0 and not fixed[support[0]]):
         raise InputError(path, "blocks/support is no support")
 
 
-def _check_meshes(file: h5py.File, path: Path, blocks: int) -> None:
-    """Check the meshes of blocks, of which there are B in all."""
-    found = {name: _read(file, path, f"meshes/{name}", REAL if name == "nodes" else WHOLE) for name in MESH_ARRAYS}
-    meshed, nodes, elements = len(found["block"]), len(found["nodes"]), found["elements"]
-    _shape(path, "meshes/block", found["block"], (meshed,))
-    _indices(path, "meshes/block", found["block"], blocks)
-    _shape(path, "meshes/nodes", found["nodes"], (nodes, 3))
-    _starts(path, "meshes/node_start", found["node_start"], meshed, nodes)
-    _starts(path, "meshes/element_start", found["element_start"], meshed, len(elements))
-    _shape(path, "meshes/elements", elements, (len(elements), 4 if elements.shape[1:] == (4,) else 3))
-    _indices(path, "meshes/elements", elements.ravel(), nodes)
-    for name in (NODE_DISPLACEMENT, ELEMENT_STRESS):
+def _check_meshes(file: h5py.File, path: Path, found: Mapping[str, np.ndarray], sizes: Sizes) -> None:
+    """Check the meshes of blocks: all of their datasets are there, and point to what there is."""
+    for name in (one.name for one in DATASETS if one.name.startswith("meshes/")):
         if name not in file:
             raise InputError(path, f"damaged: {name} is missing")
+    _indices(path, "meshes/block", found["meshes/block"], sizes["B"])
+    _check_lists(path, found, (("meshes/node_start", "V"), ("meshes/element_start", "E")), sizes)
+    if sizes["d"] not in (2, 3):
+        raise InputError(path, f"meshes/elements should have 3 or 4 nodes each, not {sizes['d'] + 1}")
+    _indices(path, "meshes/elements", found["meshes/elements"].ravel(), sizes["V"])
 
 
-def _check_step_peaks(file: h5py.File, path: Path, blocks: int, joints: int) -> None:
+def _check_step_peaks(file: h5py.File, path: Path, sizes: Sizes) -> None:
     """Check the largest drifts, displacements and hinges."""
-    found = {name: _read(file, path, f"peaks/{name}", REAL) for name in STEP_PEAKS}
-    parts, levels = len(found["drift"]), found["level_drift"].shape[-1]
-    shapes = ((blocks,), (parts,), (parts, levels), (parts, levels), (joints,), (joints,), (joints, 3))
-    for name, shape in zip(STEP_PEAKS, shapes, strict=True):
-        _shape(path, f"peaks/{name}", found[name], shape)
+    for name in STEP_PEAKS:
+        _read(file, path, BY_NAME[f"peaks/{name}"], sizes)
     checksum = file.get("segments/step_peaks")
     if not isinstance(checksum, h5py.Dataset) or checksum.shape != (1,) or checksum.dtype.kind not in WHOLE:
         raise InputError(path, f"segments/step_peaks is not what a run writes ({KINDS[WHOLE]})")
 
 
-def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int]) -> None:
-    """Check types and shapes of what grows.
+def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int], sizes: Sizes) -> None:
+    """Check types and shapes of what grows; ``sizes`` are of dimensions that are known.
 
     Raises:
         InputError: a dataset that is not what it should be.
     """
-    blocks, joints = len(file["blocks/name"]), len(file["joints/area"])
-    parts = len(file["peaks/drift"]) if "peaks" in file else 0
-    meshes = (len(file["meshes/nodes"]), len(file["meshes/elements"])) if "meshes" in file else (0, 0)
-    supports = int(np.count_nonzero(file["blocks/fixed"][...]))
-    for name, kind, row in (*_growing(blocks, joints, parts, meshes), (REACTION, REAL, (supports, 6))):
-        if name in file:
-            dataset = file[name]
-            if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kind or dataset.shape[1:] != row:
-                raise InputError(path, f"{name} is not what a run writes ({_described(kind, ('rows', *row))})")
+    for one in (one for one in DATASETS if one.grows and one.name in file):
+        dataset = file[one.name]
+        if (
+            not isinstance(dataset, h5py.Dataset)
+            or dataset.dtype.kind not in one.kind
+            or not dataset.shape
+            or not _fits(one.shape[1:], dataset.shape[1:], sizes)
+        ):
+            raise InputError(path, f"{one.name} is not what a run writes ({_described(one)})")
     for name in rows:
         if not isinstance(file.get(name), h5py.Dataset):
             raise InputError(path, f"damaged: {name} is missing")
-    for group in ("solver", "energy"):
-        for name in file.get(group, ()):
-            _scalars(file, path, f"{group}/{name}")
-    for name in PER_STEP:
-        if name in file:
-            _scalars(file, path, name)
+        if name not in BY_NAME and (file[name].ndim != 1 or file[name].dtype.kind not in REAL + WHOLE):
+            raise InputError(path, f"{name} is not what a run writes (a number per step)")
 
 
 def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
@@ -162,7 +125,7 @@ def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
     found: dict[str, int] = {}
 
     def visit(name: str, item: h5py.Dataset | h5py.Group) -> None:
-        if isinstance(item, h5py.Dataset) and item.maxshape and item.maxshape[0] is None:
+        if isinstance(item, h5py.Dataset) and item.maxshape and item.maxshape[0] is None and not name.startswith(f"{GROUP}/"):
             found[name] = held(item)
             for _ in in_pieces(item, 0, found[name]):
                 pass
@@ -174,59 +137,53 @@ def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
     return found
 
 
-def _growing(blocks: int, joints: int, parts: int, meshes: tuple[int, int]) -> Iterator[tuple[str, str, tuple[int, ...]]]:
-    """Name, kinds of number and shape of a row of each dataset that grows; ``meshes`` have so many nodes and elements."""
-    yield from zip(FRAME_FIELDS, (REAL,) * 4, ((), (blocks, 3), (blocks, 4), (blocks, 6)), strict=True)
-    yield GRADIENT, REAL, (blocks, 3, 3)
-    yield STRESS, REAL, (blocks, 6)
-    yield NODE_DISPLACEMENT, REAL, (meshes[0], 3)
-    yield ELEMENT_STRESS, REAL, (meshes[1], 6)
-    for name in (*JOINT_HISTORIES, FORCE, *LAW_HISTORIES, MEAN_NORMAL_FORCE, EDGE_STRESS):
-        yield f"joints/{name}", REAL, (joints, 3) if name in ("force_point", FORCE) else (joints,)
-    yield from (("shocks/name", BYTES, ()), ("shocks/frame", WHOLE, ()), ("shocks/start", REAL, ()), ("shocks/end", REAL, ()))
-    for name in JOINT_PEAKS:
-        yield f"shocks/{name}", REAL, (joints,)
-    yield "shocks/peaks/hinge_opening", REAL, (joints,)
-    yield "shocks/peaks/drift", REAL, (parts,)
-    yield CLOSING, "u", ()
-
-
-def _read(file: h5py.File, path: Path, name: str, kind: str) -> np.ndarray:
-    """A dataset that was written once, read."""
-    dataset = file.get(name)
-    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kind or dataset.ndim < 1:
-        raise InputError(path, f"{name} is not what a run writes ({KINDS[kind]})")
+def _read(file: h5py.File, path: Path, one: Dataset, sizes: Sizes) -> np.ndarray:
+    """A dataset that does not grow, read; its dimensions are those that are known, or become known."""
+    dataset = file.get(one.name)
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in one.kind or dataset.ndim < 1:
+        raise InputError(path, f"{one.name} is not what a run writes ({_described(one)})")
     if dataset.nbytes > dataset.id.get_storage_size() or dataset.external or dataset.is_virtual:
-        raise InputError(path, f"{name} is larger than what the file holds of it")
+        raise InputError(path, f"{one.name} is larger than what the file holds of it")
+    if not _fits(one.shape, dataset.shape, sizes):
+        raise InputError(path, f"{one.name} should have the shape {_shape_in_words(one, sizes)}, not {dataset.shape}")
     return np.asarray(dataset[...])
 
 
-def _scalars(file: h5py.File, path: Path, name: str) -> None:
-    """Check a number per step."""
-    dataset = file[name]
-    if not isinstance(dataset, h5py.Dataset) or dataset.ndim != 1 or dataset.dtype.kind not in REAL + WHOLE:
-        raise InputError(path, f"{name} is not what a run writes (a number per step)")
+def _fits(shape: tuple[str | int, ...], found: tuple[int, ...], sizes: Sizes) -> bool:
+    """Whether a shape is that of a dataset; the size of a dimension that is not known yet becomes known."""
+    if len(shape) != len(found):
+        return False
+    for dimension, size in zip(shape, found, strict=True):
+        if isinstance(dimension, int):
+            if size != dimension:
+                return False
+        else:
+            own = size - dimension.endswith("+1")
+            if own < 0 or sizes.setdefault(dimension.removesuffix("+1"), own) != own:
+                return False
+    return True
 
 
-def _shape(path: Path, name: str, array: np.ndarray, shape: tuple[int, ...]) -> None:
-    """Check a shape."""
-    if array.shape != shape:
-        raise InputError(path, f"{name} should have the shape {shape}, not {array.shape}")
+def _shape_in_words(one: Dataset, sizes: Sizes) -> str:
+    """The shape that a dataset should have, sizes that are known as numbers."""
+    known = {name: str(size) for name, size in sizes.items()} | {f"{name}+1": str(size + 1) for name, size in sizes.items()}
+    return " x ".join(known.get(str(dimension), str(dimension)) for dimension in one.shape)
 
 
-def _starts(path: Path, name: str, starts: np.ndarray, count: int, end: int) -> None:
-    """Check where each of ``count`` lists begins in an array of ``end`` entries, and that the last ends with it."""
-    _shape(path, name, starts, (count + 1,))
-    if starts[0] != 0 or starts[-1] != end or (np.diff(starts.astype(np.int64)) < 0).any():
-        raise InputError(path, f"{name} does not divide its {end} entries")
+def _check_lists(path: Path, found: Mapping[str, np.ndarray], lists: tuple[tuple[str, str], ...], sizes: Sizes) -> None:
+    """Check where lists begin in what has a size of some name, and that the last of them ends with it."""
+    for name, end in lists:
+        starts = found[name]
+        if starts[0] != 0 or starts[-1] != sizes[end] or (np.diff(starts.astype(np.int64)) < 0).any():
+            raise InputError(path, f"{name} does not divide its {sizes[end]} entries")
 
 
 def _indices(path: Path, name: str, indices: np.ndarray, count: int | np.ndarray) -> None:
     """Check indices into something of so many entries."""
-    if indices.ndim != 1 or (indices < 0).any() or (indices >= count).any():
+    if (indices < 0).any() or (indices >= count).any():
         raise InputError(path, f"{name} points beyond what there is")
 
 
-def _described(kind: str, shape: tuple[object, ...]) -> str:
+def _described(one: Dataset) -> str:
     """Numbers and their shape in words."""
-    return f"{KINDS.get(kind, 'bytes')}, {' x '.join(map(str, shape))}"
+    return f"{KINDS.get(one.kind, 'bytes')}, {' x '.join(map(str, one.shape))}"

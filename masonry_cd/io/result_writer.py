@@ -27,14 +27,16 @@ from masonry_cd import __version__
 from masonry_cd.foundation import processor, system
 from masonry_cd.foundation.atomic import part_of
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.json_files import as_json
 from masonry_cd.io import tie_bars
 from masonry_cd.io.block_arrays import write_blocks
 from masonry_cd.io.gauges import ATTRIBUTE as GAUGES
 from masonry_cd.io.gauges import Gauges
-from masonry_cd.io.layout import CLOSING, FORMAT, JOINT_CONSTANTS, JOINT_PEAKS, MESH_ARRAYS
+from masonry_cd.io.layout import BY_NAME, CLOSING, CONSTANTS, FORMAT, JOINT_CONSTANTS, JOINT_PEAKS
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.io.segments import Sealer, append, checksum_of_constants, growing, in_pieces
+from masonry_cd.io.summary import Summary
 from masonry_cd.io.tie_bars import ATTRIBUTE as TIES
 from masonry_cd.io.tie_bars import TieBar
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -140,7 +142,7 @@ class ResultWriter:
             old.copy(name, self._file.require_group(str(Path(name).parent)))
         if "peaks" in old:
             old.copy("peaks", self._file)
-        for name in (f"meshes/{name}" for name in MESH_ARRAYS if "meshes" in old):
+        for name in (name for name in CONSTANTS if name.startswith("meshes/") and name in old):
             old.copy(name, self._file.require_group("meshes"))
         for name, values in _named(results.peaks, results.step_peaks).items():
             self._file[name][...] = values  # not those that a kill has left half written
@@ -217,6 +219,9 @@ class ResultWriter:
             self._write()
 
     def _create(self, name: str, array: np.ndarray) -> None:
+        shape = BY_NAME[name].shape if name in BY_NAME else ("N",)
+        if array.ndim != len(shape):
+            raise ValueError(f"{name} has rows of the shape {shape[1:]}, not {array.shape[1:]}")
         growing(self._file, name, array.shape[1:], array.dtype)
         self._known.add(name)
 
@@ -256,9 +261,9 @@ class ResultWriter:
         if self._published:
             self._sealer.seal_peaks()
 
-    def write_closing(self, text: str) -> None:
+    def write_closing(self, summary: Summary) -> None:
         """Write what is known of a run that has ended, so that its summary can be written from here."""
-        self.extend({CLOSING: np.frombuffer(text.encode(), dtype=np.uint8)})
+        self.extend({CLOSING: np.frombuffer(as_json(summary.as_dict()).encode(), dtype=np.uint8)})
         self.flush()
 
     def close(self) -> None:

@@ -24,13 +24,11 @@ from masonry_cd.io.gauges import Gauges, read_gauges
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 from masonry_cd.io.layout import (
     CLOSING,
+    DATASETS,
     ELEMENT_STRESS,
-    FORCE,
     FORMAT,
-    FRAME_FIELDS,
     GRADIENT,
     JOINT_CONSTANTS,
-    JOINT_HISTORIES,
     JOINT_PEAKS,
     NODE_DISPLACEMENT,
     REACTION,
@@ -41,6 +39,7 @@ from masonry_cd.io.layout import (
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
+from masonry_cd.io.summary import Summary
 from masonry_cd.io.tie_bars import TieBar, read_bars
 from masonry_cd.mechanics.dynamics.pauses import Aftermath
 from masonry_cd.mechanics.model.blocks import Block
@@ -61,14 +60,14 @@ class Results:
         if self.format > FORMAT:
             raise InputError(path, f"of format {self.format}, which a newer masonry_cd wrote; this one reads formats up to {FORMAT}")
         self.words: tuple[str, ...] = ()  # what is damaged, a line each
-        check_constants(file, path)
+        sizes = check_constants(file, path)
         self._segments = Segments(file, unfinished, sums) if self.format else None
         self._peaks_hold = self.format == 0 or checksum_of_peaks(file) == int(file["segments/peaks"][0])
         self._step_peaks_hold = "peaks" in file and checksum_of_step_peaks(file) == int(file["segments/step_peaks"][0])
         if self.format and checksum_of_constants(file) != file.attrs["constant"]:
             raise InputError(path, "damaged: its blocks, its joints or its scene are not those that were written")
         self._rows = rows_that_read(file, path) if self._segments is None else self._segments.last
-        check_growing(file, path, self._rows)
+        check_growing(file, path, self._rows, sizes)
         self._say_what_is_damaged(unfinished)
 
     def _say_what_is_damaged(self, unfinished: bool) -> None:
@@ -137,8 +136,7 @@ class Results:
     @cached_property
     def frames(self) -> int:
         """Number of frames whose positions, orientations and joints are all written."""
-        names = [*FRAME_FIELDS, *(f"joints/{name}" for name in (*JOINT_HISTORIES, FORCE)), REACTION, GRADIENT, STRESS]
-        return min(self.rows(name) for name in (*names, NODE_DISPLACEMENT, ELEMENT_STRESS) if name in self.file)
+        return min(self.rows(one.name) for one in DATASETS if one.shape[0] == "F" and one.name in self.file)
 
     def gradient(self, frame: int) -> np.ndarray | None:
         """Gradients of the displacement within the blocks at a frame, body frames, (B, 3, 3); None where none deforms."""
@@ -296,10 +294,10 @@ class Results:
         return {name: self.per_step(f"energy/{name}") for name in self.file.get("energy", ())}
 
     @cached_property
-    def closing(self) -> dict[str, Any]:
-        """What summary.json holds of a run that has ended, beside the damage; empty for one that has not."""
+    def closing(self) -> Summary | None:
+        """What summary.json holds of a run that has ended, beside the damage; None for one that has not."""
         count = self.rows(CLOSING)
-        return dict(json.loads(self.file[CLOSING][:count].tobytes())) if count else {}
+        return Summary.model_validate_json(self.file[CLOSING][:count].tobytes()) if count else None
 
     @property
     def versions(self) -> dict[str, str]:

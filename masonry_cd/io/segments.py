@@ -28,7 +28,7 @@ import h5py
 import numpy as np
 
 from masonry_cd.io.hdf5_file import READ_ERRORS
-from masonry_cd.io.layout import ATTRIBUTES, BLOCK_ARRAYS, JOINT_CONSTANTS, JOINT_PEAKS, OPTIONAL_ARRAYS, OPTIONAL_ATTRIBUTES, STEP_PEAKS
+from masonry_cd.io.layout import ATTRIBUTES, BY_NAME, CONSTANTS, JOINT_PEAKS, OPTIONAL_ATTRIBUTES, STEP_PEAKS
 
 GROUP = "segments"
 NAME_BYTES = 64  # of a dataset
@@ -223,9 +223,7 @@ def checksum_of_constants(file: h5py.File) -> str:
     digest = hashlib.sha256()
     for name in (*ATTRIBUTES, *(name for name in OPTIONAL_ATTRIBUTES if name in file.attrs)):
         digest.update(f"{name} {_text(file.attrs.get(name, ''))}\0".encode())
-    names = [*(f"blocks/{name}" for name in BLOCK_ARRAYS), *(f"joints/{name}" for name in JOINT_CONSTANTS)]
-    names += [name for name in OPTIONAL_ARRAYS if name in file]
-    for name in names:
+    for name in (name for name in CONSTANTS if not BY_NAME[name].when or name in file):
         array = file[name][...]
         digest.update(f"{name} {array.shape} ".encode())
         digest.update(b"\0".join(array.tolist()) if array.dtype == object else array.tobytes())

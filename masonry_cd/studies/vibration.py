@@ -121,7 +121,7 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
         InputError: a wrong option or scene, or a joint that is rigid.
     """
     from masonry_cd.app.case import make_structures
-    from masonry_cd.app.summary import write_json
+    from masonry_cd.foundation.json_files import write_json
 
     asked = parse_table(VibrationOptions, options, "modal")
     free_folder(folder, OUTPUTS, force)
@@ -141,7 +141,7 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
             found |= swept | {"lines": [*found["lines"], _sweep_line(swept)]}
     own_files.begin(folder, OUTPUTS)
     own_files.remove(folder, OUTPUTS)
-    write_json(found, folder / "vibration.json")
+    write_json(folder / "vibration.json", found)
     write_rows(folder / "vibration.csv", found["modes"])
     if asked.sweep:
         from masonry_cd.studies.vibration_picture import sweep_picture

@@ -27,7 +27,8 @@ from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.verdict import NOT_GRADED
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_file import read_summary
+from masonry_cd.io.summary import Summary, read_summary
+from masonry_cd.io.summary_tables import SummaryTable
 from reports.damage import damage_of, damage_settings
 from reports.settings import Report, report_of
 
@@ -43,7 +44,7 @@ class Run:
     top: np.ndarray  # (F,) horizontal displacement of the highest free block relative to the base, signed along its largest [m]
     numbers: dict[str, Any]  # of the response, by their keys
     height: float  # of the structure [m]
-    summary: dict[str, Any]
+    summary: Summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +101,7 @@ def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
         top=run.top,
         numbers=values_in(COMPARE, run),
         height=float(np.ptp(solids.vertices[~solids.fixed[solids.vertex_block], 2])),
-        summary=read_summary(folder),
+        summary=read_summary(folder) or Summary(),
     )
 
 
@@ -177,17 +178,12 @@ def _part_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
 
 def _solver_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
     """From summary.json, which a run that was killed has not written."""
-    keys = (
-        ("solver", "", ("solver", "name")),
-        ("largest error", "", ("solver", "error_max")),
-        ("steps missed", "", ("solver", "steps_missed")),
-        ("energy balance", "share", ("energy", "balance_error")),
-        ("stepping", "s", ("stepping_seconds",)),
+    found = [run.summary for run in runs]
+    columns: tuple[tuple[str, str, list[SummaryTable], str], ...] = (
+        ("solver", "", [one.solver for one in found], "name"),
+        ("largest error", "", [one.solver for one in found], "error_max"),
+        ("steps missed", "", [one.solver for one in found], "steps_missed"),
+        ("energy balance", "share", [one.energy for one in found], "balance_error"),
+        ("stepping", "s", [*found], "stepping_seconds"),
     )
-    rows = []
-    for name, unit, path in keys:
-        values: list[Any] = [run.summary for run in runs]
-        for key in path:
-            values = [value.get(key) if isinstance(value, Mapping) else None for value in values]
-        rows.append((name, unit, values))
-    return rows
+    return [(name, unit, [getattr(one, key) if one.has(key) else None for one in tables]) for name, unit, tables, key in columns]

@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from masonry_cd.analysis.damage.grades import read_grades
 from masonry_cd.analysis.damage.part_damage import PartDamage
@@ -13,6 +12,7 @@ from masonry_cd.analysis.deformed import Solids, frame_index
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.blocks import Block
 from reports.damage import thresholds_of
 from reports.drawing.scene import Scene
@@ -103,7 +103,7 @@ def crack_scene_at(results: Results, settings: Report, time: float | None) -> Sc
     return crack_scene(results, frame, framing(results, [frame], style_of(settings)))
 
 
-def write_page(results: Results, path: Path, settings: Report, summary: Mapping[str, Any], damage: PartDamage) -> None:
+def write_page(results: Results, path: Path, settings: Report, summary: Summary, damage: PartDamage) -> None:
     """Write the page that shows a run."""
     from reports import page
 
@@ -111,8 +111,8 @@ def write_page(results: Results, path: Path, settings: Report, summary: Mapping[
     page.write_page(results, path, summary, thresholds_of(settings), settings.scale, style.largest, damage)
 
 
-def write_asked(results: Results, folder: Path, settings: Report, summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Write the outputs that a scene asks for, beside joints.csv; return what they add to the summary."""
+def write_asked(results: Results, folder: Path, settings: Report, summary: Summary) -> Summary:
+    """Write the outputs that a scene asks for, beside joints.csv; return the summary with what they add."""
     job = Job(results, folder, settings, summary)
     job.write()
-    return job.more
+    return job.summary

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from masonry_cd.io.summary import Summary
 from reports.drawing.figure import Sheet, save_polygons
 from reports.files import Job, Output
 from reports.maps.sequence import animation, crack_maps, times_within
@@ -28,9 +29,9 @@ def _times(job: Job) -> Iterable[Path]:
     times, beyond = times_within(job.results, job.settings.times)
     if beyond:
         at = ", ".join(f"{time:g}" for time in beyond)
-        why = "which was interrupted" if job.summary.get("stopped") else "whose rests were cut short"
+        why = "which was interrupted" if job.summary.stopped else "whose rests were cut short"
         line = f"report.times: no map at {at} s: the run, {why}, ends at {job.results.time[-1]:g} s"
-        job.more["warnings"] = [*job.summary.get("warnings", ()), line]
+        job.summary |= Summary(warnings=(*job.summary.warnings, line))
     return crack_maps(job.results, job.folder, times, style_of(job.settings)) if times else []
 
 
@@ -51,7 +52,8 @@ def _stress(job: Job) -> Iterable[Path]:
     from reports.stress import write_stress
 
     peaks = stress_peaks(job.results, job.settings.opened)
-    job.more["stress"] = stress_summary(job.results, peaks)
+    found = stress_summary(job.results, peaks)
+    job.summary |= Summary() if found is None else Summary(stress=found)
     return write_stress(job.results, peaks, job.folder)
 
 
@@ -59,7 +61,7 @@ def _stress_map(job: Job) -> Iterable[Path]:
     """The map of a frame where a time is given, else of the whole run."""
     from reports.maps.stress_map import stress_scene
 
-    if not job.more["stress"]:
+    if job.summary.stress is None:
         return []
     frame, path = None if job.time is None else frame_at(job.results, job.time), job.folder / "stress_map.png"
     scene = stress_scene(job.results, frame, style_of(job.settings))

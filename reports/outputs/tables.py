@@ -21,9 +21,11 @@ DAMAGE = {
 def _damage(job: Job) -> Iterable[Path]:
     """The damage by part, in short in the summary as well."""
     from masonry_cd.analysis.outputs.summary import in_short
+    from masonry_cd.io.summary import Summary
     from reports.damage import write_part_damage
 
-    job.more["parts"] = in_short(job.damage.parts)
+    if job.settings.damage:
+        job.summary |= Summary(parts=in_short(job.damage.parts))
     return write_part_damage(job.damage, job.folder)
 
 

@@ -19,6 +19,7 @@ from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 from reports.drawing import palette
 from reports.drawing.parts import Scale, hexed
@@ -41,7 +42,7 @@ SCRIPTS = ("unpack.js", "motion.js", "camera.js", "shaders.js", "viewer.js", "pl
 def write_page(
     results: Results,
     path: Path,
-    summary: Mapping[str, Any] | None = None,
+    summary: Summary | None = None,
     thresholds: Thresholds | None = None,
     scale: float | None = None,
     largest: float = LARGEST,
@@ -57,7 +58,7 @@ def write_page(
     Raises:
         InputError: a scale that is not positive, or a path that cannot be written.
     """
-    thresholds, summary = thresholds or Thresholds(), summary or {}
+    thresholds, summary = thresholds or Thresholds(), summary or Summary()
     if scale is not None and not (np.isfinite(scale) and scale > 0):
         raise InputError("scale", f"must be positive, got {scale!r}")
     tolerance = _tolerance(results, summary)
@@ -67,7 +68,7 @@ def write_page(
     facts, text = _data(context, largest, {**carried, "missed": missed_times}, limit)
     asked = context.report.get("view", "auto")
     facts |= {"view": asked} if asked != "auto" else {}
-    facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
+    facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": summary.planar}
     run = context.measured
     free = run.solids.vertices[~run.solids.fixed[run.solids.vertex_block]]
     size = float(np.ptp(free, axis=0).max()) if len(free) else 1.0
@@ -89,13 +90,13 @@ def write_page(
     )
 
 
-def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
+def _tolerance(results: Results, summary: Summary) -> float:
     """The tolerance of the run: from its summary, else from its scene, else the default."""
     from masonry_cd.mechanics.dynamics.settings import Run
 
-    of_scene = results.tables.get("run", {}).get("tolerance", Run.model_fields["tolerance"].default)
-    given = summary.get("solver", {}).get("tolerance")
-    return float(of_scene if given is None else given)
+    if summary.solver.has("tolerance"):
+        return summary.solver.tolerance
+    return float(results.tables.get("run", {}).get("tolerance", Run.model_fields["tolerance"].default))
 
 
 def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndarray], limit: int) -> tuple[dict[str, Any], str]:

@@ -150,7 +150,7 @@ def _date(given: Mapping[str, Any]) -> str:
 
 def program(context: PageContext) -> str:
     """The program and its version: that which made the run, where the file says so."""
-    version = context.results.versions.get("masonry-cd") or context.summary.get("version")
+    version = context.results.versions.get("masonry-cd") or context.summary.version
     return f"masonry_cd {version}" if version else "masonry_cd"
 
 

@@ -56,7 +56,7 @@ def assumptions(context: PageContext) -> list[str]:
         "Blocks hit one another without rebound: an impact takes out what energy it can, and leaves no damage on the blocks.",
         _base(context),
         *_gravity(context),
-        *([PLANE] if context.summary.get("planar") else []),
+        *([PLANE] if context.summary.planar else []),
     ]
 
 
@@ -132,7 +132,7 @@ def _base(context: PageContext) -> str:
     supports = "The support is rigid" if count == 1 else f"The {count} supports are rigid"
     if not moving:
         return f"{supports} and at rest."
-    differ = context.summary.get("loads", {}).get("base", {}).get("largest_difference", 0.0)
+    differ = context.summary.loads.base.largest_difference
     together = "" if count == 1 else ", all alike" if not differ else f", apart from one another by up to {in_metres(differ)}"
     return f"{supports} and {'moves' if count == 1 else 'move'} as prescribed along {' and '.join(moving)}{together}."
 

@@ -16,10 +16,10 @@ from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.analysis.damage.verdict import BEDS, END, ENERGY, FALSE_MOTION, FORCES, LAWS, LOADS, MODEL, OVERLAP, TIME_STEP
-from masonry_cd.analysis.limit.outcome import one_factor
 from masonry_cd.analysis.verdict import GOOD, NOT_GRADED
 from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary_tables import LimitBracket
 from reports.damage import write_joints_csv, write_part_damage
 from reports.drawing.figure import in_metres
 from reports.files import known_files
@@ -110,31 +110,30 @@ def capacity(context: PageContext) -> Mapping[str, Any]:
 
 def _load_factor(context: PageContext) -> dict[str, Any]:
     """The load factor at which the structure gave way."""
-    found = context.summary.get("load_factor")
-    if not found:
+    found = context.summary.load_factor
+    if found is None:
         return {}
     tilted = any(load.get("kind") == "tilt" for load in context.tables.get("loads", []))
-    stood = found["given_way"] is None
-    at, place = found["end"] if stood else found["given_way"], found.get("given_way_displacement")
-    bracket = found.get("limit_analysis") or {}
+    stood, place, bracket = found.given_way is None, found.given_way_displacement, found.limit_analysis or LimitBracket()
+    at = found.end if found.given_way is None else found.given_way
     return {
         "stood": stood,
         "at": f"λ = {number(at, digits=3)}" + (f" ({math.degrees(math.atan(at)):.3g}°)" if tilted else ""),
-        "time": "" if stood else number(found["given_way_time"], "s"),
+        "time": "" if found.given_way_time is None else number(found.given_way_time, "s"),
         "place": "" if place is None else in_metres(place),
-        "limit": in_metres(found["limit"]),
-        "end": number(found["end"]),
-        "rigid": bool(found.get("rigid")),
-        "upper": number(bracket["associated"], digits=3) if bracket.get("associated") is not None else "",
-        "least": number(bracket["least_found"], digits=3) if bracket.get("least_found") is not None else "",
-        "one": one_factor(bracket),
+        "limit": in_metres(found.limit),
+        "end": number(found.end),
+        "rigid": found.rigid,
+        "upper": "" if bracket.associated is None else number(bracket.associated, digits=3),
+        "least": "" if bracket.least_found is None else number(bracket.least_found, digits=3),
+        "one": bracket.one,
     }
 
 
 def _shaking(context: PageContext) -> list[list[str]]:
     """The peaks of each base motion."""
     rows = []
-    for name, direction, peaks in _motions(context.summary.get("loads", {}).get("tables", [])):
+    for name, direction, peaks in _motions(context.summary.loads.tables):
         pga, (pgv, pgd) = peaks.get("pga", math.nan), (in_metres(peaks.get(key, 0.0)) for key in ("pgv", "pgd"))
         rows.append([name, direction, f"{number(pga, digits=3)} ({pga / G:.2g} g)", f"{pgv}/s", pgd])
     return rows
@@ -164,21 +163,21 @@ def ties(context: PageContext) -> Mapping[str, Any]:
     """What each tie had to bear."""
     rows = [
         [
-            tie.get("name") or " to ".join(tie["blocks"]),
-            force(tie["tension_max"]),
-            number(tie["stress_max"] / 1e6, digits=3),
-            number(tie["tension_max_time"], digits=3),
-            force(tie["tension_end"]),
-            "–" if tie.get("yield_time") is None else number(tie["yield_time"], digits=3),
+            tie.name or " to ".join(tie.blocks),
+            force(tie.tension_max),
+            number(tie.stress_max / 1e6, digits=3),
+            number(tie.tension_max_time, digits=3),
+            force(tie.tension_end),
+            "–" if tie.yield_time is None else number(tie.yield_time, digits=3),
         ]
-        for tie in context.summary.get("ties", ())
+        for tie in context.summary.ties
     ]
     return {"rows": rows} if rows else {}
 
 
 def loads(context: PageContext) -> Mapping[str, Any]:
     """The lines that a run prints before it begins, and each motion of the supports where they do not all move alike."""
-    lines = [re.sub(r"loads\[(\d+)\]", lambda k: f"load {int(k[1]) + 1}:", line) for line in context.summary.get("modelled", ())]
+    lines = [re.sub(r"loads\[(\d+)\]", lambda k: f"load {int(k[1]) + 1}:", line) for line in context.summary.modelled]
     if not lines:  # of a run that left no summary
         for k, load in enumerate(context.tables.get("loads", [])):
             keys = ", ".join(" ".join(term) for term in terms(load) if term[0] != "kind")

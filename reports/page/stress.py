@@ -53,7 +53,7 @@ def stress(context: PageContext) -> Mapping[str, Any]:
         return {}
     peaks = stress_peaks(results, report_of(results.tables).opened)
     found = stress_summary(results, peaks)
-    if not found:
+    if found is None:
         return {}
     return {
         "lines": stress_lines(found),

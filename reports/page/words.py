@@ -12,7 +12,7 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import EndState
-from masonry_cd.analysis.damage.joint_damage import JointDamage, in_words, summary
+from masonry_cd.analysis.damage.joint_damage import JointDamage, in_words, joint_counts
 from masonry_cd.analysis.damage.part_damage import PartDamage, Settings
 from masonry_cd.analysis.damage.verdict import Checks, checks_of
 from masonry_cd.analysis.deformed import Solids
@@ -21,6 +21,7 @@ from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.support_motion import STILL, SupportMotion, support_motions
 from masonry_cd.analysis.verdict import Verdict
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from reports.drawing.figure import in_metres
 
 JOINTS = {
@@ -43,7 +44,7 @@ class PageContext:
     missed: int  # steps above the tolerance
     steps: int  # steps whose error is known
     tolerance: float
-    summary: Mapping[str, Any]  # as in summary.json; empty where there is none
+    summary: Summary  # without a key where there is none
     parts: PartDamage | None  # the damage by part, for a table of its own
     carried: Mapping[str, np.ndarray]  # files that the page carries, bytes by their names
 
@@ -70,8 +71,8 @@ class PageContext:
     @cached_property
     def checks(self) -> Checks:
         """What the run checked of itself."""
-        found = {"collapsed_blocks": len(self.measured.fallen), "displacement_max": self.measured.displacement_max}
-        return checks_of({**self.summary, **found}, self.thresholds, self.end)
+        found = Summary(collapsed_blocks=len(self.measured.fallen), displacement_max=self.measured.displacement_max)
+        return checks_of(self.summary | found, self.thresholds, self.end)
 
     @cached_property
     def tables(self) -> dict[str, Any]:
@@ -143,10 +144,10 @@ def lead(context: PageContext) -> str:
     span = f"{number(float(time[0]), 's')} to {number(float(time[-1]), 's')}"
     held = int(solids.fixed.sum())
     supports = "1 block is a support" if held == 1 else f"{held or 'no'} blocks are supports"
-    dt, adapted = context.summary.get("dt"), context.summary.get("time_step")
+    dt, adapted = context.summary.dt, context.summary.time_step
     of = f" of {number(1e3 * dt)} ms" if dt else ""
-    if isinstance(adapted, dict) and all(isinstance(adapted.get(key), float) for key in ("shortest", "longest")):
-        of = f" of {number(1e3 * adapted['shortest'])} to {number(1e3 * adapted['longest'])} ms"
+    if adapted is not None:
+        of = f" of {number(1e3 * adapted.shortest)} to {number(1e3 * adapted.longest)} ms"
     steps = f", {context.steps} steps{of}" if context.steps else ""
     return (
         f"{len(blocks)} blocks{named} and {context.results.joints.count} joints, {extent} (x, y, z) without supports; "
@@ -171,9 +172,9 @@ def outcome(context: PageContext) -> list[str]:
 def notices(context: PageContext) -> list[str]:
     """What must not be overlooked; nothing when all is well."""
     summary, out = context.summary, []
-    if summary.get("stopped"):
-        out.append(f"The run ended early: {summary['stopped']}. The page shows it up to there.")
-    elif not summary.get("steps"):
+    if summary.stopped:
+        out.append(f"The run ended early: {summary.stopped}. The page shows it up to there.")
+    elif not summary.steps:
         out.append("The run has no summary: it was stopped or is still running. The page shows what it had written.")
     if context.provisional:
         why = context.provisional.partition(": ")[2]
@@ -181,8 +182,7 @@ def notices(context: PageContext) -> list[str]:
             f"What is left is provisional: {why}. Openings, slidings, drifts, mechanisms and grades would change if the run continued."
         )
     if context.missed:
-        most = summary.get("solver", {}).get("error_max")
-        largest = "" if most is None else f"; the largest error is {number(most)}"
+        largest = f"; the largest error is {number(summary.solver.error_max)}" if summary.solver.has("error_max") else ""
         of = f"{context.missed} of {context.steps} steps missed the tolerance {number(context.tolerance)} of the solver"
         out.append(f"{of}{largest}. They are marked in the plot of the solver's error.")
     return out
@@ -190,11 +190,11 @@ def notices(context: PageContext) -> list[str]:
 
 def tiles(context: PageContext) -> list[tuple[str, str, str]]:
     """The headline numbers: what each is, the number, and small print behind it."""
-    counts, of_joints = summary(context.table), f" of {context.results.joints.count}"
-    seconds = context.summary.get("stepping_seconds")
+    counts, of_joints = joint_counts(context.table), f" of {context.results.joints.count}"
+    seconds, steps = context.summary.stepping_seconds, context.summary.steps
     rows = [("grade of the structure", context.verdict.grade, "")] if context.parts is not None else []
     rows += [
-        *((name, str(counts[key]), of_joints) for key, name in JOINTS.items()),
+        *((name, str(getattr(counts, key)), of_joints) for key, name in JOINTS.items()),
         *((f"{kind} fallen", str(fell), f" of {free}") for kind, fell, free in context.fallen_of_kinds()),
         *((one.name, _shown(one, context), "") for one in numbers_in(PAGE).values()),
         (
@@ -203,8 +203,8 @@ def tiles(context: PageContext) -> list[tuple[str, str, str]]:
             f" of {context.steps}" * bool(context.steps),
         ),
     ]
-    if seconds and context.summary.get("steps"):
-        rows.append(("per step", number(1e3 * seconds / context.summary["steps"], "ms", 3), ""))
+    if seconds and steps:
+        rows.append(("per step", number(1e3 * seconds / steps, "ms", 3), ""))
     return rows
 
 
@@ -221,7 +221,7 @@ def settings(context: PageContext) -> list[tuple[str, list[tuple[str, str]]]]:
     tables = context.tables
     stands = [(f"Structure {table.get('name', k + 1)}", terms(table)) for k, table in enumerate(tables.get("structures", []))]
     boxes = stands + [(title, terms(tables[key])) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
-    amounts = context.summary.get("loads", {}).get("tables", [])
+    amounts = context.summary.loads.tables
     for k, load in enumerate(tables.get("loads", [])):
         after = amounts[k].get("after", {}) if k < len(amounts) else {}
         peaks = [(name, number(after[key], unit)) for key, name, unit in PEAKS if isinstance(after.get(key), (int, float))]

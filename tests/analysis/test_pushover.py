@@ -20,17 +20,17 @@ def pushed(yields: float) -> PushCurve:
 
 def test_an_elastic_and_plastic_push_has_its_stiffness_and_is_its_own_idealisation() -> None:
     found = pushed(YIELDS).numbers()
-    assert found["peak_force"] == FORCE
-    assert found["stiffness"] == pytest.approx(FORCE / YIELDS, rel=0.02)
-    assert found["bilinear"]["yield_force"] == pytest.approx(FORCE, rel=0.01)
-    assert found["bilinear"]["ductility"] == pytest.approx(END / YIELDS, rel=0.05)
+    assert found.peak_force == FORCE
+    assert found.stiffness == pytest.approx(FORCE / YIELDS, rel=0.02)
+    assert found.bilinear.yield_force == pytest.approx(FORCE, rel=0.01)
+    assert found.bilinear.ductility == pytest.approx(END / YIELDS, rel=0.05)
 
 
 def test_a_rigid_push_has_a_peak_and_neither_stiffness_nor_ductility() -> None:
     found = pushed(0.0).numbers()
-    assert found["peak_force"] == FORCE
-    assert found["stiffness"] is None
-    assert found["bilinear"] is None
+    assert found.peak_force == FORCE
+    assert found.stiffness is None
+    assert found.bilinear is None
 
 
 @pytest.mark.parametrize("left", [0.0, 3e-7, -3e-7])
@@ -40,5 +40,5 @@ def test_a_cycle_that_ends_at_zero_but_for_rounding_is_whole(left: float) -> Non
     force = FORCE * np.sign(np.diff(u, prepend=0.0))
     count = len(u)
     (cycle,) = PushCurve("b", "push", (1.0, 0.0, 0.0), np.arange(1.0, count + 1.0), u, force, np.zeros(count), np.zeros(count)).cycles()
-    assert cycle["dissipated"] == pytest.approx(4.0 * FORCE * END, rel=1e-3)
-    assert cycle["damping"] == pytest.approx(2.0 / np.pi, rel=1e-3)
+    assert cycle.dissipated == pytest.approx(4.0 * FORCE * END, rel=1e-3)
+    assert cycle.damping == pytest.approx(2.0 / np.pi, rel=1e-3)

@@ -12,10 +12,10 @@ from datasets import contents
 from models import stepper, still, wall
 
 from masonry_cd.app.case import prepare
+from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.run_loop import Checkpoints, Plan, run
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
@@ -143,13 +143,13 @@ def test_a_checkpoint_that_no_such_run_leaves_is_refused(tmp_path, name, values,
 
 def test_the_summary_says_how_long_the_steps_were(tmp_path):
     summary = run_case(prepare(scene(tmp_path)), tmp_path / "out")
-    found, steps = summary["time_step"], summary["steps"]
-    assert json.loads((tmp_path / "out/summary.json").read_text())["time_step"] == found
-    assert steps == summary["steps_asked"] == sum(row["steps"] for row in found["steps_by_length"])
-    assert found["dt_max"] == found["longest"] == 1e-2 and found["dt_min"] == found["shortest"] == 1e-2 / 32
-    assert sum(row["steps"] * row["dt"] for row in found["steps_by_length"]) == pytest.approx(1.0, rel=1e-12)
+    found, steps = summary.time_step, summary.steps
+    assert json.loads((tmp_path / "out/summary.json").read_text())["time_step"] == found.as_dict()
+    assert steps == summary.steps_asked == sum(row["steps"] for row in found.steps_by_length)
+    assert found.dt_max == found.longest == 1e-2 and found.dt_min == found.shortest == 1e-2 / 32
+    assert sum(row["steps"] * row["dt"] for row in found.steps_by_length) == pytest.approx(1.0, rel=1e-12)
     said = "\n".join(closing_lines(summary))
-    assert f"{steps} steps of 312 us to 10 ms (median {1e3 * found['median']:.3g} ms)" in said.replace("625 us", "0.625 ms")
+    assert f"{steps} steps of 312 us to 10 ms (median {1e3 * found.median:.3g} ms)" in said.replace("625 us", "0.625 ms")
     assert "time steps: local error" in said and "aimed at" in said
     with Results.open(tmp_path / "out/result.h5") as results:
         assert np.array_equal(np.array(results.time), 1e-2 * np.arange(101))
@@ -158,14 +158,14 @@ def test_the_summary_says_how_long_the_steps_were(tmp_path):
 def test_a_run_of_fixed_steps_says_nothing_of_it(tmp_path):
     summary = run_case(prepare(scene(tmp_path, SINE, 0.05, "run.dt=1e-3")), tmp_path / "out")
     assert "time_step" not in summary
-    assert summary["steps"] == summary["steps_asked"] == 50
+    assert summary.steps == summary.steps_asked == 50
 
 
 def test_a_rest_between_shocks_ends_early_and_the_next_one_begins_on_time(tmp_path):
     made = scene(tmp_path, SHOCKS, 5.615)
     case = prepare(made)
     summary = run_case(case, tmp_path / "out")
-    first, second = summary["shocks"]
+    first, second = summary.shocks
     with Results.open(tmp_path / "out/result.h5") as results:
         ends, time = results.per_step("load_step").astype(int), results.per_step("step_time")
     for shock in case.loading.shocks:
@@ -175,15 +175,15 @@ def test_a_rest_between_shocks_ends_early_and_the_next_one_begins_on_time(tmp_pa
     cut = np.flatnonzero(begins[1:] > ends[:-1])
     assert len(cut) == 1  # the rest after the first shock was cut short, and the second began on time
     assert begins[cut[0] + 1] == case.loading.shocks[1].first
-    assert first["rest_end"] == pytest.approx(second["start"], abs=1e-9)
+    assert first.rest_end == pytest.approx(second.start, abs=1e-9)
 
 
 def test_a_push_that_gives_way_is_dated_by_the_steps_as_they_were(tmp_path):
     load = 'kind = "tilt"\ndirection = "y"\nrate = 6.0'
-    adaptive = run_case(prepare(scene(tmp_path, load, 3.5)), tmp_path / "a")["load_factor"]
-    fixed = run_case(prepare(scene(tmp_path, load, 3.5, "run.dt=2e-3")), tmp_path / "b")["load_factor"]
-    assert adaptive["given_way"] == pytest.approx(fixed["given_way"], rel=0.03)
-    assert adaptive["end"] == pytest.approx(fixed["end"], rel=1e-3)
+    adaptive = run_case(prepare(scene(tmp_path, load, 3.5)), tmp_path / "a").load_factor
+    fixed = run_case(prepare(scene(tmp_path, load, 3.5, "run.dt=2e-3")), tmp_path / "b").load_factor
+    assert adaptive.given_way == pytest.approx(fixed.given_way, rel=0.03)
+    assert adaptive.end == pytest.approx(fixed.end, rel=1e-3)
 
 
 def test_accuracy_wants_a_number(tmp_path):

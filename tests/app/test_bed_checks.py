@@ -3,7 +3,6 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +10,10 @@ from made_run import box
 
 from masonry_cd.app.bed_checks import touching_share
 from masonry_cd.app.case import prepare
+from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines
+from masonry_cd.io.summary import Summary
 from structures.files.blockfile import write
 
 WEIGHT, DEPTH, WIDTH, HEIGHT = 2000.0 * 9.81, 0.5, 1.0, 2.0  # of the block, of its bed, [N] and [m]
@@ -26,7 +26,7 @@ run = { dt = 2e-3, duration = 0.3, tolerance = 1e-7 }
 """
 
 
-def rocked(folder: Path, changes: Sequence[str]) -> dict[str, Any]:
+def rocked(folder: Path, changes: Sequence[str]) -> Summary:
     """The summary of a block that a pulse makes rock on its bed."""
     (folder / "scene.toml").write_text(SCENE)
     base = box("base", (-1, -1, -1), (2, 2, 0), fixed=True)
@@ -44,11 +44,11 @@ def test_a_bed_touches_over_the_share_that_its_closed_form_gives() -> None:
 
 def test_joints_that_open_wider_than_their_points_resolve_are_named_and_to_be_looked_at(tmp_path: Path) -> None:
     summary = rocked(tmp_path, [FEW])
-    found = summary["beds"]
-    assert (found["unresolved"], found["points"], found["where"]) == (1, 3, '"base" - "block"')
-    assert 0.03 < found["share"] < found["resolved"] == pytest.approx(1.0 / np.sqrt(6.0))
-    (check,) = [one for one in summary["verdict"]["checks"] if one["check"] == "Points of open joints"]
-    assert check["verdict"] == "look" == summary["verdict"]["verdict"]
+    found = summary.beds
+    assert (found.unresolved, found.points, found.where) == (1, 3, '"base" - "block"')
+    assert 0.03 < found.share < found.resolved == pytest.approx(1.0 / np.sqrt(6.0))
+    (check,) = [one for one in summary.verdict.checks if one.check == "Points of open joints"]
+    assert check.verdict == "look" == summary.verdict.verdict
     assert any(line.startswith("elastic joints: ") and '"block"' in line for line in closing_lines(summary))
 
 
@@ -62,6 +62,6 @@ def test_joints_that_open_wider_than_their_points_resolve_are_named_and_to_be_lo
 )
 def test_nothing_is_said_of_joints_whose_points_resolve_what_carries(tmp_path: Path, changes: list[str]) -> None:
     summary = rocked(tmp_path, changes)
-    assert summary["beds"]["unresolved"] == 0
+    assert summary.beds.unresolved == 0
     assert not [line for line in closing_lines(summary) if line.startswith("elastic joints: ")]
-    assert [one["verdict"] for one in summary["verdict"]["checks"] if one["check"] == "Points of open joints"] == ["good"]
+    assert [one.verdict for one in summary.verdict.checks if one.check == "Points of open joints"] == ["good"]

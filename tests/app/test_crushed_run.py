@@ -13,9 +13,9 @@ from models import box, ground
 from masonry_cd.analysis.damage.joint_damage import crushing
 from masonry_cd.analysis.damage.verdict import beyond_their_law
 from masonry_cd.app.case import prepare
+from masonry_cd.app.closing_lines import closing_lines, crushed_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines, crushed_lines
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing.palette import CRUSHED
@@ -44,12 +44,12 @@ def test_crushed_joints_are_counted_tabled_and_marked(tmp_path):
     blockfile.write(tmp_path / "blocks.json", [ground(), box("b", (-0.25, -0.5, 0.0), (0.25, 0.5, 0.5))])
     (tmp_path / "scene.toml").write_text(SCENE.replace("STRENGTH", "2e4"))
     summary = run_case(prepare(read_scene(tmp_path / "scene.toml")), tmp_path / "out")
-    assert summary["joints_crushed"] == 1
-    assert summary["energy"]["crushing"] > 0.0
+    assert summary.joints_crushed == 1
+    assert summary.energy.crushing > 0.0
     (line,) = (line for line in closing_lines(summary) if line.startswith("crushing: 1 joint, by "))
     assert line.endswith(' at the most, "ground" - "b"')
     with (tmp_path / "out/joints.csv").open() as file:
-        assert float(next(csv.DictReader(file))["crushed"]) == float(f"{summary['crushed_max']:.9g}")
+        assert float(next(csv.DictReader(file))["crushed"]) == float(f"{summary.crushed_max:.9g}")
     with Results.open(tmp_path / "out/result.h5") as results:
         assert np.diff(results.joint_history("crushed")[:, 0]).min() >= 0.0
         scene = crack_scene(results, results.frames - 1, framing(results, [results.frames - 1], MapStyle()))
@@ -76,5 +76,5 @@ def test_crushing_that_is_forgotten_is_counted():
     blocks = [SimpleNamespace(name=name) for name in ("base", "a", "b", "c")]
     results = SimpleNamespace(has_joint_history=lambda name: True, joint_history=lambda name: history, joints=ends, blocks=blocks)
     found = crushing(cast(Results, results))
-    assert found == {"joints_crushed": 1, "crushed_max": 3e-4, "crushing_forgotten": 1, "crushed_where": '"base" - "a"'}
+    assert found.as_dict() == {"joints_crushed": 1, "crushed_max": 3e-4, "crushing_forgotten": 1, "crushed_where": '"base" - "a"'}
     assert len(crushed_lines(found)) == 1 and "1 joint" in beyond_their_law(found)[0]

@@ -35,15 +35,15 @@ def test_results_hold_what_a_block_shortens_by_and_pictures_draw_it(block_on_pla
     top = np.flatnonzero((solids.vertex_block == 1) & (solids.vertices[:, 2] > 0.3))
     sunk = (pose.moved(solids, solids.vertices[top], solids.vertex_block[top]) - solids.vertices[top])[:, 2]
     np.testing.assert_allclose(sunk, -0.4 * 0.5 * WEIGHT / 1e7, rtol=1e-3)
-    assert summary["energy"]["elastic"] > 0.0
-    assert not [line for line in summary["explanation"] if line.startswith("strains of blocks")]
+    assert summary.energy.elastic > 0.0
+    assert not [line for line in summary.explanation if line.startswith("strains of blocks")]
     assert "elastic, with one strain each" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
 def test_a_run_of_rigid_blocks_says_that_it_left_strains_out(block_on_plate: Callable[..., Path], tmp_path: Path) -> None:
     """And its results have none."""
     summary = run_case(prepare(read_scene(block_on_plate(duration="duration = 0.05"))), tmp_path / "out")
-    assert [line for line in summary["explanation"] if line.startswith("strains of blocks: none")]
+    assert [line for line in summary.explanation if line.startswith("strains of blocks: none")]
     assert Results.open(tmp_path / "out" / "result.h5").gradient(0) is None
 
 
@@ -55,9 +55,9 @@ def test_a_meshed_block_runs_from_the_scene_file_to_the_page(block_on_plate: Cal
     gradient = results.gradient(results.frames - 1)
     assert gradient is not None
     np.testing.assert_allclose(gradient[1, 2, 2], -0.5 * WEIGHT / 1e7, rtol=2e-2)
-    assert abs(summary["energy"]["balance_error"]) < 1e-9
+    assert abs(summary.energy.balance_error) < 1e-9
     assert "elastic, meshed" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert [line for line in summary["explanation"] if "meshes of triangles" in line]
+    assert [line for line in summary.explanation if "meshes of triangles" in line]
 
 
 def test_a_mesh_that_is_far_too_fine_is_refused_before_the_run(block_on_plate: Callable[..., Path]) -> None:

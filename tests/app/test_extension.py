@@ -32,6 +32,7 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.foundation.table_schema import table_schema
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.solvers import SOLVERS
 from masonry_cd.studies.study.perturb import perturb
@@ -201,13 +202,13 @@ def test_an_output_of_a_run(add, tmp_path):
     asked = "[report]\nweight = true"
     assert "weight.csv" not in known_files()
     with pytest.raises(InputError, match=r"report\.weight: unknown key"):
-        report_of(asked)
+        report_of(tomllib.loads(asked))
     add("reports.outputs", "weight", WEIGHT)
     blocks = [box("ground", (-1, -1, -1), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 1))]
     with Results.open(write_run(tmp_path / "result.h5", blocks, [at_rest(blocks)] * 2)) as results:
-        assert Job(results, tmp_path, report_of({}), {}).write() == [] and not report_of({}).asks
+        assert Job(results, tmp_path, report_of({}), Summary()).write() == [] and not report_of({}).asks
         settings = report_of(tomllib.loads(asked))
-        assert Job(results, tmp_path, settings, {}).write() == [tmp_path / "weight.csv"] and settings.asks
+        assert Job(results, tmp_path, settings, Summary()).write() == [tmp_path / "weight.csv"] and settings.asks
     assert (tmp_path / "weight.csv").read_text().splitlines()[1:] == ["ground,8000", "stone,2000"]
     assert "weight.csv" in file_names()
     assert "| `weight.csv` | the mass of every block |" in run_path(str(ROOT / "docs" / "write_output_reference.py"))["reference"]()
@@ -231,10 +232,10 @@ def test_a_quantity_per_step(add, tmp_path):
 SWISS = """\
     from masonry_cd.analysis.code_check.code import Code
     from masonry_cd.analysis.code_check.steps import CodeCheck
-    from masonry_cd.analysis.code_check.verdicts import Verdict
+    from masonry_cd.analysis.code_check.verdicts import CheckResult
 
     def check(table, oscillator, ground):
-        verdict = Verdict("linear", ground.peak, oscillator.acceleration(), "m/s2", "9.1")
+        verdict = CheckResult("linear", ground.peak, oscillator.acceleration(), "m/s2", "9.1")
         return CodeCheck("SIA269", "SIA 269/8", "", ground.words, (), (verdict,))
 
     CODES = {"SIA269": Code(check, "9.2")}

@@ -72,9 +72,9 @@ def test_a_resumed_run_is_not_set_in_motion_again(tmp_path: Path) -> None:
     made = case(velocities, path, checkpoint_every=0.0)
     run_case(made, tmp_path / "unbroken")
     stopped = run_case(made, tmp_path / "broken", limit=1e-9)
-    assert stopped["stopped"]
+    assert stopped.stopped
     summary = run_case(made, tmp_path / "broken", resume=True)
-    assert not summary["stopped"]
+    assert not summary.stopped
     assert np.array_equal(last_position(tmp_path / "broken"), last_position(tmp_path / "unbroken"))
 
 

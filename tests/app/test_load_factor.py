@@ -14,17 +14,19 @@ from models import box, ground
 from masonry_cd.analysis.limit import nonassociated
 from masonry_cd.app.carried import largest_carried
 from masonry_cd.app.case import prepare
-from masonry_cd.app.load_factor import NOT_THE_LEAST, limit_bracket, outcome_lines
+from masonry_cd.app.closing_lines import NOT_THE_LEAST, closing_lines, factor_lines
+from masonry_cd.app.load_factor import limit_bracket
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines
+from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import LimitBracket, LoadFactor
 from masonry_cd.mechanics.model.blocks import Block
 from structures.files import blockfile
 
 
 def push_over(
     folder: Path, blocks: list[Block], load: str, mu: float, dt: float, seconds: float, solver: str = "nlgs", way: str = "x"
-) -> dict:
+) -> Summary:
     """The summary of a run of some blocks under a table [[loads]]."""
     blockfile.write(folder / "blocks.json", blocks)
     (folder / "scene.toml").write_text(
@@ -44,27 +46,27 @@ def test_a_block_gives_way_at_its_coefficient_of_friction_or_not_at_all(tmp_path
     blocks = [ground(), box("b", (0, -0.2, 0), (0.6, 0.2, 0.2))]  # in the middle of its plate: planar
     push = 'kind = "push"\nrate = 0.1\ninitial = 0.25'
     summary = push_over(tmp_path, blocks, push, 0.3, 5e-3, 1.0)
-    factor = summary["load_factor"]
-    assert factor["end"] == pytest.approx(0.35)
-    assert factor["limit"] == pytest.approx(0.002)  # a hundredth of its height
-    assert factor["given_way"] == pytest.approx(0.3, rel=2e-3)  # however fast the push grows
-    assert factor["given_way_time"] > 0.5
-    assert closing_lines(summary)[2].startswith(f"load factor: {factor['given_way']:.4g} is the largest that was carried, at ")
+    factor = summary.load_factor
+    assert factor.end == pytest.approx(0.35)
+    assert factor.limit == pytest.approx(0.002)  # a hundredth of its height
+    assert factor.given_way == pytest.approx(0.3, rel=2e-3)  # however fast the push grows
+    assert factor.given_way_time > 0.5
+    assert closing_lines(summary)[2].startswith(f"load factor: {factor.given_way:.4g} is the largest that was carried, at ")
     held = push_over(tmp_path, blocks, push, 0.4, 5e-3, 1.0)
-    assert held["load_factor"]["given_way"] is None
+    assert held.load_factor.given_way is None
     assert closing_lines(held)[2] == "load factor: 0.35 at the end, and the structure had not given way"
-    assert held["load_factor"]["limit_analysis"] == pytest.approx({"least_found": 0.4, "associated": 0.4}, abs=1e-6)
+    assert vars(held.load_factor.limit_analysis) == pytest.approx({"least_found": 0.4, "associated": 0.4}, abs=1e-6)
     assert closing_lines(held)[3] == "limit analysis: 0.4; how joints slide makes no difference here"
     assert NOT_THE_LEAST not in closing_lines(held)  # there is one factor only
 
 
 def test_the_bracket_of_limit_analysis_stands_beside_a_factor_that_sliding_decides() -> None:
-    factor = {"end": 0.4, "limit": 2e-3, "given_way": 0.389, "given_way_time": 1.0, "rigid": True}
-    bracket = {"least_found": 0.3558, "associated": 0.40369}
-    *_, several, line = outcome_lines({"load_factor": factor | {"limit_analysis": bracket}})
+    bracket = LimitBracket(least_found=0.3558, associated=0.40369)
+    factor = LoadFactor(end=0.4, limit=2e-3, given_way=0.389, given_way_time=1.0, rigid=True, limit_analysis=bracket)
+    *_, several, line = factor_lines(factor)
     assert several == NOT_THE_LEAST and "another run.solver or run.seed may find another" in several
     assert line == "limit analysis: 0.3558, the least found without dilation, to 0.4037 (associated)"
-    *_, line = outcome_lines({"load_factor": factor | {"limit_analysis": bracket | {"least_found": None}}})
+    *_, line = factor_lines(factor.model_copy(update={"limit_analysis": LimitBracket(associated=0.40369)}))
     assert line == "limit analysis: 0.4037 at most (associated); no start of the search for the least factor came to an end"
 
 
@@ -74,8 +76,8 @@ def test_a_slab_wedged_between_cheeks_has_its_least_factor_beside_the_one_of_the
     blocks = [ground(4.0), *cheeks, box("slab", (-0.5, 0.0, 0.0), (0.5, 0.5, 3.0))]
     push = 'kind = "push"\nrate = 0.1\ninitial = 0.1'
     held = push_over(tmp_path, blocks, push, 0.6, 5e-3, 0.01, way="y")
-    assert held["load_factor"]["limit_analysis"] == {"least_found": pytest.approx(1.0 / 6.0, rel=1e-3), "associated": None}
-    *_, several, line = outcome_lines(held)
+    assert vars(held.load_factor.limit_analysis) == {"least_found": pytest.approx(1.0 / 6.0, rel=1e-3), "associated": None}
+    *_, several, line = factor_lines(held.load_factor)
     assert several == NOT_THE_LEAST
     assert line.startswith("limit analysis: 0.1667, the least found without dilation, and none with it that is finite: ")
 
@@ -84,12 +86,12 @@ def test_an_upper_value_is_not_the_least_found(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(nonassociated, "EXACT", -1.0)  # no start comes to an end
     push = 'kind = "push"\nrate = 0.1\ninitial = 0.1'
     held = push_over(tmp_path, [ground(), box("b", (0, -0.2, 0), (0.6, 0.2, 0.2))], push, 0.4, 5e-3, 0.01)
-    assert held["load_factor"]["limit_analysis"] == {"least_found": None, "associated": pytest.approx(0.4, abs=1e-6)}
+    assert vars(held.load_factor.limit_analysis) == {"least_found": None, "associated": pytest.approx(0.4, abs=1e-6)}
 
 
 def test_a_factor_on_elastic_joints_is_not_said_to_be_one_of_several() -> None:
-    factor = {"end": 0.3, "limit": 2e-3, "given_way": None, "given_way_time": None, "rigid": False}
-    assert outcome_lines({"load_factor": factor}) == [outcome_lines({"load_factor": factor | {"rigid": True}})[0]]
+    soft, rigid = (factor_lines(LoadFactor(end=0.3, limit=2e-3, rigid=rigid)) for rigid in (False, True))
+    assert soft == rigid[:1]
 
 
 ARCH = """
@@ -110,20 +112,20 @@ initial = 0.2
 def test_an_arch_on_elastic_joints_gives_way_at_the_peak_of_its_curve_and_not_where_its_joints_yield_by_a_limit(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(ARCH)
     case = prepare(read_scene(tmp_path / "scene.toml"))
-    found = run_case(case, tmp_path / "out")["load_factor"]
+    found = run_case(case, tmp_path / "out").load_factor
     rigid = limit_bracket(case)
     assert rigid is not None
-    assert found["given_way"] == pytest.approx(rigid["associated"], rel=0.02)  # stiff joints: nearly that of rigid blocks
-    assert found["given_way"] < found["end"]
-    assert found["given_way_displacement"] > found["limit"]  # elastic joints go as far before
+    assert found.given_way == pytest.approx(rigid.associated, rel=0.02)  # stiff joints: nearly that of rigid blocks
+    assert found.given_way < found.end
+    assert found.given_way_displacement > found.limit  # elastic joints go as far before
 
 
 def test_soft_joints_that_move_by_more_than_the_limit_have_not_given_way(tmp_path: Path) -> None:
     soft = ARCH.replace("4e10", "3e7").replace("1.6e10", "1.2e7").replace("initial = 0.2", "peak = 0.18")
     (tmp_path / "scene.toml").write_text(soft)
-    found = run_case(prepare(read_scene(tmp_path / "scene.toml")), tmp_path / "out")["load_factor"]
-    assert found["given_way"] is None
-    assert outcome_lines({"load_factor": found})[0] == "load factor: 0.18 at the end, and the structure had not given way"
+    found = run_case(prepare(read_scene(tmp_path / "scene.toml")), tmp_path / "out").load_factor
+    assert found.given_way is None
+    assert factor_lines(found)[0] == "load factor: 0.18 at the end, and the structure had not given way"
 
 
 def test_what_is_carried_is_the_work_of_the_load_less_what_moves() -> None:
@@ -157,7 +159,7 @@ def test_the_dry_wall_of_ferris_and_tin_loi(kind: str, tmp_path: Path, shared: P
             blocks.append(box(f"c{course}.{k}", (x0, -0.1, course * height), (x1, 0.1, (course + 1) * height)))
     load = 'kind = "tilt"\nrate = 0.5\ninitial = 31.0' if kind == "tilt" else 'kind = "push"\nrate = 0.01\ninitial = 0.6'
     summary = push_over(tmp_path, blocks, load, 0.65, 2e-3, 6.0, "auto")
-    found = summary["load_factor"]["given_way"]
+    found = summary.load_factor.given_way
     print(f"{kind}: lambda {found:.4f}, exact (associated) {case['lambda_associated_computed']:.4f}")
     assert found == pytest.approx(case["lambda_associated_computed"], rel=0.03)
 

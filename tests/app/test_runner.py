@@ -275,7 +275,7 @@ def test_bonds_are_written_and_counted(tmp_path):
     with Results.open(tmp_path / "result.h5") as results:
         share = results.joint_history("bonded")
         table = joint_damage(results)
-        assert bonds(results) == {"joints_bonded": 2, "joints_broken": 1}
+        assert bonds(results).as_dict() == {"joints_bonded": 2, "joints_broken": 1}
     assert share[0].tolist() == [1.0, 1.0]
     assert share[-1] == pytest.approx([0.0, 1.0], abs=1e-6)
     write_joints_csv(table, tmp_path / "joints.csv")

@@ -7,9 +7,9 @@ import pytest
 from made_run import box
 
 from masonry_cd.app.case import prepare
+from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines
 from structures.files.blockfile import write
 
 SCENE = """
@@ -37,8 +37,8 @@ def test_a_joint_shortened_by_more_than_a_hundredth_of_the_width_is_named(tmp_pa
     write(tmp_path / "blocks.json", [box("base", (-1, -1, -1), (2, 2, 0), fixed=True), box("cube", (0, 0, 0), (1, 1, 1))])
     changes = [f"material.joints.default.normal_stiffness={stiffness}"]
     summary = run_case(prepare(read_scene(tmp_path / "scene.toml", changes)), tmp_path / "out")
-    assert summary["shortening_max"] == pytest.approx(2000.0 * 9.81 / stiffness, rel=1e-4)
-    assert summary["penetration_max"] == 0.0
+    assert summary.shortening_max == pytest.approx(2000.0 * 9.81 / stiffness, rel=1e-4)
+    assert summary.penetration_max == 0.0
     lines = [line for line in closing_lines(summary) if line.startswith("joints shortened by up to ")]
     assert len(lines) == named
     assert all('2 % of the smallest width, between "cube" and "base" at ' in line for line in lines)

@@ -62,9 +62,9 @@ def test_the_curves_of_masses_and_of_live_loads_are_those_of_the_moved_blocks(tm
     side = f'[[loads]]\nkind = "point"\nblock = "a"\nforce = [1000.0, 0, 0]\npoint = [0.25, 0, {HIGH}]\n'
     for tables in (f"{TOP}[limit]\npush = 'x'\nmasses = [0]\n", f"{TOP}{side}[limit]\nlive = [1]\n"):
         case = limit_case(scene(tmp_path, pillar(), tables), curve=True)
-        assert case.curve is not None and case.curve.curve.falls
-        for k in range(0, len(case.curve.curve.factor), 7):
-            stage = case.curve.curve.stages[k]
+        assert case.curve is not None and case.curve.falls
+        for k in range(0, len(case.curve.factor), 7):
+            stage = case.curve.stages[k]
             top = stage.assembly.blocks[1].vertices
             x, z = top[np.argsort(top[:, 2])[-2:]].mean(axis=0)[[0, 2]] if k == 0 else _top(top)
             centre = stage.assembly.centre[1]

@@ -5,19 +5,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from made_run import box
 
 from masonry_cd.app.case import Case, prepare
+from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from structures.files.blockfile import write
 
 SCENE = """
@@ -51,22 +51,22 @@ def case(folder: Path, *changes: str) -> Case:
     return prepare(read_scene(path, changes))
 
 
-def run(folder: Path, *changes: str) -> dict[str, Any]:
+def run(folder: Path, *changes: str) -> Summary:
     return run_case(case(folder, *changes), folder / "out")
 
 
 def test_a_block_that_rocks_at_the_end_of_its_duration_is_followed_until_it_is_still(tmp_path: Path) -> None:
     short = run(tmp_path)
-    assert short["steps"] == short["steps_asked"] == 500
-    assert short["provisional"].startswith("provisional: still moving at ")
+    assert short.steps == short.steps_asked == 500
+    assert short.provisional.startswith("provisional: still moving at ")
     assert not any(line.startswith("rest: ") for line in closing_lines(short))
     long = run(tmp_path, "run.until_still=true")
-    assert any(line.startswith(f"rest: {2e-3 * (long['steps'] - 500):.4g} s more") for line in closing_lines(long))
-    assert 500 < long["steps"] < 3500
-    assert long["provisional"] == ""
-    assert (short["ended_still"], long["ended_still"]) == (False, True)
+    assert any(line.startswith(f"rest: {2e-3 * (long.steps - 500):.4g} s more") for line in closing_lines(long))
+    assert 500 < long.steps < 3500
+    assert long.provisional == ""
+    assert (short.ended_still, long.ended_still) == (False, True)
     with Results.open(tmp_path / "out" / "result.h5") as results:
-        assert results.time[-1] == pytest.approx(long["steps"] * 2e-3)
+        assert results.time[-1] == pytest.approx(long.steps * 2e-3)
         speed = np.abs(results.velocity[: results.frames])
         assert speed[-1].max() < 1e-3
         fixed = np.array([block.fixed for block in results.blocks])
@@ -77,9 +77,9 @@ def test_steps_that_adapt_go_on_until_the_block_is_still(tmp_path: Path) -> None
     adaptive = ("run.until_still=true", 'run.dt="auto"', "run.dt_max=8e-3", "run.dt_min=1e-3")
     assert case(tmp_path, *adaptive).steps == 7000  # of the shortest
     summary = run(tmp_path, *adaptive)
-    assert summary["provisional"] == ""
+    assert summary.provisional == ""
     assert any(line.startswith("rest: ") and line.endswith("until all blocks were still") for line in closing_lines(summary))
-    assert summary["steps"] < summary["longest"] / 1e-3
+    assert summary.steps < summary.longest / 1e-3
     with Results.open(tmp_path / "out" / "result.h5") as results:
         assert 1.0 < results.time[-1] < 7.0
         assert np.isclose(results.per_step("step_time"), 1.0, atol=1e-12).any()  # a step ends where the rest begins
@@ -88,14 +88,14 @@ def test_steps_that_adapt_go_on_until_the_block_is_still(tmp_path: Path) -> None
 
 def test_it_ends_at_the_bound_and_says_so(tmp_path: Path) -> None:
     summary = run(tmp_path, "run.until_still=true", "run.longest=1.1")
-    assert summary["steps"] == 550
-    assert not summary["ended_still"]
-    assert summary["provisional"].startswith("provisional: still moving at ")
-    assert json.loads((tmp_path / "out" / "summary.json").read_text())["provisional"] == summary["provisional"]
+    assert summary.steps == 550
+    assert not summary.ended_still
+    assert summary.provisional.startswith("provisional: still moving at ")
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["provisional"] == summary.provisional
 
 
 def test_one_that_is_still_when_its_duration_ends_gets_no_step_more(tmp_path: Path) -> None:
-    assert run(tmp_path, "run.until_still=true", "loads[0].amplitude=1e-3", "run.duration=2.0")["steps"] == 1000
+    assert run(tmp_path, "run.until_still=true", "loads[0].amplitude=1e-3", "run.duration=2.0").steps == 1000
 
 
 def test_damage_asks_for_it_by_default_and_may_be_asked_not_to(tmp_path: Path) -> None:
@@ -119,10 +119,10 @@ def test_a_resumed_rest_ends_with_the_same_bits(tmp_path: Path, monkeypatch: pyt
     with monkeypatch.context() as patched:
         patched.setattr(module, "Progress", Stopped)
         broken = run_case(made, tmp_path / "broken")
-    assert broken["steps"] == 900
-    assert broken["provisional"].startswith("provisional: interrupted after step 900")
+    assert broken.steps == 900
+    assert broken.provisional.startswith("provisional: interrupted after step 900")
     resumed = run_case(case(tmp_path, "run.until_still=true"), tmp_path / "broken", resume=True)
-    assert resumed["steps"] == whole["steps"]
+    assert resumed.steps == whole.steps
     with Results.open(tmp_path / "broken" / "result.h5") as results:
         assert np.array_equal(results.position[: results.frames], there)
 
@@ -160,7 +160,7 @@ def test_what_the_tolerance_does_not_resolve_counts_as_still(tmp_path: Path) -> 
 def test_the_summary_and_the_result_say_below_which_speed_is_still(tmp_path: Path) -> None:
     summary = run(tmp_path, "run.tolerance=0.1", "run.duration=0.1", "loads[0].amplitude=0.0")
     with Results.open(tmp_path / "out" / "result.h5") as results:
-        assert results.closing["still"] == summary["still"] == pytest.approx(0.1 * 9.81 * 2e-3 * 2.0)
+        assert results.closing.still == summary.still == pytest.approx(0.1 * 9.81 * 2e-3 * 2.0)
 
 
 def test_a_sequence_that_rests_at_its_end_needs_no_rest_more(tmp_path: Path) -> None:

@@ -68,7 +68,7 @@ SLIDES, MOVES = ["material.friction=0.2"], ["run.settle=false", "run.duration=0.
 def test_a_run_compiles_nothing(block_on_plate, tmp_path, changes, edit):
     prepared = prepare(read_scene(edited(block_on_plate(), edit), changes))
     before = compiled()
-    assert run_case(prepared, tmp_path / "out")["steps"] == 100
+    assert run_case(prepared, tmp_path / "out").steps == 100
     assert compiled() - before == Counter()
 
 

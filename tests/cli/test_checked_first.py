@@ -13,7 +13,7 @@ import structures
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_file import read_summary
+from masonry_cd.io.summary import Summary, read_summary
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from reports import outputs
 from reports.settings import Report
@@ -66,8 +66,8 @@ def test_times_that_rests_cut_short_take_away_are_reported(tmp_path: Path) -> No
     blocks = [box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True), box("s", (-0.5, -0.5, 0), (0.5, 0.5, 1))]
     asked = Report(times=[0.1, 0.3, 9.0])
     with Results.open(write_run(tmp_path / "run.h5", blocks, [at_rest(blocks)] * 4)) as results:
-        more = outputs.write_asked(results, tmp_path, asked, {"warnings": ["another"]})
-    assert more["warnings"] == ["another", "report.times: no map at 9 s: the run, whose rests were cut short, ends at 0.3 s"]
+        more = outputs.write_asked(results, tmp_path, asked, Summary(warnings=("another",)))
+    assert more.warnings == ("another", "report.times: no map at 9 s: the run, whose rests were cut short, ends at 0.3 s")
     assert {path.name for path in tmp_path.glob("*.png")} == {"crack_map_0.1s.png", "crack_map_0.3s.png"}
 
 

@@ -25,9 +25,9 @@ from typer.testing import CliRunner
 from loads.picture import AFTER, BEFORE
 from masonry_cd import __version__
 from masonry_cd.app import case
+from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.progress import Interrupt
 from masonry_cd.app.recorder import Recorder
-from masonry_cd.app.summary import closing_lines
 from masonry_cd.cli import main
 from masonry_cd.cli.app import app
 from masonry_cd.foundation import own_files
@@ -37,6 +37,7 @@ from masonry_cd.io.lock import locked
 from masonry_cd.io.problem_files import write_problem
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import read_summary
 from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.dynamics.islands import Islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
@@ -700,7 +701,7 @@ def test_what_the_scene_asks_of_the_reports_is_checked_first_and_written_after(b
     modules, errors = modules_loaded_by(tmp_path, "run", scene, "-o", "out", "-q")
     document = json.loads((tmp_path / "out" / "damage.json").read_text())
     assert (document["parts"][-1]["grade"], document["parts"][-1]["grade_label"]) == ("D2", "c"), errors
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    summary = read_summary(tmp_path / "out")
     assert any(line.split()[:2] == [document["parts"][-1]["part"], "D2"] for line in closing_lines(summary))
     assert not {"matplotlib", "vtk", "vtkmodules", "pyvista"} & modules
     asked = tmp_path / "out" / "damage.json"

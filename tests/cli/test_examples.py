@@ -7,7 +7,6 @@ import json
 import math
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +17,7 @@ from masonry_cd.app.case import make_structures, prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from masonry_cd.studies.study.study_case import plan_of
 from masonry_cd.studies.study.task import Task, run_task
 from structures import kind_of
@@ -26,7 +26,7 @@ from structures.macro_elements import macro_elements
 GRAVITY = 9.81
 
 
-def run(name: str, folder: Path, *changes: str) -> dict[str, Any]:
+def run(name: str, folder: Path, *changes: str) -> Summary:
     """Run an example without its pictures and return its summary."""
     return run_case(prepare(read_scene(EXAMPLES / name, [*changes, "report.crack_map=false"])), folder)
 
@@ -59,14 +59,14 @@ def test_the_springings_of_the_arch_carry_its_weight(tmp_path):
     summary = run("arch.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0")
     reaction, weight = base_reaction(tmp_path)  # the springing joints of a semicircle are level
     assert reaction == pytest.approx(weight, rel=1e-6)
-    assert summary["joints_opened"] == summary["joints_slid"] == 0
-    assert summary["displacement_max"] < 1e-6
+    assert summary.joints_opened == summary.joints_slid == 0
+    assert summary.displacement_max < 1e-6
 
 
 def test_the_base_of_the_aqueduct_moves_as_the_scene_says(tmp_path):
     summary = run("aqueduct_sinusoidal.toml", tmp_path, "run.duration=0.1")
-    assert summary["blocks"] >= 150
-    assert summary["energy"]["balance_error"] < 1e-3
+    assert summary.blocks >= 150
+    assert summary.energy.balance_error < 1e-3
     with Results.open(tmp_path / "result.h5") as results:
         fixed = np.array([block.fixed for block in results.blocks])
         moved = results.position[results.frames - 1][fixed, 0] - results.position[0][fixed, 0]
@@ -80,7 +80,7 @@ def test_the_tower_rests_on_its_joints_before_it_is_shaken(tmp_path):
     summary = run("tower.toml", tmp_path, *larger, "run.duration=0.03", "report.damage=false", "run.tolerance=1e-6")
     reaction, weight = base_reaction(tmp_path)
     assert reaction == pytest.approx(weight, rel=1e-4)
-    assert summary["energy"]["elastic"] > 1e3
+    assert summary.energy.elastic > 1e3
     with Results.open(tmp_path / "result.h5") as results:
         moved = results.position[results.frames - 1] - results.position[0]
     assert abs(moved).max() < 1e-6  # it settled before, by a millimetre
@@ -90,23 +90,23 @@ def test_the_aqueduct_stands_on_its_piers_at_rest(tmp_path):
     summary = run("aqueduct_sinusoidal.toml", tmp_path, "run.duration=0.06", "loads[0].amplitude=0", "run.tolerance=1e-8")
     reaction, weight = base_reaction(tmp_path)
     assert reaction == pytest.approx(weight, rel=1e-6)
-    assert summary["displacement_max"] < 1e-4
+    assert summary.displacement_max < 1e-4
 
 
 @pytest.mark.parametrize(("share", "opened"), [(0.98, 0), (1.1, 4)])
 def test_the_trilithon_rocks_beyond_the_slope_of_its_posts(tmp_path, share, opened):
     amplitude = share * GRAVITY * 0.8 / 2.4 / (2 * math.pi * 2.0)
     summary = run("trilithon.toml", tmp_path, f"loads[0].amplitude={amplitude}", "run.duration=1.0")
-    assert summary["joints_opened"] == opened
-    assert (summary["displacement_max"] < 1e-6) == (opened == 0)
+    assert summary.joints_opened == opened
+    assert (summary.displacement_max < 1e-6) == (opened == 0)
 
 
 def test_the_mortar_wall_stands_on_its_springs_and_no_bond_breaks_at_rest(tmp_path):
     summary = run("mortar_wall.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0")
     reaction, weight = base_reaction(tmp_path)
     assert reaction == pytest.approx(weight, rel=1e-5)
-    assert summary["joints_bonded"] == summary["joints"]
-    assert summary["joints_broken"] == 0
+    assert summary.joints_bonded == summary.joints
+    assert summary.joints_broken == 0
     with Results.open(tmp_path / "result.h5") as results:
         sunk = (results.position[0] - results.position[results.frames - 1])[:, 2]
     assert abs(sunk).max() < 1e-9  # it settled before the run
@@ -116,16 +116,16 @@ def test_the_record_shakes_the_aqueduct_at_its_scale(tmp_path, shared):
     record = shared / "records" / "laquila_2009_AQV.csv"
     paths = [f"loads[{i}].path={record}" for i in range(3)]
     summary = run("aqueduct_record.toml", tmp_path, *paths, "run.duration=0.05")
-    pga = [table["after"]["pga"] for table in summary["loads"]["tables"] if table["kind"] == "record"]
+    pga = [table["after"]["pga"] for table in summary.loads.tables if table["kind"] == "record"]
     assert pga == pytest.approx([0.5 * 5.366, 0.5 * 6.507, 0.5 * 5.169], rel=0.02)  # the baseline correction changes it a little
-    assert json.loads((tmp_path / "summary.json").read_text())["blocks"] == summary["blocks"]
+    assert json.loads((tmp_path / "summary.json").read_text())["blocks"] == summary.blocks
 
 
 @pytest.mark.slow(reason="an aqueduct in space")
 def test_the_aqueduct_of_arles_moves_across_twice_as_far_as_along(tmp_path):
     summary = run("aqueduct_arles.toml", tmp_path, "run.duration=0.04", "report.damage=false")
-    assert not summary["planar"]
-    assert summary["energy"]["balance_error"] < 1e-6
+    assert not summary.planar
+    assert summary.energy.balance_error < 1e-6
     with Results.open(tmp_path / "result.h5") as results:
         fixed = np.array([block.fixed for block in results.blocks])
         moved = results.position[results.frames - 1][fixed] - results.position[0][fixed]
@@ -139,16 +139,16 @@ def test_the_three_naves_stand_at_rest(tmp_path):
     summary = run("church_sine.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false", "run.tolerance=1e-6")
     reaction, weight = base_reaction(tmp_path)
     assert reaction == pytest.approx(weight, rel=1e-4)
-    assert 500 <= summary["blocks"] <= 800
-    assert summary["displacement_max"] < 1e-6
-    assert summary["joints_opened"] == summary["joints_slid"] == 0
+    assert 500 <= summary.blocks <= 800
+    assert summary.displacement_max < 1e-6
+    assert summary.joints_opened == summary.joints_slid == 0
 
 
 @pytest.mark.slow(reason="hundreds of spheres between walls")
 def test_the_three_leaf_walls_stand_at_rest_and_their_rubble_does_not_count_as_fallen(tmp_path):
     summary = run("three_leaf_wall.toml", tmp_path, "run.duration=0.06", "loads[0].amplitude=0", "report.html=false", "run.tolerance=1e-4")
-    assert summary["collapsed_blocks"] == 0
-    assert summary["energy"]["balance_error"] < 1e-6
+    assert summary.collapsed_blocks == 0
+    assert summary.energy.balance_error < 1e-6
     with Results.open(tmp_path / "result.h5") as results:
         moved = np.linalg.norm(results.position[results.frames - 1] - results.position[0], axis=1)
         rolls = np.array([block.radius > 0.0 for block in results.blocks])
@@ -165,7 +165,7 @@ def test_the_spheres_of_the_box_stay_in_it_and_fall_as_bodies_do(tmp_path):
         last, first = (results.position[frame][spheres] for frame in (results.frames - 1, 0))
         sizes = {block.radius for block in results.blocks if block.radius}
     assert sizes == {0.02, 0.04}
-    assert summary["energy"]["balance_error"] < 1e-9
+    assert summary.energy.balance_error < 1e-9
     assert np.max(first[:, 2] - last[:, 2]) == pytest.approx(0.5 * GRAVITY * 0.03**2, rel=0.02)
     assert (np.abs(last[:, :2]) < [0.2, 0.12]).all()
 
@@ -173,14 +173,14 @@ def test_the_spheres_of_the_box_stay_in_it_and_fall_as_bodies_do(tmp_path):
 @pytest.mark.slow(reason="1.4 s of shaking, until the piers have met")
 def test_the_bridge_and_its_fill_stand_until_they_are_shaken(tmp_path):
     summary = run("bridge.toml", tmp_path, "loads[0].amplitude=0", "run.duration=0.2", "report.crack_map=false")
-    assert summary["joints_opened"] == 0
-    assert summary["displacement_max"] < 1e-5
+    assert summary.joints_opened == 0
+    assert summary.displacement_max < 1e-5
 
 
 def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
     summary = run("two_piers.toml", tmp_path, "run.duration=1.4", "run.until_still=false", "report.html=false")
-    assert summary["energy"]["balance_error"] < 1e-9
-    assert summary["planar"]
+    assert summary.energy.balance_error < 1e-9
+    assert summary.planar
     gaps = []
     with Results.open(tmp_path / "result.h5") as results:
         solids = solids_of(results.blocks)
@@ -200,19 +200,19 @@ def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
 def test_the_tied_arch_stands_while_its_tie_yields_and_falls_without_it(tmp_path):
     plain = ("run.until_still=false", "report.html=false", "report.damage=false")
     summary = run("arch_tied.toml", tmp_path / "tied", *plain)
-    (tie,) = summary["ties"]
-    assert tie["yielded"]
-    assert tie["tension_max"] == pytest.approx(9e3)
-    assert summary["collapsed_blocks"] == 0
+    (tie,) = summary.ties
+    assert tie.yielded
+    assert tie.tension_max == pytest.approx(9e3)
+    assert summary.collapsed_blocks == 0
     loose = run("arch_tied.toml", tmp_path / "loose", *plain, "structure.ties=[]", "loads[0].amplitude=0", "run.duration=1.5")
-    assert loose["collapsed_blocks"] > 5
+    assert loose.collapsed_blocks > 5
 
 
 @pytest.mark.slow(reason="a church in space")
 def test_the_ties_of_the_church_bear_their_tension_at_rest(tmp_path):
     summary = run("church_tied.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false")
-    assert [tie["name"] for tie in summary["ties"]] == ["nave.1", "nave.2", "nave.3"]
-    assert all(tie["tension_end"] == pytest.approx(10e3, rel=0.02) and not tie["yielded"] for tie in summary["ties"])
+    assert [tie.name for tie in summary.ties] == ["nave.1", "nave.2", "nave.3"]
+    assert all(tie.tension_end == pytest.approx(10e3, rel=0.02) and not tie.yielded for tie in summary.ties)
 
 
 @pytest.mark.slow(reason="a house in space")
@@ -220,8 +220,8 @@ def test_the_floors_of_the_house_rest_on_its_walls_and_their_anchors_hang_slack(
     summary = run("house_floors.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false", "run.tolerance=1e-6")
     reaction, weight = base_reaction(tmp_path)
     assert reaction == pytest.approx(weight, rel=2e-3)
-    assert len(summary["ties"]) == 16
-    assert all(abs(tie["tension_end"]) < 100.0 for tie in summary["ties"])
+    assert len(summary.ties) == 16
+    assert all(abs(tie.tension_end) < 100.0 for tie in summary.ties)
     with Results.open(tmp_path / "result.h5") as results:
         names = [block.name for block in results.blocks]
         for name, kilograms in (("floor1", 400.0 * 4.98 * 4.4), ("floor2", 300.0 * 5.4 * 4.4)):
@@ -236,7 +236,7 @@ def test_the_floors_of_the_house_rest_on_its_walls_and_their_anchors_hang_slack(
 @pytest.mark.slow(reason="a church in space")
 def test_the_three_shocks_follow_one_another_at_their_sizes(tmp_path):
     summary = run("church_three_shocks.toml", tmp_path, "run.duration=0.05", "report.damage=false")
-    (sequence,) = summary["loads"]["tables"][:1]
+    (sequence,) = summary.loads.tables[:1]
     assert [shock["name"] for shock in sequence["shocks"]] == ["foreshock", "main shock", "aftershock"]
     lengths = [shock["end"] - shock["start"] for shock in sequence["shocks"]]
     assert lengths == pytest.approx([3.0, 3.5, 3.0], abs=0.01)
@@ -263,8 +263,8 @@ def test_the_buttresses_of_the_arch_bear_its_weight_far_below_the_strength_of_th
     area, height = 1.4 * 1.0, 0.75  # of a buttress, and of its lowest block
     assert reaction == pytest.approx(weight, rel=1e-6)
     assert -vertical.sum() * area == pytest.approx(weight - area * height * 2200.0 * GRAVITY, rel=1e-4)  # above the middles of the two
-    found = summary["stress"]["strength"]
-    assert found["blocks_above"] == 0 < found["crushed_share_max"] < found["ratio_max"] * 2 < 0.2
+    found = summary.stress.strength
+    assert found.blocks_above == 0 < found.crushed_share_max < found.ratio_max * 2 < 0.2
 
 
 @pytest.mark.slow(reason="blocks of each kind of strain, and the run as rigid")
@@ -273,8 +273,8 @@ def test_the_aqueduct_with_blocks_that_deform_stands_with_all_its_kinds_of_block
     summary = run("aqueduct_deformable.toml", tmp_path / "soft", *quiet)
     reaction, weight = base_reaction(tmp_path / "soft")
     assert reaction == pytest.approx(weight, rel=1e-4)
-    assert summary["planar"]
-    assert summary["energy"]["balance_error"] < 1e-6
+    assert summary.planar
+    assert summary.energy.balance_error < 1e-6
     with Results.open(tmp_path / "soft" / "result.h5") as results:
         strain = np.abs(results.gradient(0)).max(axis=(1, 2))
         group = [block.group for block in results.blocks]

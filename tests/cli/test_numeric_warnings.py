@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import typer
 
-from masonry_cd.cli.shared import errors_reported
+from masonry_cd.cli.printing import errors_reported
 from masonry_cd.foundation.errors import InputError
 
 

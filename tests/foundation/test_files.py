@@ -23,7 +23,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.problem_files import read_problem
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_file import read_summary
+from masonry_cd.io.summary import read_summary
 from masonry_cd.studies.accuracy.command import Asked, accuracy
 from masonry_cd.studies.study.study_file import read_study
 from structures.kinds import file as block_file

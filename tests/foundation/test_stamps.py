@@ -92,5 +92,5 @@ def test_comments_and_neighbours_do_not(monkeypatch: pytest.MonkeyPatch, change:
 
 def test_a_kernel_that_depends_on_a_file_changed_since_it_was_imported_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stamps, "BEGUN", 0.0)
-    monkeypatch.setattr(stamps, "_text", stamps._text.__wrapped__)
+    monkeypatch.setattr(stamps, "text_of", stamps.text_of.__wrapped__)
     assert stamped(monkeypatch) == ""

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from made_run import at_rest, box, write_run
 from places import ROOT
-from two_blocks import shaking
+from two_blocks import shaking, two_blocks
 from typer.testing import CliRunner
 
 import masonry_cd as mc
@@ -41,6 +41,15 @@ def same_bits(one: mc.Run, other: mc.Run) -> bool:
             and all(np.array_equal(values, b.energies[name]) for name, values in a.energies.items())
             and all(np.array_equal(values, b.peaks[name], equal_nan=True) for name, values in a.peaks.items())
         )
+
+
+def test_a_duration_that_follows_from_the_loads_is_kept(tmp_path: Path) -> None:
+    made = two_blocks()
+    made["run"].pop("duration")
+    run = mc.run(mc.scene(made), tmp_path / "out", progress=False)
+    last = run.summary["steps"] * made["run"]["dt"]
+    assert run.summary["duration"] == pytest.approx(last) and last > 0.0
+    assert run.summary["steps_asked"] == run.summary["steps"]
 
 
 @pytest.fixture

@@ -107,9 +107,10 @@ def test_histories_of_joints(run: mc.Run) -> None:
 
 
 def test_it_says_what_the_command_line_says(run: mc.Run) -> None:
-    from masonry_cd.app.summary import closing_lines
+    from masonry_cd.app.closing_lines import closing_lines
+    from masonry_cd.io.summary import read_summary
 
-    assert str(run).splitlines() == closing_lines(run.summary)
+    assert str(run).splitlines() == closing_lines(read_summary(run.folder))
     assert "<b>Two blocks: 100 steps" in run._repr_html_()
 
 

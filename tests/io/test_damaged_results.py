@@ -210,7 +210,7 @@ def test_results_of_a_newer_format_are_refused_and_older_ones_read(stopped, tmp_
         ("blocks/loop_start", lambda a: a[::-1], "does not divide its"),
         ("joints/polygon_start", lambda a: a * 2, "does not divide its"),
         ("joints/normal", lambda a: a[:, :2], "should have the shape"),
-        ("blocks/density", lambda a: a.astype("S8"), "is not what a run writes (real numbers)"),
+        ("blocks/density", lambda a: a.astype("S8"), "is not what a run writes (real numbers"),
         ("joints/area", None, "not the result of a run"),
         ("blocks/fixed", lambda a: a[:1], "should have the shape"),
         ("position", lambda a: a[:, :1], "position is not what a run writes"),

@@ -24,6 +24,7 @@ from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
 from masonry_cd.analysis.stress.joint_pressure import largest_pressure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from reports.damage import write_part_damage
 from reports.outputs.page import write_pdf
 from reports.page import write_page
@@ -63,7 +64,7 @@ def page_of(folder: Path, scene: str = DRY, summary: dict[str, Any] | None = Non
     """The text of the page of such a run."""
     moved = states(**{key: more.pop(key) for key in ("along", "slip") if key in more})
     with Results.open(write_run(folder / "result.h5", stack(), moved, "Two blocks", scene=scene, ended=True, **more)) as results:
-        write_page(results, folder / "report.html", SOUND if summary is None else summary, parts=part_damage(results))
+        write_page(results, folder / "report.html", Summary(**(SOUND if summary is None else summary)), parts=part_damage(results))
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
@@ -121,7 +122,7 @@ def test_largest_drifts_of_a_run_are_over_all_time_steps(tmp_path):
     rest = at_rest(stack())
     states = [rest, shifted(rest, 2, (0.02, 0, 0)), rest]
     with Results.open(write_run(tmp_path / "result.h5", stack(), states, scene=DRY, ended=True, every=2)) as results:
-        write_page(results, tmp_path / "report.html", SOUND, parts=part_damage(results))
+        write_page(results, tmp_path / "report.html", Summary(**SOUND), parts=part_damage(results))
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "Largest openings, slidings and drifts are over all time steps; mechanisms are those at the end." in words(text)
     assert 'data-name="largest drift [%]"' in text or "largest drift [%]" in words(text)
@@ -162,7 +163,7 @@ def test_the_axes_of_the_base_and_the_largest_pressure_are_read_from_the_frames(
     path = write_run(tmp_path / "result.h5", stack(), states(along=(0.0, 0.01, 0.0)), histories={"normal_force": force})
     with Results.open(path) as results:
         assert largest_pressure(results) == pytest.approx((8e5, 1, 0.1))  # on one square metre
-        write_page(results, tmp_path / "report.html", SOUND)
+        write_page(results, tmp_path / "report.html", Summary(**SOUND))
     assert "The support is rigid and moves as prescribed along y." in words((tmp_path / "report.html").read_text(encoding="utf-8"))
 
 
@@ -291,7 +292,7 @@ def test_each_printed_page_has_its_number_and_the_heads_of_its_tables(tmp_path):
         slipped = shifted(slipped, slice(k + 1, None), (1e-3, 0, 0))
     scene = DRY + '[report]\nproject = "A tower"\nauthor = "Office"\n'
     with Results.open(write_run(tmp_path / "result.h5", blocks, [rest, slipped], "Tower", scene=scene, ended=True)) as results:
-        write_page(results, tmp_path / "report.html", SOUND, parts=part_damage(results))
+        write_page(results, tmp_path / "report.html", Summary(**SOUND), parts=part_damage(results))
     write_pdf(tmp_path / "report.html", tmp_path / "report.pdf")
     pages = subprocess.run(["pdftotext", tmp_path / "report.pdf", "-"], capture_output=True, text=True, check=True).stdout.split("\f")[:-1]
     assert len(pages) >= 4

@@ -19,6 +19,8 @@ from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import Solver
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.state import rotation_matrices
 from reports.drawing.palette import OPENING, SLIDING
@@ -60,7 +62,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run's folder with the page of the pillar."""
     out = tmp_path_factory.mktemp("page")
     with Results.open(write_run(out / "result.h5", pillar(), pillar_states(), "A pillar")) as results:
-        write_page(results, out / "report.html", {"steps": 10, "solver": {"tolerance": 1e-8}})
+        write_page(results, out / "report.html", Summary(steps=10, solver=Solver(tolerance=1e-8)))
     return out
 
 

@@ -15,6 +15,7 @@ from made_run import at_rest, box, shifted, write_run
 from masonry_cd.analysis.deformed import solids_of
 from masonry_cd.analysis.support_motion import support_motions
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from reports.page import write_page
 
 SCENE = """[structure]
@@ -102,6 +103,6 @@ def test_loads_are_listed_and_not_said_to_be_left_out(tmp_path):
 def test_what_a_run_said_before_it_began_is_what_is_modelled(tmp_path):
     with Results.open(result(tmp_path)) as results:
         modelled = ["masses: 2.5 t free to move, beam 2.5 t", 'loads[1] point load of 4e+05 N on "beam"']
-        write_page(results, tmp_path / "report.html", {"modelled": modelled})
+        write_page(results, tmp_path / "report.html", Summary(modelled=modelled))
     said = unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert '<li>Masses: 2.5 t free to move, beam 2.5 t</li><li>Load 2: point load of 4e+05 N on "beam"</li>' in said

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from pathlib import Path
 
 import browser as browsers
@@ -17,12 +16,12 @@ from places import EXAMPLES
 
 from masonry_cd.analysis.ties import histories
 from masonry_cd.app.case import make_structures, prepare
+from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_file import read_summary
+from masonry_cd.io.summary import read_summary
 from reports.drawing.figure import Sheet
 from reports.drawing.palette import PULLING
 from reports.drawing.solids import structure_scene
@@ -57,14 +56,14 @@ def test_bars_of_one_name_are_one_tie_whose_tension_is_their_sum(run):
         assert tie.area == pytest.approx(np.pi * 1e-4)
         assert tie.at(0.01) == tie.total[np.searchsorted(tie.time, 0.01 * (1 + 1e-9)) - 1]
         row = tie.row()
-    assert row["tension_max"] == pytest.approx(9e3)
-    assert row["yielded"]
-    assert tie.total[np.searchsorted(tie.time, row["yield_time"])] > 8e3
-    summary = json.loads((run / "summary.json").read_text())
-    assert summary["ties"] == [row]
+    assert row.tension_max == pytest.approx(9e3)
+    assert row.yielded
+    assert tie.total[np.searchsorted(tie.time, row.yield_time)] > 8e3
+    summary = read_summary(run)
+    assert summary is not None and summary.ties == (row,)
     (line,) = (line for line in closing_lines(summary) if line.startswith("tie "))
     assert line.startswith('tie "springings" ("buttress1.')
-    assert f", yielded from {row['yield_time']:.3g} s on" in line
+    assert f", yielded from {row.yield_time:.3g} s on" in line
 
 
 def test_the_table_has_a_row_for_each_tie(run):

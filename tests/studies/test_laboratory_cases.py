@@ -15,6 +15,7 @@ from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
+from masonry_cd.io.summary import Summary
 from masonry_cd.studies.laboratory import field_tests, granite_walls
 from masonry_cd.studies.laboratory.case import run_in
 from masonry_cd.studies.laboratory.cases import CASES, overturning, restitution
@@ -147,7 +148,7 @@ def test_points_that_belong_to_curves_have_their_colours() -> None:
 
 
 def test_a_case_that_is_interrupted_has_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("masonry_cd.studies.laboratory.case.run_case", lambda case, folder: {"signal": 15})
+    monkeypatch.setattr("masonry_cd.studies.laboratory.case.run_case", lambda case, folder: Summary(signal=15))
     tables = {"material": {"density": 2000.0, "friction": 0.6}, "run": {"dt": 1e-3, "duration": 1e-2}}
     with pytest.raises(Interrupted):
         run_in(tmp_path, restitution.tilted(3.0), tables)

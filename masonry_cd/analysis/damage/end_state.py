@@ -14,7 +14,6 @@ In other frames it is not: of a structure that sways, two frames may look alike.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -23,6 +22,8 @@ from masonry_cd.analysis.damage.joint_damage import fallen
 from masonry_cd.analysis.deformed import Solids, frame_index, solids_of
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import End
 from masonry_cd.mechanics.dynamics.pauses import STILL
 
 CUT_OFF = "the run was cut off"
@@ -50,12 +51,10 @@ class EndState:
             reasons.append(f'still moving at {length(self.speed)}/s ("{self.block}")')
         return f"provisional: {', '.join(reasons)} at {self.time:.4g} s" if reasons else ""
 
-    def as_summary(self) -> dict[str, Any]:
+    def as_summary(self) -> Summary:
         """For summary.json."""
-        return {
-            "provisional": self.provisional,
-            "end": {"time": self.time, "speed": self.speed, "block": self.block, "base_speed": self.base_speed, "rattles": self.rattles},
-        }
+        end = End(time=self.time, speed=self.speed, block=self.block, base_speed=self.base_speed, rattles=self.rattles)
+        return Summary(provisional=self.provisional, end=end)
 
 
 def end_state(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> EndState:
@@ -63,9 +62,10 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
     solids, index = solids_of(results.blocks), frame_index(results, frame)
     velocity = np.asarray(results.velocity[index], dtype=float)
     standing = ~solids.fixed & ~fallen(results, thresholds, index)
-    still = float(results.closing.get("still", STILL))
+    closing = results.closing or Summary()
+    still = STILL if closing.still is None else closing.still
     speed = now = np.where(standing, speeds(velocity, solids, results.support), -1.0)
-    if index > 0 and index == results.frames - 1 and results.closing.get("ended_still"):
+    if index > 0 and index == results.frames - 1 and closing.ended_still:
         speed = np.minimum(now, speeds(_since(results, index), solids, results.support))
     fastest = int(np.argmax(speed)) if standing.any() else -1
     base = np.linalg.norm(velocity[solids.fixed, :3], axis=1)
@@ -106,5 +106,4 @@ def _stopped(results: Results) -> str:
     """Why a run ended before its time: what its closing words say, or that it has none, as after a kill."""
     if not results.scene or not results.format:
         return ""  # no run of a scene, or from before there were closing words
-    closing = results.closing
-    return str(closing.get("stopped", "")) if closing else CUT_OFF
+    return CUT_OFF if results.closing is None else results.closing.stopped

@@ -11,14 +11,16 @@ What the words of its states mean, and where damage begins, say :mod:`masonry_cd
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from masonry_cd.analysis.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
 from masonry_cd.analysis.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
+from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.layout import BONDED, CRUSHED, LAW_HISTORIES
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import JointCounts, Shock
 from masonry_cd.mechanics.model.joints import OPENED as OPENING_IN_RUN
 
 BROKEN = 0.98  # a joint is broken when less than this share of what was bonded is left; a corner holds 4 % or more
@@ -82,27 +84,25 @@ def has_bonds(results: Results) -> bool:
     return results.has_joint_history(BONDED)
 
 
-def bonds(results: Results) -> dict[str, int]:
+def bonds(results: Results) -> Summary:
     """Joints that were bonded at the start, and those of them that broke, all over or in part; nothing in a run without bonds."""
     if not has_bonds(results):
-        return {}
+        return Summary()
     share = results.joint_history(BONDED)
-    return {"joints_bonded": int((share[0] > 0.0).sum()), "joints_broken": int((share[-1] < BROKEN * share[0]).sum())}
+    return Summary(joints_bonded=int((share[0] > 0.0).sum()), joints_broken=int((share[-1] < BROKEN * share[0]).sum()))
 
 
-def crushing(results: Results) -> dict[str, Any]:
-    """Joints that were crushed, by how much the most of them at the end [m] and which one, and how many a frame shows crushed that no
+def crushing(results: Results) -> Summary:
+    """Joints that were crushed, by how much the most of them at the end and which one, and how many a frame shows crushed that no
     longer know it, as their blocks came far apart or met with other faces; nothing in a run whose joints cannot."""
     if not results.has_joint_history(CRUSHED):
-        return {}
-    history = results.joint_history(CRUSHED)
+        return Summary()
+    history, joints = results.joint_history(CRUSHED), results.joints
     by, lost = history[-1], (history > 0.0).any(axis=0) & ~(history[-1] > 0.0)
-    found = {"joints_crushed": int((by > 0.0).sum()), "crushed_max": float(by.max(initial=0.0)), "crushing_forgotten": int(lost.sum())}
-    if not found["joints_crushed"]:
-        return found
-    worst, joints = int(by.argmax()), results.joints
-    ends = (results.blocks[int(block[worst])].name for block in (joints.block_a, joints.block_b))
-    return found | {"crushed_where": " - ".join(f'"{name}"' for name in ends)}
+    most = float(by.max(initial=0.0))
+    found = Summary(joints_crushed=int((by > 0.0).sum()), crushed_max=most, crushing_forgotten=int(lost.sum()))
+    ends = (results.blocks[int(block[by.argmax()])].name for block in (joints.block_a, joints.block_b))
+    return found | Summary(crushed_where=" - ".join(f'"{name}"' for name in ends)) if most else found
 
 
 def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds | None = None) -> np.ndarray:
@@ -147,44 +147,42 @@ def displacements(results: Results) -> np.ndarray:
     return largest
 
 
-def summary(table: JointDamage) -> dict[str, int]:
-    """Numbers of joints by state, joints_opened, joints_slid, joints_separated: each joint counts once, by the word in its row.
-
-    Beside them the first two as texts and pictures count them: joints_only_opened, joints_only_slid and joints_opened_and_slid.
-    """
+def joint_counts(table: JointDamage) -> JointCounts:
+    """Numbers of joints by state, each joint once by the word in its row, and of those that only opened, only slid, and did both."""
     counts = {f"joints_{state}": int(np.count_nonzero(table.state == state)) for state in STATES[1:]}
     only = {f"joints_only_{state}": int(np.count_nonzero((table.state == state) & ~table.both)) for state in STATES[1:3]}
-    return counts | only | {"joints_opened_and_slid": int(np.count_nonzero(table.both))}
+    return JointCounts(**counts | only, joints_opened_and_slid=int(np.count_nonzero(table.both)))
 
 
 def in_words(table: JointDamage) -> str:
     """How many joints opened, slid and came apart over the run, in a line."""
-    counts = summary(table)
-    joints = "1 joint" if counts["joints_only_opened"] == 1 else f"{counts['joints_only_opened']} joints"
+    found = joint_counts(table)
     return (
-        f"{joints} opened, {counts['joints_only_slid']} slid, "
-        f"{counts['joints_opened_and_slid']} opened and slid, {counts['joints_separated']} separated"
+        f"{counted(found.joints_only_opened, 'joint')} opened, {found.joints_only_slid} slid, "
+        f"{found.joints_opened_and_slid} opened and slid, {found.joints_separated} separated"
     )
 
 
-def shock_rows(results: Results, thresholds: Thresholds | None = None) -> list[dict[str, Any]]:
+def shock_rows(results: Results, thresholds: Thresholds | None = None) -> tuple[Shock, ...]:
     """What the structure had suffered after each shock of a sequence and its rest, those before included."""
-    rows = []
-    for i, shock in enumerate(results.shocks):
-        table = joint_damage(results, thresholds, i)
-        rest_end = float(results.time[shock.frame])
-        rows.append(
-            {"name": shock.name, "start": shock.start, "end": shock.end, "rest_end": rest_end}
-            | summary(table)
-            | {
-                "collapsed_blocks": len(collapsed_blocks(results, thresholds, shock.frame)),
-                "opening_max": float(table.max_opening.max(initial=0.0)),
-                "sliding_max": float(table.max_sliding.max(initial=0.0)),
-                "residual_opening_max": float(table.residual_opening.max(initial=0.0)),
-                "residual_sliding_max": float(table.residual_sliding.max(initial=0.0)),
-            }
-        )
-    return rows
+    return tuple(_shock_row(results, thresholds, i) for i in range(len(results.shocks)))
+
+
+def _shock_row(results: Results, thresholds: Thresholds | None, i: int) -> Shock:
+    """What it had suffered after one of them."""
+    shock, table = results.shocks[i], joint_damage(results, thresholds, i)
+    return Shock(
+        name=shock.name,
+        start=shock.start,
+        end=shock.end,
+        rest_end=float(results.time[shock.frame]),
+        **joint_counts(table).as_dict(),
+        collapsed_blocks=len(collapsed_blocks(results, thresholds, shock.frame)),
+        opening_max=float(table.max_opening.max(initial=0.0)),
+        sliding_max=float(table.max_sliding.max(initial=0.0)),
+        residual_opening_max=float(table.residual_opening.max(initial=0.0)),
+        residual_sliding_max=float(table.residual_sliding.max(initial=0.0)),
+    )
 
 
 def _peaks(results: Results, thresholds: Thresholds, shock: int | None) -> dict[str, np.ndarray]:

@@ -19,6 +19,8 @@ from masonry_cd.analysis.damage.joint_damage import collapsed_blocks, displaceme
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, RANKS, UNKNOWN, Verdict
 from masonry_cd.foundation.quantities import counted, length, per_cent
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import Beds, Check, RunVerdict, Solver
 
 END, FORCES, FALSE_MOTION = "End of the run", "Contact forces", "Motion against the contact laws"
 ENERGY, OVERLAP, TIME_STEP, BEDS = "Energy balance", "Overlap of blocks", "Time step", "Points of open joints"
@@ -81,10 +83,10 @@ class Checks:
             grade, means, because = NOT_GRADED, "", ""
         return Verdict(grade, means, because, self.worst, words, "; ".join(found.why for found in decisive))
 
-    def as_summary(self, whole: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def as_summary(self, whole: Mapping[str, Any] | None = None) -> Summary:
         """For summary.json."""
-        checks = [{"check": found.name, "verdict": found.verdict, "why": found.why} for found in self.findings]
-        return {"verdict": {"verdict": self.worst, **self.verdict(whole).as_dict(), "checks": checks}}
+        checks = tuple(Check(check=found.name, verdict=found.verdict, why=found.why) for found in self.findings)
+        return Summary(verdict=RunVerdict(verdict=self.worst, **self.verdict(whole).as_dict(), checks=checks))
 
     def instead_of_a_grade(self) -> dict[str, str]:
         """What stands in the row of a part for its grade; nothing where the run can be relied on."""
@@ -92,39 +94,39 @@ class Checks:
         return {} if self.reliable else {"grade": found.grade, "grade_label": found.words, "grade_reason": found.trust}
 
 
-def checks_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState | None = None) -> Checks:
+def checks_of(summary: Summary, thresholds: Thresholds, end: EndState | None = None) -> Checks:
     """What a run checked of itself, by its numbers.
 
     Args:
-        summary: as in summary.json, or what the results hold of it; empty where there is none.
+        summary: of the run, or what its results hold of it; without keys where there is none.
         thresholds: of damage; overlaps are measured by them.
         end: how the run ended, which says more than the summary of one that was cut off.
     """
-    found = [_end(summary, end)] if summary.get("steps") or (end is not None and end.stopped) else []
-    if "error_max" in summary.get("solver", {}):
+    found = [_end(summary, end)] if summary.steps or (end is not None and end.stopped) else []
+    if summary.solver.has("error_max"):
         found.append(_forces(summary))
-    if summary.get("solver", {}).get("false_slip_max") is not None:
-        found.append(_false_motion(summary, thresholds))
-    if "balance_error" in summary.get("energy", {}):
+    if summary.solver.false_slip_max is not None:
+        found.append(_false_motion(summary, summary.solver.false_slip_max, thresholds))
+    if summary.energy.has("balance_error"):
         found.append(_energy(summary, thresholds))
-    if "penetration_max" in summary:
+    if summary.has("penetration_max"):
         found.append(_overlap(summary, thresholds))
-    if "time_step_remarks" in summary:
-        found.append(_time_step(summary))
-    if summary.get("beds"):
-        found.append(_beds(summary["beds"]))
-    if "acted" in (summary.get("loads") or {}):
+    if summary.time_step_remarks is not None:
+        found.append(_time_step(summary, summary.time_step_remarks))
+    if summary.beds is not None:
+        found.append(_beds(summary.beds))
+    if summary.loads.acted is not None:
         found.append(_loads(summary))
     found += [_noted(LAWS, lines, "") for lines in [beyond_their_law(summary)] if lines]
-    if "doubts" in summary:
-        found.append(_noted(MODEL, summary["doubts"], "no value is unusual, and every block is carried"))
+    if summary.doubts is not None:
+        found.append(_noted(MODEL, summary.doubts, "no value is unusual, and every block is carried"))
     return Checks(tuple(found))
 
 
 def checks_on(results: Results, thresholds: Thresholds, end: EndState) -> Checks:
     """What the run of a result file checked of itself."""
-    of_results = {"collapsed_blocks": len(collapsed_blocks(results, thresholds)), "displacement_max": displacement_max(results)}
-    return checks_of(results.closing | of_results, thresholds, end)
+    of_results = Summary(collapsed_blocks=len(collapsed_blocks(results, thresholds)), displacement_max=displacement_max(results))
+    return checks_of((results.closing or Summary()) | of_results, thresholds, end)
 
 
 def graded(value: float, bounds: tuple[float, float]) -> str:
@@ -132,23 +134,22 @@ def graded(value: float, bounds: tuple[float, float]) -> str:
     return GOOD if value <= bounds[0] else LOOK if value <= bounds[1] else DOUBTFUL
 
 
-def _end(summary: Mapping[str, Any], end: EndState | None) -> Finding:
+def _end(summary: Summary, end: EndState | None) -> Finding:
     """Whether the run came to its end, and the blocks to rest."""
-    stopped = summary.get("stopped") or (end.stopped if end is not None else "")
-    provisional = end.provisional if end is not None else summary.get("provisional")
+    stopped = summary.stopped or (end.stopped if end is not None else "")
+    provisional = end.provisional if end is not None else summary.provisional
     if stopped:
         return Finding(END, DOUBTFUL, f"it ended early: {stopped}")
-    return Finding(END, LOOK, str(provisional)) if provisional else Finding(END, GOOD, "at rest")
+    return Finding(END, LOOK, provisional) if provisional else Finding(END, GOOD, "at rest")
 
 
-def _forces(summary: Mapping[str, Any]) -> Finding:
+def _forces(summary: Summary) -> Finding:
     """Whether the contact forces of each step were found."""
-    solver, steps, closing = summary["solver"], summary.get("steps") or 0, summary.get("closing") or {}
-    missed, most = solver.get("steps_missed") or 0, solver["error_max"]
-    error = float("inf") if most is None else float(most)  # JSON has null for what is not finite
-    if closing.get("steps"):
-        jam = f": {closing['jam']}" if closing.get("jam") else ""
-        return Finding(FORCES, DOUBTFUL, f"{closing['steps']} steps left contacts closing{jam}")
+    solver, steps, closing = summary.solver, summary.steps, summary.closing
+    missed, error = solver.steps_missed, solver.error_max
+    if closing.steps:
+        jam = f": {closing.jam}" if closing.jam else ""
+        return Finding(FORCES, DOUBTFUL, f"{closing.steps} steps left contacts closing{jam}")
     will_do = tolerance_that_does(solver) if missed > FEW * steps else None
     sound = missed <= FEW * steps or will_do is not None
     verdict = GOOD if not missed else LOOK if sound and error < 1.0 else DOUBTFUL
@@ -156,121 +157,116 @@ def _forces(summary: Mapping[str, Any]) -> Finding:
     return Finding(FORCES, verdict, f"{missed} of {steps} steps missed the tolerance, with an error of {error:.2g} at most{remedy}")
 
 
-def tolerance_that_does(solver: Mapping[str, Any]) -> float | None:
+def tolerance_that_does(solver: Solver) -> float | None:
     """The tolerance that all but FEW of the steps of a run reached, to one digit upwards; None where that would bias what joints do."""
-    reached, sound = solver.get("error_reached"), solver.get("tolerance_sound")
+    reached, sound = solver.error_reached, solver.tolerance_sound
     if not reached or not sound or not reached <= sound:
         return None
     power = 10.0 ** math.floor(math.log10(reached))
     return min(sound, power * math.ceil(reached / power))
 
 
-def _false_motion(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:
+def _false_motion(summary: Summary, slip: float, thresholds: Thresholds) -> Finding:
     """How far joints moved against the contact laws; lengths that count for nothing beside the structure's size have no place named.
 
     What is less than the width from which on a joint counts as open or slid changes no grade: a structure nearly at rest has moved by
     little more.
     """
-    solver, moved = summary["solver"], summary.get("displacement_max") or 0.0
-    slip, opening = solver["false_slip_max"], solver["false_opening_max"] or 0.0
+    solver, moved, opening = summary.solver, summary.displacement_max, summary.solver.false_opening_max or 0.0
     why = f"the error of the contact forces adds up to {length(slip)} of slip and {length(opening)} of opening"
     least = min(thresholds.opened, thresholds.slid)
     verdict = graded(max(slip, opening), (FALSE_SHARE[0] * moved, max(FALSE_SHARE[1] * moved, least)))
-    if not solver.get("false_slip_where") or verdict == GOOD:
+    if not solver.false_slip_where or verdict == GOOD:
         return Finding(FALSE_MOTION, GOOD, why)
     return Finding(FALSE_MOTION, verdict, why + tighter(solver, max(slip, opening), max(FALSE_SHARE[0] * moved, FALSE_SHARE[1] * least)))
 
 
-def tighter(solver: Mapping[str, Any], false: float, wanted: float) -> str:
+def tighter(solver: Solver, false: float, wanted: float) -> str:
     """``; run.tolerance = 1e-05 will do``: the power of ten that makes false motion or work, which goes with the tolerance, as small as
     ``wanted``."""
-    given = solver.get("tolerance")
-    if not given or not 0.0 < wanted < false:
+    if not solver.tolerance or not 0.0 < wanted < false:
         return ""
-    return f"; run.tolerance = {10.0 ** math.floor(math.log10(given * wanted / false)):g} will do"
+    return f"; run.tolerance = {10.0 ** math.floor(math.log10(solver.tolerance * wanted / false)):g} will do"
 
 
-def _energy(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:
+def _energy(summary: Summary, thresholds: Thresholds) -> Finding:
     """Whether the energy adds up; what lifts a structure that moves by less than an open joint is wide changes no grade."""
-    energy, moved = summary["energy"], summary.get("displacement_max")
-    still = moved is not None and moved <= min(thresholds.opened, thresholds.slid)
-    if energy.get("at_rest"):
+    energy = summary.energy
+    still = summary.has("displacement_max") and summary.displacement_max <= min(thresholds.opened, thresholds.slid)
+    if energy.at_rest:
         return Finding(ENERGY, GOOD, "no work was done to speak of")
-    share = float("inf") if energy["balance_error"] is None else float(energy["balance_error"])
-    lift = energy.get("lift_share") or 0.0
+    share, lift = energy.balance_error, energy.lift_share
+    closed = share <= NOTHING
     verdict = max(graded(share, BALANCE), GOOD if still else graded(lift, LIFT), key=RANKS.index)
-    closes = f"the energy balance is open by {100 * share:.2g} % of the largest work" if share > NOTHING else "the energy balance closes"
-    lifted = f", and taking overlaps away put in {100 * lift:.2g} %{'' if share > NOTHING else ' of the largest work'}"
-    mend = tighter(summary["solver"], lift, LIFT[1]) if verdict == DOUBTFUL and share <= BALANCE[1] else ""
+    closes = "the energy balance closes" if closed else f"the energy balance is open by {100 * share:.2g} % of the largest work"
+    lifted = f", and taking overlaps away put in {100 * lift:.2g} %{' of the largest work' if closed else ''}"
+    mend = tighter(summary.solver, lift, LIFT[1]) if verdict == DOUBTFUL and share <= BALANCE[1] else ""
     return Finding(ENERGY, verdict, closes + (lifted + mend if lift > LIFT[0] else ""))
 
 
-def _overlap(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:
+def _overlap(summary: Summary, thresholds: Thresholds) -> Finding:
     """How far blocks got into one another."""
-    deepest, threshold = summary["penetration_max"] or 0.0, thresholds.opened
-    where = f", of {summary['penetration_where']}" if summary.get("penetration_where") else ""
+    deepest, threshold = summary.penetration_max, thresholds.opened
+    where = f", of {summary.penetration_where}" if summary.penetration_where else ""
     usual, debris = DEPTH[1] * threshold, OF_DEBRIS * DEPTH[1] * threshold
-    moved = OF_MOTION * (summary.get("displacement_max") or 0.0)
-    most = debris if summary.get("collapsed_blocks") else min(max(usual, moved), debris)
+    most = debris if summary.collapsed_blocks else min(max(usual, OF_MOTION * summary.displacement_max), debris)
     verdict = graded(deepest, (DEPTH[0] * threshold, most))
     return Finding(OVERLAP, verdict, f"blocks overlap by up to {length(deepest)}{where}")
 
 
-def not_acted(summary: Mapping[str, Any]) -> list[str]:
+def not_acted(summary: Summary) -> list[str]:
     """A line for each load of which less than ENOUGH has acted in a run."""
-    acted = (summary.get("loads") or {}).get("acted") or []
-    return [f"{per_cent(one['share'])} of the {one['measure']} of {one['load']} has acted" for one in acted if one["share"] < ENOUGH]
+    acted = summary.loads.acted or ()
+    return [f"{per_cent(one.share)} of the {one.measure} of {one.load} has acted" for one in acted if one.share < ENOUGH]
 
 
-def _loads(summary: Mapping[str, Any]) -> Finding:
+def _loads(summary: Summary) -> Finding:
     """How much of the loads has acted by the end of the run."""
     lines = not_acted(summary)
     return Finding(LOADS, LOOK, "; ".join(lines)) if lines else Finding(LOADS, GOOD, "all of them have acted")
 
 
-def beyond_their_law(summary: Mapping[str, Any]) -> list[str]:
+def beyond_their_law(summary: Summary) -> list[str]:
     """Lines on joints that went where their law no longer describes them."""
     lines = []
-    if summary.get("shortening_where"):
-        shortened = f"joints shortened by up to {length(summary['shortening_max'])}, {summary['shortening_where']}"
+    if summary.shortening_where:
+        shortened = f"joints shortened by up to {length(summary.shortening_max)}, {summary.shortening_where}"
         lines.append(f"{shortened}; stones would crush, elastic joints do not")
-    if lost := summary.get("crushing_forgotten"):
+    if lost := summary.crushing_forgotten:
         lines.append(f"crushing: of {counted(lost, 'joint')} it is forgotten: the blocks came far apart, or met again with other faces")
     return lines
 
 
 def _noted(name: str, lines: Sequence[str], otherwise: str) -> Finding:
     """A check by lines that the run says anyway: a verdict is never better than these."""
-    return Finding(name, LOOK, "; ".join(map(str, lines))) if lines else Finding(name, GOOD, otherwise)
+    return Finding(name, LOOK, "; ".join(lines)) if lines else Finding(name, GOOD, otherwise)
 
 
-def _time_step(summary: Mapping[str, Any]) -> Finding:
+def _time_step(summary: Summary, remarks: Sequence[str]) -> Finding:
     """Whether the time step resolves the shaking and the blocks."""
-    remarks, adapted = summary["time_step_remarks"], summary.get("time_step")
+    adapted = summary.time_step
     if remarks:
-        return Finding(TIME_STEP, LOOK, "; ".join(map(str, remarks)))
-    if adapted and adapted.get("steps_wanted_shorter", 0) > FEW * (summary.get("steps") or 0):
-        short = f"{adapted['steps_wanted_shorter']} of {summary['steps']} steps should have been shorter than run.dt_min"
-        return Finding(TIME_STEP, LOOK, f"{short}, {length(adapted['dt_min'], 's')}")
+        return Finding(TIME_STEP, LOOK, "; ".join(remarks))
+    if adapted and adapted.steps_wanted_shorter > FEW * summary.steps:
+        short = f"{adapted.steps_wanted_shorter} of {summary.steps} steps should have been shorter than run.dt_min"
+        return Finding(TIME_STEP, LOOK, f"{short}, {length(adapted.dt_min, 's')}")
     if adapted:
-        return Finding(TIME_STEP, GOOD, f"{length(adapted['shortest'], 's')} to {length(adapted['longest'], 's')}, by the local error")
-    return Finding(TIME_STEP, GOOD, length(summary["dt"], "s") if "dt" in summary else "")
+        return Finding(TIME_STEP, GOOD, f"{length(adapted.shortest, 's')} to {length(adapted.longest, 's')}, by the local error")
+    return Finding(TIME_STEP, GOOD, "" if summary.dt is None else length(summary.dt, "s"))
 
 
-def _beds(found: Mapping[str, Any]) -> Finding:
+def _beds(found: Beds) -> Finding:
     """Whether the points of elastic joints resolve the part of their depth that carries while they are open."""
-    if not (found.get("unresolved") and all(found.get(key) for key in ("where", "share", "points", "resolved"))):
-        least = found.get("share_least")
-        return Finding(
-            BEDS, GOOD, "no joint opened" if least is None else f"joints carry on {100 * least:.2g} % of their depth at the least"
-        )
-    return Finding(BEDS, LOOK, bed_words(found))
+    if found.unresolved:
+        return Finding(BEDS, LOOK, bed_words(found))
+    least = found.share_least
+    return Finding(BEDS, GOOD, "no joint opened" if least is None else f"joints carry on {100 * least:.2g} % of their depth at the least")
 
 
-def bed_words(found: Mapping[str, Any]) -> str:
+def bed_words(found: Beds) -> str:
     """How many elastic joints carry on less of their depth than their points resolve, the worst of them, and what to do."""
     return (
-        f"{counted(found['unresolved'], 'open joint')} carried on less of the depth than the points resolve, {found['where']} on "
-        f"{100 * found['share']:.2g} % of it where {found['points']} points resolve {100 * found['resolved']:.2g} %: too strong by some "
-        f"{200 / 3 * found['share']:.2g} %; more material.joints.joint_points resolve it"
+        f"{counted(found.unresolved, 'open joint')} carried on less of the depth than the points resolve, {found.where} on "
+        f"{100 * found.share:.2g} % of it where {found.points} points resolve {100 * found.resolved:.2g} %: too strong by some "
+        f"{200 / 3 * found.share:.2g} %; more material.joints.joint_points resolve it"
     )

@@ -18,7 +18,6 @@ SURE = {  # by the state of a check by a code: how sure it is, and that in words
     "NOT satisfied": (DOUBTFUL, "the check by a code is not met"),
 }
 CLOSED = 1e-4  # gap of the certificate up to which the factor counts as known
-ALIKE = 1e-4  # share by which both ends of what Coulomb's law allows may differ and be one
 APART = 1e-2  # share of the factor by which the least and the associated one may differ and say the same
 
 
@@ -78,13 +77,3 @@ def mechanism_facts(moves: Mechanism, names: Sequence[str], of: str) -> dict[str
         | {f"joints_{state.replace(' ', '_')}": moves.count(state) for state in STATES}
         | {"joints_crushing": int(moves.crushing.sum())}
     )
-
-
-def one_factor(bracket: Mapping[str, float | None] | None) -> bool:
-    """Whether the least factor found and the associated one agree, so that a run can find no other.
-
-    Args:
-        bracket: ``least_found`` and ``associated``, either may be None; None where no limit analysis was made.
-    """
-    least, upper = (bracket or {}).get("least_found"), (bracket or {}).get("associated")
-    return least is not None and upper is not None and upper - least <= ALIKE * abs(upper)

@@ -7,12 +7,12 @@ oscillator of that period and 5 % of damping answers with S_a(T_1) where the gro
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from loads.signal.response import response_spectrum
 from masonry_cd.analysis.modal.elastic_joints import period_along
+from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import ElasticBasis
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
 from masonry_cd.mechanics.model.joints import Joints
@@ -22,9 +22,7 @@ DAMPING = 0.05  # of the spectrum, as codes have it
 BESIDE = 0.05  # share of the power of a motion that its lesser horizontal direction has at the least to be looked at
 
 
-def elastic_period(
-    assembly: Assembly, joints: Joints, velocity: np.ndarray, dt: float, moduli: tuple[float, float] | None
-) -> dict[str, Any]:
+def elastic_period(assembly: Assembly, joints: Joints, velocity: np.ndarray, dt: float, moduli: tuple[float, float] | None) -> Summary:
     """First elastic period along the motion, and its amplification: of two horizontal directions in which the base moves, that with more.
 
     Args:
@@ -35,11 +33,11 @@ def elastic_period(
         moduli: E and G of the masonry; None: those assumed here [Pa].
 
     Returns:
-        ``elastic_period`` [s], ``amplification`` and ``elastic_basis``; empty where no joint ties a block to a support.
+        ``elastic_period``, ``amplification`` and ``elastic_basis``; nothing where no joint ties a block to a support.
     """
     young, shear = moduli or (YOUNG, SHEAR)
     stiffness = joint_stiffness(assembly, joints, np.full(assembly.count, young), np.full(assembly.count, shear))
-    acceleration, best = np.diff(velocity, axis=0) / dt, dict[str, Any](amplification=0.0)
+    acceleration, best, most = np.diff(velocity, axis=0) / dt, Summary(), 0.0
     for direction in _directions(acceleration):
         period = _rounded(period_along(assembly, joints, stiffness, direction))
         along = np.einsum("ki,i->k", acceleration, direction)
@@ -47,10 +45,10 @@ def elastic_period(
         if period == 0.0 or peak == 0.0:
             continue
         factor = _rounded(float(response_spectrum(along, dt, [period], DAMPING).acceleration[0]) / peak)
-        if factor > best["amplification"]:
-            basis = {"young": young, "named": moduli is not None, "direction": direction.round(6).tolist()}
-            best = {"elastic_period": period, "amplification": factor, "elastic_basis": basis}
-    return best if "elastic_period" in best else {}
+        if factor > most:
+            basis = ElasticBasis(young=young, named=moduli is not None, direction=tuple(direction.round(6).tolist()))
+            best, most = Summary(elastic_period=period, amplification=factor, elastic_basis=basis), factor
+    return best
 
 
 def _rounded(value: float) -> float:

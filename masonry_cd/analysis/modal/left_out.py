@@ -1,25 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What rigid joints leave out of a run, in words, by the keys of summary.json from :mod:`masonry_cd.analysis.modal.elastic_period`."""
+"""What rigid joints leave out of a run, in words, by its summary with what :mod:`masonry_cd.analysis.modal.elastic_period` found."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from masonry_cd.foundation.quantities import pressure
+from masonry_cd.io.summary import Summary
 
 
-def left_out_lines(summary: Mapping[str, Any]) -> list[str]:
-    """What rigid joints leave out of a run, in a line; none where summary.json says nothing of it."""
-    basis = summary.get("elastic_basis")
-    if not basis:
+def left_out_lines(summary: Summary) -> list[str]:
+    """What rigid joints leave out of a run, in a line; none where its summary says nothing of it."""
+    basis, period, factor = summary.elastic_basis, summary.elastic_period, summary.amplification
+    if basis is None:
         return []
-    period, factor = summary["elastic_period"], summary["amplification"]
-    whose = f"masonry of E = {pressure(basis['young'])}" + ("" if basis["named"] else " (assumed: the scene names none)")
-    key = 'material.masonry.stiffness = "mean"' if basis["named"] else 'material.masonry = "..."'
-    way = _in_words(np.array(basis["direction"]))
+    whose = f"masonry of E = {pressure(basis.young)}" + ("" if basis.named else " (assumed: the scene names none)")
+    key = 'material.masonry.stiffness = "mean"' if basis.named else 'material.masonry = "..."'
+    way = _in_words(np.array(basis.direction))
     return [
         f"left out by rigid joints: {whose} sways with a first elastic period of about {period:.2g} s along {way}, at which "
         f"the motion of the base is amplified {factor:.2g} times (S_a at 5 % over PGA); {key} includes it"

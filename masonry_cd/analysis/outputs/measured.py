@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +12,7 @@ from masonry_cd.analysis.damage.joint_damage import JointDamage, collapsed_block
 from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
 from masonry_cd.analysis.deformed import Solids, base_shift, solids_of
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +21,7 @@ class Measured:
 
     results: Results
     settings: Settings = field(default_factory=Settings)
-    summary: Mapping[str, Any] = field(default_factory=dict)  # as in summary.json, as far as it is known
+    summary: Summary = field(default_factory=Summary)  # as far as it is known
     known: PartDamage | None = None  # the damage by part with a history of its own, where that is there already
 
     @cached_property

@@ -24,7 +24,7 @@ NUMBERS = {
     "load_factor": Number(
         "load factor",
         "at which the structure gave way to a push or a tilt; empty where it did not",
-        lambda run: run.summary.get("load_factor", {}).get("given_way"),
+        lambda run: None if run.summary.load_factor is None else run.summary.load_factor.given_way,
         {STUDY: 9, ASSESS: 5, ANSWER: 5},
         short="factor",
     ),

@@ -17,6 +17,7 @@ from masonry_cd.analysis.stress.peaks import AT_ONCE, NOTHING, Largest, principa
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary_tables import ElementStress
 
 COLUMNS = (
     "block", "element", "x", "y", "z", "volume", "max_compression", "max_compression_time", "max_tension", "max_tension_time",
@@ -115,31 +116,26 @@ def element_columns(results: Results, peaks: ElementPeaks) -> dict[str, Any]:
     return dict(zip(COLUMNS, values, strict=True))
 
 
-def element_summary(results: Results, peaks: ElementPeaks | None) -> dict[str, Any]:
-    """The share of the elements in summary.json; empty where there are none, and in a run without a step."""
+def element_summary(results: Results, peaks: ElementPeaks | None) -> ElementStress | None:
+    """The share of the elements in summary.json; None where there are none, and in a run without a step."""
     if peaks is None or not np.isfinite(peaks.compression).any():
-        return {}
+        return None
     names = [block.name for block in results.blocks]
     pressed, pulled = int(np.nanargmax(peaks.compression)), int(np.nanargmax(peaks.tension))
-    tension = float(peaks.tension[pulled])
-    out: dict[str, Any] = {
-        "count": len(peaks.block),
-        "compression_max": float(peaks.compression[pressed]),
-        "compression_max_block": names[peaks.block[pressed]],
-        "compression_max_time": float(peaks.compression_time[pressed]),
-        "tension_max": tension if tension > NOTHING * float(peaks.compression[pressed]) else 0.0,
-        "tension_max_block": names[peaks.block[pulled]],
-        "tension_max_time": float(peaks.tension_time[pulled]),
-    }
-    compared = np.isfinite(peaks.strength)
+    tension, compared, more = float(peaks.tension[pulled]), np.isfinite(peaks.strength), dict[str, Any]()
     if compared.any():
         above = np.flatnonzero(peaks.ratio > 1.0)
         worst = list(dict.fromkeys(peaks.block[above[np.argsort(-peaks.ratio[above], kind="stable")]].tolist()))
-        out |= {
-            "compared": int(compared.sum()),
-            "ratio_max": float(np.nanmax(peaks.ratio)),
-            "above": len(above),
-            "blocks_above": len(worst),
-            "blocks_above_names": [names[b] for b in worst[:NAMED]],
-        }
-    return out
+        named = tuple(names[b] for b in worst[:NAMED])
+        more = {"compared": int(compared.sum()), "ratio_max": float(np.nanmax(peaks.ratio))}
+        more |= {"above": len(above), "blocks_above": len(worst), "blocks_above_names": named}
+    return ElementStress(
+        count=len(peaks.block),
+        compression_max=float(peaks.compression[pressed]),
+        compression_max_block=names[peaks.block[pressed]],
+        compression_max_time=float(peaks.compression_time[pressed]),
+        tension_max=tension if tension > NOTHING * float(peaks.compression[pressed]) else 0.0,
+        tension_max_block=names[peaks.block[pulled]],
+        tension_max_time=float(peaks.tension_time[pulled]),
+        **more,
+    )

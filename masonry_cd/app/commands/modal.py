@@ -319,11 +319,11 @@ def _write(results: Sequence[Model], folder: Path, blocks: Sequence[Block], summ
     Raises:
         InputError: no off-screen OpenGL for the pictures; the tables are written by then.
     """
-    from masonry_cd.app.summary import write_json
+    from masonry_cd.foundation.json_files import write_json
 
     own_files.begin(folder, OUTPUTS)
     own_files.remove(folder, OUTPUTS)
-    write_json(summary, folder / "modal.json")
+    write_json(folder / "modal.json", summary)
     write_rows(folder / "modal.csv", [row for result in results for row in _rows(result)])
     for result in results:
         write_rows(folder / f"shapes_{result.modes.method}.csv", _shape_rows(result.modes))

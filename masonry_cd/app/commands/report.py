@@ -7,15 +7,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.outputs.summary import in_short
+from masonry_cd.app.closing_lines import damage_line, part_lines, verdict_lines
 from masonry_cd.app.folders import is_run, names_of_run
-from masonry_cd.app.part_lines import part_lines
 from masonry_cd.app.result import Result
-from masonry_cd.app.summary import damage_line, verdict_lines, write_json
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_file import NAME, Newer, read_summary
+from masonry_cd.io.summary import NAME, Newer, Summary, read_summary
 
 
 def report(
@@ -29,7 +29,7 @@ def report(
     stress_map: bool = False,
     page: bool = False,
     pdf: bool = False,
-) -> Result[dict[str, Any]]:
+) -> Result[Summary]:
     """Redo the reports of a run from its result.h5.
 
     Args:
@@ -65,28 +65,27 @@ def report(
         summary |= damage_files.write_joint_damage(results, folder, made)
         wanted = {"damage": True, "crack_map": crack_map, "stress": stress_map or results.has_stress, "stress_map": stress_map}
         job = Job(results, folder, made, summary, time, wanted | {"html": page or pdf, "pdf": pdf})
-        lines = [*verdict_lines(summary), damage_line(summary), *part_lines(job.damage.parts)]
+        lines = [*verdict_lines(summary), damage_line(summary), *part_lines(in_short(job.damage.parts))]
         written = [folder / "joints.csv", *job.write()]
-        if not (folder / NAME).exists() and results.closing:
-            added = {key: value for key, value in job.more.items() if key != "parts" or made.damage}
-            write_json(summary | added, folder / NAME)
+        if not (folder / NAME).exists() and results.closing is not None:
+            job.summary.write(folder)
             written.append(folder / NAME)
         return Result(summary, lines, [*results.words, *words], written)
 
 
-def _summary_of(results: Results, folder: Path) -> tuple[dict[str, Any], list[str]]:
+def _summary_of(results: Results, folder: Path) -> tuple[Summary, list[str]]:
     """summary.json of a run, or what its results hold of it where a kill came before it was written; and lines on what is damaged.
 
     Raises:
         InputError: one of a newer format.
     """
-    words: list[str] = []
+    words, known = list[str](), results.closing
     try:
         found = read_summary(folder)
     except Newer:
         raise
     except InputError as reason:
-        found, words = {}, [f"{reason}; {'it is written anew' if results.closing else 'the report does without it'}"]
-        if results.closing:
+        found, words = None, [f"{reason}; {'the report does without it' if known is None else 'it is written anew'}"]
+        if known is not None:
             (folder / NAME).unlink()
-    return found or results.closing, words
+    return found or known or Summary(), words

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from masonry_cd.app.dump import parse_steps
 from masonry_cd.app.folders import RUN, free_folder
@@ -14,6 +14,7 @@ from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.result import Result, Say, silent
 from masonry_cd.app.scene import Scene
 from masonry_cd.io import checkpoint
+from masonry_cd.io.summary import Summary
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -33,7 +34,7 @@ class Asked:
     place: Callable[[Path], Scene] | None = None  # puts a scene that is in no file into the folder; called once all is checked
 
 
-def run(scene: Scene, folder: Path, asked: Asked | None = None, say: Say = silent) -> Result[dict[str, Any] | None]:
+def run(scene: Scene, folder: Path, asked: Asked | None = None, say: Say = silent) -> Result[Summary | None]:
     """Compute a scene; see :func:`computed`."""
     asked = asked or Asked()
     free_folder(folder, RUN, asked.force or asked.resume)
@@ -45,7 +46,7 @@ def run(scene: Scene, folder: Path, asked: Asked | None = None, say: Say = silen
     return computed(prepare(scene), folder, asked, say)
 
 
-def computed(case: Case, folder: Path, asked: Asked, say: Say = silent) -> Result[dict[str, Any] | None]:
+def computed(case: Case, folder: Path, asked: Asked, say: Say = silent) -> Result[Summary | None]:
     """Compute a case that is prepared, and write everything into a folder, which is made if need be.
 
     Args:
@@ -60,28 +61,27 @@ def computed(case: Case, folder: Path, asked: Asked, say: Say = silent) -> Resul
     Returns:
         the summary; None where a signal came after the last step and before it was written, which ``resume`` makes up for.
     """
+    from masonry_cd.app.closing_lines import closing_lines
     from masonry_cd.app.run_case import file_names, run_case
-    from masonry_cd.app.summary import closing_lines
 
     for line in _announced(case):
         say(line)
     if asked.place is not None:
-        case = replace(case, scene=asked.place(folder))
+        case = replace(case, scene=replace(asked.place(folder), run=case.scene.run))  # whose duration may follow from the loads
     try:
         summary = run_case(case, folder, asked.quiet, asked.resume, parse_steps(asked.dump), own=asked.own)
     except Interrupted as signal:  # the steps are done; what is left to write is not
         return Result(None, stopped=str(signal), signal=signal.number, resumable=True, warnings=[f"{signal} before all was written"])
     lines = closing_lines(summary)
     if asked.explain:
-        lines += ["left out, and why:", *(f"- {line}" for line in summary["explanation"])]
-    written = [folder / name for name in (*file_names(), *summary["dumped"]) if (folder / name).exists()]
-    number = summary["signal"]
-    return Result(summary, lines, summary["warnings"], written, summary["stopped"], number, resumable=bool(number))
+        lines += ["left out, and why:", *(f"- {line}" for line in summary.explanation)]
+    written = [folder / name for name in (*file_names(), *summary.dumped) if (folder / name).exists()]
+    return Result(summary, lines, [*summary.warnings], written, summary.stopped, summary.signal, resumable=bool(summary.signal))
 
 
 def _announced(case: Case) -> list[str]:
     """What is about to be computed."""
-    from masonry_cd.app.time_step_summary import announced
+    from masonry_cd.app.closing_lines import announced
 
     settings = case.scene.run
     joints = f"{case.assembly.count} blocks, {case.joints.count} joints"

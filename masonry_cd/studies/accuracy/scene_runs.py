@@ -18,7 +18,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 
@@ -29,6 +28,7 @@ from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import in_words
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from masonry_cd.studies.accuracy.measurement import Measurement
 from masonry_cd.studies.accuracy.picture import Diagram, Panel, Point, exponent
 
@@ -141,7 +141,7 @@ def run_rows(
     return rows
 
 
-def run_once(scene: Scene, repeats: int = 1) -> tuple[dict[str, Any], Motion]:
+def run_once(scene: Scene, repeats: int = 1) -> tuple[Summary, Motion]:
     """Run a scene in a folder that is thrown away; its summary, with median times, and its motion.
 
     Raises:
@@ -154,13 +154,12 @@ def run_once(scene: Scene, repeats: int = 1) -> tuple[dict[str, Any], Motion]:
     for _ in range(repeats):
         with TemporaryDirectory() as folder:
             summaries.append(run_case(prepare(scene), Path(folder)))
-            if summaries[-1]["signal"]:
-                raise Interrupted(summaries[-1]["signal"])
+            if summaries[-1].signal:
+                raise Interrupted(summaries[-1].signal)
             with Results.open(Path(folder) / "result.h5") as results:
                 motion = motion_of(results)
-    for key in ("stepping_seconds", "wall_seconds"):
-        summaries[0][key] = statistics.median(summary[key] for summary in summaries)
-    return summaries[0], motion
+    seconds = {key: statistics.median(getattr(found, key) for found in summaries) for key in ("stepping_seconds", "wall_seconds")}
+    return summaries[0] | Summary(**seconds), motion
 
 
 def motion_of(results: Results) -> Motion:
@@ -193,21 +192,21 @@ def _relative(got: np.ndarray, best: np.ndarray, least: float) -> float:
     return largest(got - best) / max(largest(best), least)
 
 
-def _run_row(summary: dict[str, Any], motion: Motion, reference: Motion, is_reference: bool) -> SceneRow:
+def _run_row(summary: Summary, motion: Motion, reference: Motion, is_reference: bool) -> SceneRow:
     """The row of a run."""
-    solver = summary["solver"]
+    solver = summary.solver
     own = ("displacement_max", "opening_max", "sliding_max", "joints_opened", "joints_slid", "joints_separated", "collapsed_blocks")
     displacement, opening = motion_errors(motion, reference)
     return SceneRow(
-        solver=solver["name"],
-        tolerance=solver["tolerance"],
+        solver=solver.name,
+        tolerance=solver.tolerance,
         displacement_error=displacement,
         opening_error=opening,
-        steps_missed=solver["steps_missed"],
-        error_max=solver["error_max"],
-        reached=not summary["stopped"] and not solver["steps_missed"],
+        steps_missed=solver.steps_missed,
+        error_max=solver.error_max,
+        reached=not summary.stopped and not solver.steps_missed,
         reference=is_reference,
-        **{key: summary[key] for key in ("dt", "steps", "stepping_seconds", "wall_seconds", *own)},
+        **{key: getattr(summary, key) for key in ("dt", "steps", "stepping_seconds", "wall_seconds", *own)},
     )
 
 

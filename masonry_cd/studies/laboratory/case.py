@@ -89,8 +89,8 @@ def run_in(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -> 
         Interrupted: by a signal; half a run is no result of a case.
     """
     summary = run_case(prepare(scene_in(folder, blocks, tables)), folder)
-    if summary["signal"]:
-        raise Interrupted(summary["signal"])
+    if summary.signal:
+        raise Interrupted(summary.signal)
     return Results.open(folder / RESULTS)
 
 

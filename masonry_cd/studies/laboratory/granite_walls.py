@@ -88,11 +88,11 @@ def compare(kinds: Sequence[Kind], folder: Path, say: Callable[[str], object]) -
             asked = (test.stress, 1e6 * test.young, REACH)
             rigid, curve = wall.tested(folder, f"{kind.name}_*_{test.stress:g}", f"Granite wall, {name}", asked, say)
             u, f = curve.envelope()
-            walls, bilinear = len(test.peaks) // 2, curve.numbers()["bilinear"]
+            walls, bilinear = len(test.peaks) // 2, curve.numbers().bilinear
             peak, stiffness = float(np.mean(test.peaks)), float(np.mean(test.stiffness))
             found.rows.append(Row(f"{name}: peak, mean of {walls} walls both ways", "kN", peak, 1e-3 * rigid, 1e-3 * float(f.max())))
             if bilinear is not None:
-                found.rows.append(Row(f"{name}: stiffness of the bilinear curve", "kN/mm", stiffness, None, 1e-6 * bilinear["stiffness"]))
+                found.rows.append(Row(f"{name}: stiffness of the bilinear curve", "kN/mm", stiffness, None, 1e-6 * bilinear.stiffness))
             found.computed.append((f"{name}, elastic joints", 1e3 * u, 1e-3 * f))
             found.points.append((f"{name}, peaks", 10.0 * HEIGHT * np.array(test.drifts), np.array(test.peaks)))
     return found

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +14,14 @@ from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.outputs.values import finite, grade_number
 from masonry_cd.app.scene import Scene
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.joints import Joints
 from reports.damage import damage_settings
 
 QUANTITIES = tuple(numbers_in(STUDY))
 
 
-def of_run(results_file: Path, summary: Mapping[str, Any], scene: Scene) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+def of_run(results_file: Path, summary: Summary, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """The numbers of a run that is done, those of its parts, and its joints' arrays.
 
     Args:

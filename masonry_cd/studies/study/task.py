@@ -88,13 +88,14 @@ def _run(task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
     set_up, processor = time.perf_counter() - begin, time.process_time()
     summary = run_case(case, folder, limit=task.timeout)
     ended, processor = time.perf_counter(), time.process_time() - processor
-    if summary["stopped"]:  # at which step its time was up says more of the machine than of the run
-        timed_out = summary["stopped"].startswith("out of time")
-        return (RunRow(TIMEOUT, f"out of time, {task.timeout:g} s") if timed_out else RunRow(FAILED, summary["stopped"])), None
+    if summary.timed_out:  # at which step that was says more of the machine than of the run
+        return RunRow(TIMEOUT, f"out of time, {task.timeout:g} s"), None
+    if summary.stopped:
+        return RunRow(FAILED, summary.stopped), None
     found, parts, joints = numbers.of_run(folder / RESULTS, summary, scene)
-    timing = {"set_up": set_up, "stepping": summary["stepping_seconds"], "closing": time.perf_counter() - ended, "processor": processor}
-    verdict = summary.get("verdict", {})
-    doubt = verdict["why"] if verdict.get("verdict") == DOUBTFUL else ""
+    timing = {"set_up": set_up, "stepping": summary.stepping_seconds, "closing": time.perf_counter() - ended, "processor": processor}
+    verdict = summary.verdict
+    doubt = verdict.why if verdict is not None and verdict.verdict == DOUBTFUL else ""
     return RunRow(DONE, numbers=found, parts=parts, timing=timing, doubt=doubt), joints
 
 

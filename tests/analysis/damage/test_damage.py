@@ -85,7 +85,7 @@ def test_separated(tmp_path: Path, by: tuple[float, float, float]) -> None:
     assert table_of(path)["lower", "upper"]["state"] == "separated"
     with Results.open(path) as results:
         assert joint_damage.collapsed_blocks(results) == ("upper",)
-        assert joint_damage.summary(joint_damage.joint_damage(results)) == {
+        assert joint_damage.joint_counts(joint_damage.joint_damage(results)).as_dict() == {
             "joints_opened": 0,
             "joints_slid": 0,
             "joints_separated": 1,

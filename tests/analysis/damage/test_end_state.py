@@ -11,8 +11,10 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.damage.end_state import end_state
-from masonry_cd.app.part_lines import part_lines
+from masonry_cd.analysis.outputs.summary import in_short
+from masonry_cd.app.closing_lines import part_lines
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.state import State
 from reports import damage as damage_files
 from reports.damage import damage_of
@@ -61,7 +63,7 @@ def test_a_block_that_rattles_and_goes_nowhere_is_still(tmp_path: Path, monkeypa
     """If the run ended because it was; else two frames alike may be those of a structure that sways."""
     last = at_rest(PAIR)
     last.velocity[2] = 0.007, -0.005, 0.0, 0.0, 0.02, 0.0
-    monkeypatch.setattr(Results, "closing", {"stopped": "", "ended_still": still})
+    monkeypatch.setattr(Results, "closing", Summary(stopped="", ended_still=still))
     with results_of(tmp_path, last) as results:
         end = end_state(results)
     assert (end.provisional == "") is still
@@ -88,13 +90,13 @@ def test_tables_summary_text_and_page_say_so(tmp_path: Path) -> None:
         damage = damage_of(results, Report())
         damage_files.write_part_damage(damage, tmp_path)
         write_page(results, tmp_path / "report.html", parts=damage)
-    assert summary["provisional"] == said
-    assert summary["end"]["speed"] == pytest.approx(0.019)
+    assert summary.provisional == said
+    assert summary.end.speed == pytest.approx(0.019)
     for name in ("joints.csv", "damage.csv"):
         with (tmp_path / name).open(newline="") as file:
             assert {row["provisional"] for row in csv.DictReader(file)} == {said}, name
     assert damage_files.as_json(damage)["provisional"] == said
-    assert part_lines(damage.parts)[-1] == f"grades, mechanisms and what is left are {said}"
+    assert part_lines(in_short(damage.parts))[-1] == f"grades, mechanisms and what is left are {said}"
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "What is left is provisional" in page
     table = page[page.index('<div class="scroll parts"') :]
@@ -111,7 +113,7 @@ def test_nothing_is_said_where_all_is_still(tmp_path: Path) -> None:
         summary = damage_files.write_joint_damage(results, tmp_path, Report())
         damage = damage_of(results, Report())
         write_page(results, tmp_path / "report.html", parts=damage)
-    assert summary["provisional"] == ""
+    assert summary.provisional == ""
     assert "provisional" not in (tmp_path / "joints.csv").read_text()
-    assert "provisional" not in "".join(part_lines(damage.parts))
+    assert "provisional" not in "".join(part_lines(in_short(damage.parts)))
     assert "provisional" not in (tmp_path / "report.html").read_text(encoding="utf-8").partition("<script")[0]

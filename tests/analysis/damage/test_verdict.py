@@ -14,11 +14,13 @@ from made_run import at_rest, box, shifted, write_run
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.fragility.limits import LimitState, LimitTable
+from masonry_cd.analysis.outputs.summary import in_short
 from masonry_cd.analysis.run_row import DONE, RunRow
-from masonry_cd.app.part_lines import part_lines
+from masonry_cd.app.closing_lines import part_lines, verdict_lines
 from masonry_cd.app.scene import parse_scene
-from masonry_cd.app.summary import verdict_lines
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import Solver
 from masonry_cd.studies.study import numbers
 from reports.compare.comparison import compare
 from reports.damage import damage_of, write_joint_damage, write_part_damage
@@ -60,10 +62,10 @@ def solver(**changes: Any) -> dict[str, Any]:
         (solver(steps_missed=1), "look", "1 of 200 steps missed the tolerance"),
         (solver(steps_missed=3), "doubtful", "3 of 200 steps missed the tolerance"),
         (solver(steps_missed=1, error_max=2.0), "doubtful", "an error of 2 at most"),
-        (solver(steps_missed=1, error_max=None), "doubtful", "an error of inf at most"),
+        (solver(steps_missed=1, error_max=None), "doubtful", "an error of nan at most"),
         ({"closing": {"steps": 2, "jam": "a wedge"}}, "doubtful", "2 steps left contacts closing: a wedge"),
         ({"energy": {"balance_error": 5e-3}}, "look", "open by 0.5 % of the largest work"),
-        ({"energy": {"balance_error": None}}, "doubtful", "open by inf %"),
+        ({"energy": {"balance_error": None}}, "doubtful", "open by nan %"),
         (
             {"energy": {"balance_error": 1e-10, "lift_share": 0.026}},
             "look",
@@ -103,13 +105,13 @@ def solver(**changes: Any) -> dict[str, Any]:
     ],
 )
 def test_the_worst_check_decides_and_gives_its_numbers(changes, worst, why):
-    found = checks_of(SOUND | changes, Thresholds())
+    found = checks_of(Summary(**SOUND | changes), Thresholds())
     assert (found.worst, found.reliable) == (worst, worst != "doubtful")
     assert why in found.verdict().why and bool(found.verdict().why) == (worst != "good")
 
 
 def test_a_run_without_numbers_is_unknown_not_good():
-    assert checks_of({}, Thresholds()).worst == "unknown"
+    assert checks_of(Summary(), Thresholds()).worst == "unknown"
 
 
 def blocks() -> list[Any]:
@@ -131,13 +133,13 @@ def test_a_run_that_cannot_be_relied_on_says_so_instead_of_a_grade(tmp_path):
         damage = damage_of(results, Report())
         write_part_damage(damage, out)
         write_page(results, out / "report.html", summary, parts=damage)
-    assert summary["verdict"]["verdict"] == "doubtful"
+    assert summary.verdict.verdict == "doubtful"
     assert {row["grade"] for row in damage.parts} == {"not graded"}
     assert damage.parts[-1]["grade_reason"].startswith(CUT)
     with (out / "damage.csv").open(newline="") as file:
         assert {row["grade"] for row in csv.DictReader(file)} == {"not graded"}
     assert {row["grade"] for row in json.loads((out / "damage.json").read_text())["parts"]} == {"not graded"}
-    first, *rest = part_lines(damage.parts)
+    first, *rest = part_lines(in_short(damage.parts))
     assert first.startswith(f"not graded: {CUT}")
     page = (out / "report.html").read_text(encoding="utf-8").partition("<body>")[2].partition('<script type="application/json"')[0]
     assert page.index("Do not rely on this run before it is mended") < page.index('<dl class="block">') < page.index("<main>")
@@ -156,14 +158,14 @@ def test_a_comparison_and_a_study_give_it_no_grade(tmp_path):
     exceeded = []
     for folder in (cut, ended):
         with Results.open(folder / "result.h5") as results:
-            summary = write_joint_damage(results, folder, Report()) | {"steps": 1, "solver": {"steps_missed": 0, "error_max": 0.0}}
+            summary = write_joint_damage(results, folder, Report()) | Summary(steps=1, solver=Solver(steps_missed=0, error_max=0.0))
         exceeded.append(state.exceeded_by(RunRow(DONE, numbers=numbers.of_run(folder / "result.h5", summary, scene)[0])))
     assert exceeded == [None, True]
 
 
 def test_the_closing_lines_begin_with_grade_how_sure_and_why():
     row = {"grade": "D2", "grade_label": "moderate damage", "grade_reason": "sliding 8 mm in joint 0"}
-    sound, broken = checks_of(SOUND, Thresholds()), checks_of(SOUND | solver(steps_missed=9), Thresholds())
+    sound, broken = checks_of(Summary(**SOUND), Thresholds()), checks_of(Summary(**SOUND | solver(steps_missed=9)), Thresholds())
     (line,) = verdict_lines(sound.as_summary(row))
     assert line == "verdict: D2, moderate damage (sliding 8 mm in joint 0); all checks of the computation are good"
     (line,) = verdict_lines(broken.as_summary(row))
@@ -175,16 +177,16 @@ def test_page_summary_and_terminal_begin_with_one_verdict(tmp_path):
     with Results.open(out / "result.h5") as results:
         summary = write_joint_damage(results, out, Report())
         write_page(results, out / "report.html", summary, parts=damage_of(results, Report()))
-    found = summary["verdict"]
-    assert (found["grade"], found["means"], found["sure"]) == ("D2", "moderate damage", found["verdict"])
+    found = summary.verdict
+    assert (found.grade, found.means, found.sure) == ("D2", "moderate damage", found.verdict)
     page = (out / "report.html").read_text(encoding="utf-8")
     first = page[page.index("</h1>") : page.index('<dl class="block">')]
-    assert '<span class="grade D2">D2</span>' in first and f'<span class="verdict {found["sure"]}">' in first
-    assert found["because"].partition(" in joint")[0] in first and "D2, moderate damage" in verdict_lines(summary)[0]
+    assert '<span class="grade D2">D2</span>' in first and f'<span class="verdict {found.sure}">' in first
+    assert found.because.partition(" in joint")[0] in first and "D2, moderate damage" in verdict_lines(summary)[0]
 
 
 def test_groups_that_no_table_of_parts_can_have_are_not_graded(tmp_path):
     named = [box("base", (0, 0, -0.2), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 0.5), "structure")]
     write_run(tmp_path / "result.h5", named, [at_rest(named)], scene=SCENE, ended=True)
     with Results.open(tmp_path / "result.h5") as results:
-        assert write_joint_damage(results, tmp_path, Report())["verdict"]["grade"] == ""
+        assert write_joint_damage(results, tmp_path, Report()).verdict.grade == ""

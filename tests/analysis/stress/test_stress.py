@@ -20,10 +20,10 @@ from masonry_cd.analysis.stress.peaks import principal, stress_peaks, tensors
 from masonry_cd.analysis.stress.summary import stress_summary
 from masonry_cd.analysis.stress.words import stress_lines
 from masonry_cd.app.case import prepare
+from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.run_loop import Checkpoints, Plan, run
 from masonry_cd.app.scene import read_scene
-from masonry_cd.app.summary import closing_lines
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
@@ -98,13 +98,13 @@ def test_tables_have_the_weight_above_each_block_and_joint(tmp_path):
     assert blocks[0]["strength"] == blocks[0]["ratio"] == ""
     joints = sorted(rows(tmp_path / "out" / "joint_stress.csv"), key=lambda row: -float(row["max_edge_stress"]))
     assert [float(row["max_edge_stress"]) for row in joints] == pytest.approx([weight_above(k) for k in range(COUNT)], rel=1e-6)
-    found = summary["stress"]
-    assert found["compression_max_block"] == "b0" and found["joints_at_edge"] == 0 and "strength" not in found
-    assert found["edge_max"] == pytest.approx(weight_above(0), rel=1e-6) and set(found["edge_max_blocks"]) == {"base", "b0"}
-    assert found["tension_max"] == 0.0 and found["interval"] == pytest.approx(0.01)
+    found = summary.stress
+    assert found.compression_max_block == "b0" and found.joints_at_edge == 0 and found.strength is None
+    assert found.edge_max == pytest.approx(weight_above(0), rel=1e-6) and set(found.edge_max_blocks) == {"base", "b0"}
+    assert found.tension_max == 0.0 and found.interval == pytest.approx(0.01)
     line = next(line for line in closing_lines(summary) if line.startswith("stress"))
     assert "means over the 10 ms between frames" in line and "34.3 kPa in b0" in line and "tension" not in line
-    assert json.loads((tmp_path / "out" / "summary.json").read_text())["stress"] == found
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["stress"] == found.as_dict()
     compression = np.array([weight_above(k + 0.5) for k in range(COUNT)])
     assert {"#" + bytes(row).hex() for row in StressScale(weight_above(0.5))(compression)} <= main_colours(
         tmp_path / "out" / "stress_map.png"
@@ -115,9 +115,9 @@ def test_a_strength_asks_for_the_report_and_names_what_lies_above_it(tmp_path):
     """By group: b0 is weaker than its mean stress, b1 only than the edge of the joint below it; the others have no strength."""
     strength = "compressive_strength = { b0 = 3.0e4, b1 = 2.8e4 }"
     summary = run_case(prepare(scene(tmp_path, strength, stress="false")), tmp_path / "out")
-    found = summary["stress"]["strength"]
-    assert found["blocks_above_names"] == ["b0"] and found["blocks_compared"] == 2
-    assert found["ratio_max"] == pytest.approx(weight_above(0.5) / 3.0e4, rel=1e-6)
+    found = summary.stress.strength
+    assert found.blocks_above_names == ("b0",) and found.blocks_compared == 2
+    assert found.ratio_max == pytest.approx(weight_above(0.5) / 3.0e4, rel=1e-6)
     with Results.open(tmp_path / "out" / "result.h5") as results:
         peaks, joints = stress_peaks(results, 1e-4), results.joints
         names = [{results.blocks[a].name, results.blocks[b].name} for a, b in zip(joints.block_a, joints.block_b, strict=True)]
@@ -125,15 +125,15 @@ def test_a_strength_asks_for_the_report_and_names_what_lies_above_it(tmp_path):
     assert lower[frozenset({"base", "b0"})] == 3.0e4 and lower[frozenset({"b0", "b1"})] == 2.8e4  # the lower of both
     assert lower[frozenset({"b1", "b2"})] == 2.8e4 and np.isnan(lower[frozenset({"b2", "b3"})])
     above = [frozenset(names[j]) for j in np.flatnonzero(peaks.closed_above)]  # nothing opens
-    assert set(above) == {frozenset({"base", "b0"}), frozenset({"b0", "b1"})} and found["joints_above"] == 2
-    assert found["crushed_share_max"] == pytest.approx(weight_above(0) / 3.0e4, rel=1e-6)
+    assert set(above) == {frozenset({"base", "b0"}), frozenset({"b0", "b1"})} and found.joints_above == 2
+    assert found.crushed_share_max == pytest.approx(weight_above(0) / 3.0e4, rel=1e-6)
     said = next(line for line in closing_lines(summary) if line.startswith("strength"))
     assert said.startswith("strength: 1 of 2 blocks by their mean and 2 of 3 joints (none of them while open) by their edge come above it")
 
 
 def test_nothing_is_kept_that_is_not_asked_for(tmp_path):
     summary = run_case(prepare(scene(tmp_path, stress="false")), tmp_path / "out")
-    assert "stress" not in summary and not any("stress" in path.name for path in (tmp_path / "out").iterdir())
+    assert summary.stress is None and not any("stress" in path.name for path in (tmp_path / "out").iterdir())
     with Results.open(tmp_path / "out" / "result.h5") as results:
         assert not results.has_stress and f"joints/{EDGE_STRESS}" not in results.file
         with pytest.raises(InputError, match=r"kept no stress; report\.stress = true"):
@@ -231,8 +231,8 @@ def test_peaks_are_over_all_frames_each_with_its_time(by_hand):
     assert peaks.tension[1:] == pytest.approx([middle + radius, 5e3])
     assert np.isinf(peaks.edge[1]) and peaks.edge[0] == 2e5 and peaks.finite_edge.tolist() == [2e5, 1e5]
     assert peaks.edge_time == pytest.approx([0.1, 0.2])
-    assert found["joints_at_edge"] == 1 and peaks.closed_above.tolist() == [False, True]
-    assert not peaks.open_above.any() and found["joints_at_edge_open"] == 0
+    assert found.joints_at_edge == 1 and peaks.closed_above.tolist() == [False, True]
+    assert not peaks.open_above.any() and found.joints_at_edge_open == 0
     assert "in 1 joints" not in " ".join(stress_lines(found)) and "in 1 joint the force came to an edge" in " ".join(stress_lines(found))
 
 

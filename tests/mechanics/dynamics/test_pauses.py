@@ -90,10 +90,10 @@ def test_each_shock_adds_to_the_damage(tmp_path: Path) -> None:
     assert parts.of_steps
     for name in ("drift", "hinge_opening"):
         assert (after[0][name] <= after[1][name]).all() and (after[1][name] == end[name]).all()
-    slid = [row["sliding_max"] for row in rows]
+    slid = [row.sliding_max for row in rows]
     assert 0.0 < slid[0] < slid[1] == total.max_sliding[0]
     assert [table.max_sliding[0] for table in tables] == slid
-    assert [row["residual_sliding_max"] for row in rows] == pytest.approx([tables[0].residual_sliding[0], total.residual_sliding[0]])
+    assert [row.residual_sliding_max for row in rows] == pytest.approx([tables[0].residual_sliding[0], total.residual_sliding[0]])
     assert [row["shock"] for row in parts.shocks] == ["first"] * len(parts.parts) + ["second"] * len(parts.parts)
     assert [{k: v for k, v in row.items() if k != "shock"} for row in parts.shocks[len(parts.parts) :]] == parts.parts
 

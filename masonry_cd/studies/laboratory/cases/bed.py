@@ -51,7 +51,7 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
         material = {"density": 2000.0, "friction": 5.0, **elastic(joint)}
         tables = {"title": f"A block on its bed, {label}", "material": material, "loads": [push], "run": {"dt": 1e-3, "tolerance": 1e-7}}
         curve = pushed(folder / label, blocks, tables | {"quiet_checks": ["material.friction"]})
-        say(f"{label}: {curve.numbers()['peak_force']:.6g} N")
+        say(f"{label}: {curve.numbers().peak_force:.6g} N")
         u, f = curve.envelope()
         found.computed.append((f"{label.partition('_')[0]} joint{points}", 1e3 * u, 1e-3 * f))
         if joint:
