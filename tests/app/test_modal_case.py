@@ -151,3 +151,10 @@ def test_a_named_masonry_has_its_modulus_whichever_door_it_comes_through(tmp_pat
     by_command = json.loads((tmp_path / "out" / "modal.json").read_text())["models"]["joints"]["frequency_hz"]
     for source in (path, tomllib.loads(NAMED)):
         assert mc.modal(source, **options)["models"]["joints"]["frequency_hz"] == by_command
+
+
+def test_changes_of_the_scene_reach_the_model(arch: Path) -> None:
+    """The first mode of an arch sways across its plane, where a wider one is stiffer."""
+    asked = {"young": 1e9, "method": "joints", "modes": 1}
+    narrow, wide = (modal(read_scene(arch, [f"structure.width={width}"]), asked).value for width in (0.4, 0.8))
+    assert wide["models"]["joints"]["frequency_hz"][0] > 1.3 * narrow["models"]["joints"]["frequency_hz"][0]

@@ -81,6 +81,7 @@ def refused(tables: dict[str, Any], place: str, reason: str) -> None:
     with pytest.raises(mc.InputError) as caught:
         mc.scene(tables)
     assert str(caught.value).startswith(f"{place}: ") and reason in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_blocks_and_a_file_exclude_each_other(tables: dict[str, Any]) -> None:

@@ -204,3 +204,9 @@ def test_a_study_without_joints_says_so(tmp_path: Path) -> None:
     study = mc.open_study(write_study_folder(tmp_path, Made()))
     with pytest.raises(mc.InputError, match="no run of the study is done whose joints are known"):
         study.joint_probabilities  # noqa: B018
+
+
+def test_the_page_is_written_and_shown(made: mc.Study) -> None:
+    page = made.plot.page()
+    assert page.path == made.folder / "study.html"
+    assert "<iframe srcdoc=" in page._repr_html_()

@@ -92,3 +92,8 @@ def test_a_vehicle_goes_by_its_way_over_the_deck() -> None:
     assert at(0.5 * (long + 2.0), speed=1.0) == pytest.approx(0.5)
     assert at(0.5 * long, speed=1.0, position=fill.deck[0] + 0.5 * long) == pytest.approx(0.5 * long / (0.5 * long + 2.0))
     assert at(1.0, position=fill.deck[0] + 1.0, ramp=4.0) == pytest.approx(0.25)
+
+
+def test_a_run_that_leaves_out_a_part_says_how_long_it_would_have_to_be() -> None:
+    short, whole = (loads.build([SINE], 0.01, steps, G, Path("."), STONE).lines for steps in (100, 200))
+    assert any("run.duration = 2" in line and "50 %" in line for line in short) and not any("run.duration" in line for line in whole)

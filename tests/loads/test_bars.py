@@ -13,11 +13,17 @@ from models import box, ground
 import loads
 from loads.bar_frequency import felt_mass
 from loads.bars import Forces
+from masonry_cd.app.case import prepare
+from masonry_cd.app.closing_lines import closing_lines
+from masonry_cd.app.run_case import run_case
+from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.place_on_block import require_on_block
+from structures.files import blockfile
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import box as box_part
 from structures.geometry.prism import prism_xz
@@ -236,3 +242,39 @@ def test_a_place_on_the_surface_counts_as_on_the_block_and_one_in_a_hollow_does_
     require_on_block(u_shape, [0.5, 0.5, 2.5], "key")
     with pytest.raises(InputError, match=r'\(1\.5, 0\.5, 2\) m lies 0\.5 m outside block "u"'):
         require_on_block(u_shape, [1.5, 0.5, 2.0], "key")
+
+
+def test_where_nothing_acts_all_sums_are_zero(pair: Assembly) -> None:
+    none = Forces((), ()).acting(pair.centre, np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 6)), 0)
+    assert (none.block.shape, none.force.shape, none.tension.shape) == ((0,), (0, 3), (0,))
+    assert none.wrench(2).shape == (2, 6)
+    assert none.virial(2).shape == (2, 3, 3)
+    assert not none.wrench(2).any()
+    assert not none.virial(2).any()
+
+
+def test_a_run_tells_what_its_ties_had_to_bear(tmp_path: Path) -> None:
+    blockfile.write(tmp_path / "blocks.json", rafters())
+    (tmp_path / "scene.toml").write_text(
+        """
+structure = {kind = "file", path = "blocks.json"}
+material = {density = 2000.0, friction = 0.2}
+run = {dt = 5e-4, duration = 0.1, solver = "nlgs", tolerance = 1e-6}
+[[loads]]
+kind = "tie"
+blocks = ["left", "right"]
+points = [[-1.7, 0.25, 0.05], [1.7, 0.25, 0.05]]
+diameter = 0.02
+tension = 500.0
+"""
+    )
+    prepared = prepare(read_scene(tmp_path / "scene.toml"))
+    summary = run_case(prepared, tmp_path / "out")
+    (tie,) = summary.ties
+    assert tie.blocks == ("left", "right")
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        tension = results.per_step("ties/tension")
+        assert tension.shape == (200, 1)
+        assert tie.tension_max == tension.max() > tension[-1] == tie.tension_end > 500.0
+    assert tie.stress_max == pytest.approx(tie.tension_max / (np.pi * 1e-4))
+    assert closing_lines(summary)[2].startswith('tie "left" to "right": at most ')

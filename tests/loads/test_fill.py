@@ -158,3 +158,10 @@ def test_gravity_is_not_ramped_beside_fill_that_presses() -> None:
         build(ramped, 1e-3, 10, GRAVITY, Path(), assembly, fills=made.fills)
     made, assembly = bridge(width=3.0)
     build(ramped, 1e-3, 10, GRAVITY, Path(), assembly, fills=made.fills)
+
+
+def test_a_run_names_the_law_of_the_pressure_among_its_assumptions() -> None:
+    made, assembly = bridge(width=3.0, walls={})
+    part = fill.part(made.fills[0], grid(made, assembly), False)
+    assert "K_0 = 0.5, which falls as a face moves away: to K_a = 0.333 within 0.002, to nothing 0.289 of the depth" in part.lines[0]
+    assert (part.summary["active_at"], part.summary["gone_at"]) == (0.002, pytest.approx(1.0 / (6.0 * math.tan(math.radians(30.0)))))

@@ -179,3 +179,10 @@ def test_an_offset_of_the_instrument_does_not_survive_taper_and_correction(folde
     )
     keys: dict = {"taper": 1.0, "band": [0.2, 20.0]}
     assert velocity(folder, path="offset.txt", **keys) == pytest.approx(velocity(folder, **keys), abs=1e-9)
+
+
+def test_intensity_is_reported(folder: Path) -> None:
+    loading = build(folder, scale=2.0)
+    assert numbers(loading)["arias"] == pytest.approx(4.0 * numbers(build(folder))["arias"])
+    assert 1.0 < numbers(loading)["significant_duration"] < 9.0
+    assert any("Arias intensity" in line and "significant duration" in line for line in loading.lines)

@@ -67,3 +67,8 @@ def test_a_ramp_tapers_both_ends_and_whole_cycles_still_return() -> None:
     assert middle == pytest.approx(C, rel=1e-4)
     assert abs(DT * v.sum()) < 1e-9  # odd about the middle of the motion: no displacement is left
     assert v[:5001] == pytest.approx(-v[5000::-1], abs=1e-12)
+
+
+def test_a_coarse_step_is_reported_by_number() -> None:
+    assert any("gives only 10 steps per cycle" in line for line in build(dt=0.05, steps=100, cycles=4).lines)
+    assert not any("steps per cycle" in line for line in build(cycles=4).lines)

@@ -59,3 +59,10 @@ def test_a_crossing_comes_and_goes() -> None:
     assert total[on] == pytest.approx(2 * 10.0 * 9810.0, rel=1e-3)
     assert total[-1] == 0.0
     assert float(np.abs(np.diff(total)).max()) < 0.1 * 2 * 98100.0  # no axle jumps onto the arch
+
+
+def test_a_crossing_that_the_run_cuts_short_is_said() -> None:
+    made, assembly = bridge(width=3.0)
+    acted = vehicle(table(name="single", speed=1.0), grid(made, assembly, 100, 0.01), "loads[0]").acted
+    assert acted is not None and acted.end == pytest.approx(9.0)
+    assert len(acted.lines(1.0)) == 1 and not acted.lines(9.0)

@@ -135,3 +135,9 @@ def test_noise_and_short_tables_show_nothing() -> None:
     rng = np.random.default_rng(3)
     assert not in_reading_order(rng.normal(size=(3, 4)))
     assert sum(in_reading_order(rng.normal(size=(400, 3))) for _ in range(20)) == 0
+
+
+def test_a_message_lists_some_of_many_columns(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"28, 29, 30 \.\.\.$") as failure:
+        load(tmp_path, side_by_side(TIME, *[QUAKE] * 5000), layout="columns")
+    assert len(str(failure.value)) < 400

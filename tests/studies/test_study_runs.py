@@ -348,3 +348,12 @@ def test_a_bad_file_for_slurm(tmp_path: Path, text: str, message: str) -> None:
     first, *others = result.stderr.partition("masonry-cd: error: ")[2].splitlines()
     assert first == f"{tmp_path / 'slurm.toml'}: {message}"
     assert all(line.startswith(f"{tmp_path / 'slurm.toml'}: ") for line in others)
+
+
+def test_nothing_wrong_with_all_runs_gets_as_far_as_a_worker(tmp_path: Path) -> None:
+    path = studied.write_study(tmp_path)
+    write_scene(tmp_path, SCENE.replace("amplitude = 0.4", "amplitude = 0.4\nphase = 0.1"))
+    result = invoke(path)
+    assert result.exit_code == 2
+    assert "phase: unknown key" in result.stderr
+    assert not (tmp_path / "out" / "runs.csv").exists()

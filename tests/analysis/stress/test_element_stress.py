@@ -202,7 +202,7 @@ def test_facets_close_around_the_block(axis: int) -> None:
     ("name", "change", "message"),
     [
         ("elements", lambda a: a + 99, "meshes/elements points beyond what there is"),
-        ("elements", lambda a: a[:, :2], "meshes/elements should have"),
+        ("elements", lambda a: a[:, :2], "meshes/elements should have 3 or 4 nodes each, not 2"),
         ("block", lambda a: a + 99, "meshes/block points beyond what there is"),
         ("node_start", lambda a: a[::-1], "meshes/node_start does not divide its"),
         ("nodes", lambda a: a[:, :2], "meshes/nodes should have the shape"),
