@@ -73,9 +73,9 @@ def _stepped(made: BenchScene, steps: int, tolerance: float = 1e-8, **settings: 
     return run
 
 
-def _beside(large: BenchScene, small: BenchScene, apart: float) -> BenchScene:
+def _side_by_side(large: BenchScene, small: BenchScene, apart: float) -> BenchScene:
     """Two structures on one base, so far apart along x [m]; they shake as the first does."""
-    moved = [replace(block, name=f"beside {block.name}", vertices=block.vertices + [apart, 0.0, 0.0]) for block in small.blocks]
+    moved = [replace(block, name=f"next {block.name}", vertices=block.vertices + [apart, 0.0, 0.0]) for block in small.blocks]
     return replace(large, blocks=(*large.blocks, *moved))
 
 
@@ -152,7 +152,7 @@ SCENES: dict[str, Scene] = {
     "debris": _file("benchmarks/bits/debris.toml"),
     "islands": _file("benchmarks/bits/islands.toml"),
     "elastic": _file("benchmarks/bits/elastic.toml"),
-    "arcade beside a slender tower": _stepped(_beside(arcade(4, amplitude=0.05), tower(40, side=0.25), 80.0), 200),
+    "arcade next to a slender tower": _stepped(_side_by_side(arcade(4, amplitude=0.05), tower(40, side=0.25), 80.0), 200),
     "poured grains": _poured,
     "packed grains": _cold(_packings, 1e-8),
     "thrown walls": _cold(_thrown, 1e-8),

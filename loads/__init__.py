@@ -254,7 +254,7 @@ def _given_gravity(every: Sequence[Asked], filled: Sequence[Part]) -> bool:
     """Whether there is a table of kind gravity.
 
     Raises:
-        InputError: there are several, or gravity is still being ramped when a tilt begins to turn it, or beside fill that presses.
+        InputError: there are several gravities, or one is ramped while a tilt begins to turn it or while fill presses.
     """
     falls = [(one.where, one.table) for one in every if isinstance(one.table, GravityTable)]
     tilts = [(one.where, one.table) for one in every if isinstance(one.table, TiltTable)]

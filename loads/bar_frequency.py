@@ -57,8 +57,8 @@ def _rows(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> dict
 def _accelerated(assembly: Assembly, block: int, row: np.ndarray) -> np.ndarray:
     """M^-1 g^T of a block, (6,)."""
     a, b, c = assembly.inertia[block]  # Cramer's rule
-    beside = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
-    return np.concatenate([row[:3] / assembly.mass[block], np.sum(beside * row[3:], axis=1) / np.sum(a * beside[0])])
+    across = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+    return np.concatenate([row[:3] / assembly.mass[block], np.sum(across * row[3:], axis=1) / np.sum(a * across[0])])
 
 
 def highest_frequency(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:

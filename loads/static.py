@@ -21,7 +21,7 @@ NO_STEP = 1e-12  # of a grid that has none [s]: no tie is too stiff for it
 
 
 class StaticTable(NamedTuple):
-    """What a table does in limit analysis."""
+    """One table of [[loads]] in limit analysis."""
 
     label: str  # ``loads[0] (push)``
     pattern: Pattern
@@ -45,7 +45,7 @@ def static_tables(tables: Sequence[Mapping[str, Any]], grid: RunGrid) -> list[St
 
 
 def patterns(tables: Sequence[Mapping[str, Any]], folder: Path) -> list[Pattern]:
-    """What each [[loads]] table would have a limit analysis multiply; empty where it would have none.
+    """The pattern that each [[loads]] table gives a limit analysis; empty where it gives none.
 
     Raises:
         InputError: a bad table.

@@ -243,7 +243,7 @@ def _bridge(fills: Sequence[Fill], where: str) -> Fill:
 
 
 def _check_road(table: VehicleTable, fill: Fill, where: str) -> None:
-    """Refuse wheels that stand beside the road."""
+    """Refuse wheels that stand off the road."""
     reach = 0.5 * (table.known.track + table.known.contact[1])
     low, high = table.offset - reach, table.offset + reach
     if table.across == "wheels" and (low < fill.clear[0] - 1e-9 or high > fill.clear[1] + 1e-9):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What one of many runs has come to: a row, as a worker sends it, and as a study keeps it in ``rows/NAME.json``."""
+"""The row of one of many runs, as a worker sends it, and as a study keeps it in ``rows/NAME.json``."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RunRow:
 
     @property
     def done(self) -> bool:
-        """Whether it is data."""
+        """True where the run is done, so that its numbers are data."""
         return self.status == DONE
 
     def number(self, column: str) -> Any:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run is about to do and has come to, in words: its announcement, its closing lines, its warnings."""
+"""The lines that a run prints: its announcement, its closing lines, its warnings."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def announced(settings: Run) -> str:
 
 
 def closing_lines(s: Summary) -> list[str]:
-    """What happened, in words."""
+    """The closing lines of a run."""
     solver = s.solver
     deep = f", of {s.penetration_where}" if s.penetration_where else ""
     on = f" on {solver.threads} threads" if solver.threads > 1 else ""
@@ -188,7 +188,7 @@ def part_lines(parts: Sequence[PartInShort]) -> list[str]:
 
 
 def _sound(row: PartInShort) -> bool:
-    """Whether a part is undamaged: by its grade, or where it has none by what is left."""
+    """True for a part that is undamaged: by its grade, or where it has none by what is left."""
     if row.grade != NOT_GRADED:
         return row.grade == NAMES[0]
     return not (row.only_opened or row.only_slid or row.opened_and_slid or row.separated or row.lost_blocks)
@@ -202,7 +202,7 @@ def crushed_lines(s: Summary) -> list[str]:
 
 
 def _violation_lines(solver: Solver) -> list[str]:
-    """What the error of the solver comes to in m/s and in mm; nothing of older runs."""
+    """A line on the error of the solver in m/s and in mm; none of older runs."""
     speed, slip, opening = solver.violation_max, solver.false_slip_max, solver.false_opening_max
     if speed is None or slip is None or opening is None:
         return []

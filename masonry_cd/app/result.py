@@ -20,7 +20,7 @@ Say = Callable[[str], object]  # takes a line while a command is at work
 
 @dataclass(frozen=True)
 class Result(Generic[T_co]):
-    """What a command has come to.
+    """The outcome of a command.
 
     Attributes:
         value: what Python gets.

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a compiled kernel depends on, as one hash: an edit of a callee in another file changes it, one of a comment or of a neighbour does
-not.
+"""One hash of all that a compiled kernel depends on: an edit of a callee in another file changes it, an edit of a comment or of a
+neighbour does not.
 
 A kernel stands for its own code as Python has compiled it (instructions, constants, names, without docstring and lines), its options, and
 all that its names mean: other kernels in the same way, numbers and arrays by their values, NamedTuples by their fields, what comes with
@@ -64,7 +64,7 @@ def _named(names: set[str], space: dict[str, Any], place: str = "") -> dict[str,
 
 
 def _comes_along(module: str) -> bool:
-    """Whether a module is one of LIBRARIES, or in it."""
+    """True for a module that is one of LIBRARIES, or in it."""
     return module.partition(".")[0] in LIBRARIES
 
 

@@ -23,7 +23,7 @@ RESULTS = "result.h5"
 
 
 class OpenRun(Sealed):
-    """What tables, exports and pictures of a run have in common."""
+    """The open results that tables, exports and pictures of a run share."""
 
     folder: Path
     keeper: TemporaryFolder | None

@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 class RunWarning(UserWarning):
-    """What a run must not pass over in silence: ``warnings.simplefilter("error", mc.RunWarning)`` makes errors of them."""
+    """A warning about a result that its reader must know: ``warnings.simplefilter("error", mc.RunWarning)`` makes errors of them."""
 
 
 def returned(result: Result[T], level: int = 3) -> T:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from masonry_cd.analysis.deformed import Pose, base_shift, moved_nodes, solids_of
 from masonry_cd.analysis.stress.elements import centres, element_columns, element_peaks, require_meshes
-from masonry_cd.analysis.stress.peaks import principal, require_stress, stress_peaks
+from masonry_cd.analysis.stress.peaks import StressPeaks, principal, require_stress, stress_peaks
 from masonry_cd.foundation.extras import require
 from masonry_cd.interface.open_run import OpenRun
 from masonry_cd.interface.tables import columns_of, frame_of
@@ -19,11 +20,13 @@ from reports.stress import block_columns, joint_columns
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from masonry_cd.io.results import Results
+
 STRESSES = ("xx", "yy", "zz", "xy", "yz", "xz", "s1", "s2", "s3")
 
 
 class RunStress(OpenRun):
-    """Of a run that kept stress."""
+    """The tables of a run that kept stress."""
 
     def stress(self, time: float | None = None) -> DataFrame:
         """The mean stress of the blocks at the frame next to a time [s], the last one by default; ``attrs["time"]`` is that of the frame.
@@ -104,9 +107,7 @@ class RunStress(OpenRun):
         Raises:
             InputError: the run kept no stress.
         """
-        with self.results() as found:
-            columns = block_columns(found, stress_peaks(found, self._report.opened))
-        return frame_of(columns, columns.pop("block"), "block")
+        return self._peaks(block_columns, "block")
 
     @cached_property
     def joint_stress(self) -> DataFrame:
@@ -115,9 +116,13 @@ class RunStress(OpenRun):
         Raises:
             InputError: the run kept no stress.
         """
+        return self._peaks(joint_columns, "joint")
+
+    def _peaks(self, columns_of: Callable[[Results, StressPeaks], dict[str, Any]], what: str) -> DataFrame:
+        """The largest stresses over the run, a row per block or joint."""
         with self.results() as found:
-            columns = joint_columns(found, stress_peaks(found, self._report.opened))
-        return frame_of(columns, columns.pop("joint"), "joint")
+            columns = columns_of(found, stress_peaks(found, self._report.opened))
+        return frame_of(columns, columns.pop(what), what)
 
     def _by_block(self, columns: dict[str, Any], blocks: np.ndarray, start: np.ndarray, what: str, **about: Any) -> DataFrame:
         """A table of elements or nodes by the name of their block and their number in it.

@@ -130,7 +130,9 @@ DATASETS = (
     Dataset("shocks/first_opening_time", ("K", "J"), REAL, "s", "NaN where it had not opened", SEQUENCE),
     Dataset("shocks/peaks/drift", ("K", "P"), REAL, "", "largest of each part up to there", SEQUENCE),
     Dataset("shocks/peaks/hinge_opening", ("K", "J"), REAL, "m", "largest while the joint was a hinge, up to there", SEQUENCE),
-    Dataset("closing", ("bytes",), "u", "", "JSON of what summary.json holds beside the damage", "the run has ended"),
+    Dataset(
+        "closing", ("bytes",), "u", "", "JSON of the keys of summary.json that do not follow from the other datasets", "the run has ended"
+    ),
 )
 BY_NAME = {dataset.name: dataset for dataset in DATASETS}
 ATTRIBUTES = {
@@ -140,7 +142,7 @@ ATTRIBUTES = {
     "run": "a name that no other run has",
     "inputs": "SHA-256 of each file that the scene reads (JSON)",
 }  # which every file has
-OPTIONAL_ATTRIBUTES = {"ties": "the bars of ties (JSON)", "gauges": "what is kept in every step besides (JSON)"}
+OPTIONAL_ATTRIBUTES = {"ties": "the bars of ties (JSON)", "gauges": "further quantities that are recorded in every step (JSON)"}
 OTHER_ATTRIBUTES = {
     "scene_file": "where the scene file lies, seen from this file's folder",
     "format": "of this layout",

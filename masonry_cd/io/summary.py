@@ -54,7 +54,7 @@ class Newer(InputError):
 
 
 class Heading(SummaryTable):
-    """What comes first."""
+    """The keys that come first."""
 
     format: Annotated[Count, "of this file"] = FORMAT
     title: Annotated[str, "of the scene"] = ""
@@ -62,7 +62,7 @@ class Heading(SummaryTable):
 
 
 class Summary(JointCounts, Heading):
-    """What a run has come to."""
+    """The results of a run in numbers."""
 
     version: Annotated[str, "of the program"] = ""
     stopped: Annotated[str, "why the run ended early; empty where it did not"] = ""

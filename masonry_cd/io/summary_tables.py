@@ -29,7 +29,7 @@ class SummaryTable(BaseModel):
     model_config = ConfigDict(extra="allow", frozen=True)
 
     def has(self, name: str) -> Flag:
-        """Whether a key was written."""
+        """True for a key that was written."""
         return name in self.model_fields_set
 
     def as_dict(self) -> dict[str, Any]:
@@ -41,7 +41,7 @@ class Solver(SummaryTable):
     """How the contact forces of the steps were found."""
 
     name: Annotated[str, "the method"] = ""
-    threads: Annotated[Count, "that pay for so many contacts"] = 1
+    threads: Annotated[Count, "number that pays off for the contacts of the run"] = 1
     tolerance: Annotated[Real, "natural map error that each step was to reach"] = 0.0
     seed: Annotated[Count, "of random orders"] = 0
     iterations_mean: Annotated[Real, "of a step"] = 0.0
@@ -50,7 +50,7 @@ class Solver(SummaryTable):
     error_mean: Annotated[Real, "mean natural map error of a step"] = 0.0
     violation_max: Annotated[Speed | None, "fastest motion against the contact laws in a step"] = None
     false_slip_max: Annotated[Metres | None, "slip that such motions have added up to at a contact that friction should have held"] = None
-    false_slip_where: Annotated[str, "its blocks and time, where it counts beside the size of the structure"] = ""
+    false_slip_where: Annotated[str, "its blocks and time, where it is large enough against the size of the structure to count"] = ""
     false_opening_max: Annotated[Metres | None, "opening that such a motion has left at a contact"] = None
     steps_missed: Annotated[Count, "steps whose error is above the tolerance"] = 0
     accept: Annotated[Real, "error up to which a step that missed its tolerance is accepted"] = 0.0
@@ -69,7 +69,7 @@ class Islands(SummaryTable):
 
 
 class LeftOut(SummaryTable):
-    """What the steps did not have to do."""
+    """Work that the steps did not have to do."""
 
     steps_without_iterations: Annotated[Count, "steps that the impulses of the step before solved"] = 0
     broad_phases: Annotated[Count, "searches for pairs of blocks that were made after all"] = 0
@@ -99,7 +99,7 @@ class Energy(SummaryTable):
     base_work: Annotated[Joules, "work of the supports"] = 0.0
     gravity_work: Annotated[Joules, "work of gravity and of what pulls at all blocks alike"] = 0.0
     force_work: Annotated[Joules, "work of forces on blocks"] = 0.0
-    correction: Annotated[Joules, "work of lifting blocks out of overlaps, beside the balance"] = 0.0
+    correction: Annotated[Joules, "work of lifting blocks out of overlaps, which is not part of the balance"] = 0.0
     balance: Annotated[Joules, "what is put in less where it went"] = 0.0
     balance_error: Annotated[Real, "largest imbalance over the largest work done, or kinetic energy reached"] = 0.0
     balance_max: Annotated[Joules, "largest imbalance"] = 0.0
@@ -127,7 +127,7 @@ class BaseMotion(SummaryTable):
 
 
 class Loads(SummaryTable):
-    """What acted on the structure."""
+    """The loads that acted on the structure."""
 
     tables: Annotated[tuple[dict[str, Any], ...], "each load in the order of the scene, by numbers of its kind"] = ()
     base: Annotated[BaseMotion, "how the supports are driven"] = BaseMotion()
@@ -152,7 +152,7 @@ class TimeStep(SummaryTable):
 
 
 class Beds(SummaryTable):
-    """Whether the points of open elastic joints resolve the part of the depth that carries."""
+    """The joints whose points do not resolve the part of the depth that carries while they are open."""
 
     share_least: Annotated[Real | None, "least share of the depth of a joint that carried; null where none was open"] = None
     unresolved: Annotated[Count, "joints that have too few points"] = 0
@@ -173,7 +173,7 @@ class LimitBracket(SummaryTable):
 
     @property
     def one(self) -> bool:
-        """Whether both agree, so that a run can find no other factor."""
+        """True where both agree, so that a run can find no other factor."""
         least, upper = self.least_found, self.associated
         return least is not None and upper is not None and upper - least <= ALIKE * abs(upper)
 
@@ -191,7 +191,7 @@ class LoadFactor(SummaryTable):
 
 
 class Tie(SummaryTable):
-    """What a tie had to bear."""
+    """The tension that a tie had to bear."""
 
     name: Annotated[str, "its name, or those of its blocks"] = ""
     blocks: Annotated[tuple[str, ...], "that its strongest bar holds, two"] = ()
@@ -221,7 +221,7 @@ class RunVerdict(SummaryTable):
 
     verdict: Annotated[str, "of the worst check: good, look or doubtful; unknown without checks"] = ""
     grade: Annotated[str, "of damage, D0 to D5, or not graded"] = ""
-    means: Annotated[str, "the grade in words"] = ""
+    means: Annotated[str, "what the grade means"] = ""
     because: Annotated[str, "what gives the grade"] = ""
     sure: Annotated[str, "as verdict"] = ""
     words: Annotated[str, "how sure the grade is"] = ""
@@ -359,7 +359,7 @@ class PartInShort(SummaryTable):
     blocks: Annotated[Count, "free ones"] = 0
     joints: Annotated[Count, "that it owns"] = 0
     grade: Annotated[str, "D0 to D5, or not graded"] = ""
-    grade_label: Annotated[str, "the grade in words"] = ""
+    grade_label: Annotated[str, "what the grade means"] = ""
     grade_reason: Annotated[str, "what gives it"] = ""
     mechanism: Annotated[str, "how it gave way"] = ""
     opened: Annotated[Count, "joints whose word is opened"] = 0
@@ -378,7 +378,7 @@ class PartInShort(SummaryTable):
 
 
 class ElasticBasis(SummaryTable):
-    """What the elastic period was estimated with."""
+    """The values from which the elastic period was estimated."""
 
     young: Annotated[Stress, "modulus of elasticity"] = 0.0
     named: Annotated[Flag, "the scene names the masonry"] = False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the runs of a study say together: fits, correlations, a verdict, and all of it in words."""
+"""The findings of a study from all its runs: fits, correlations, a verdict, and their lines."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Findings:
 
     @cached_property
     def correlations(self) -> list[Correlation]:
-        """Of what varied and of the intensity with what the limit states look at."""
+        """Correlations of the varied keys and of the intensity with the quantities of the limit states."""
         return correlations(self.study)
 
     @property
@@ -119,7 +119,7 @@ class Findings:
 
     @property
     def flaws(self) -> list[Flaw]:
-        """What in the runs speaks against what is fitted."""
+        """Flaws of the runs that speak against the fits."""
         study, done = self.study, self.study.done
         missed, short = int((study.numbers("steps_missed")[done] > 0).sum()), int((study.numbers("loads_acted")[done] < ENOUGH).sum())
         few, of = bool(study.asked.measure) and 0 < len(study.motions) < FEW_RECORDS, f"of {int(done.sum())} runs"
@@ -135,7 +135,7 @@ class Findings:
 
     @property
     def warnings(self) -> list[str]:
-        """What must not pass in silence, a line each."""
+        """Warnings, a line each."""
         none = [] if self.study.done.any() else ["no run is done: there is nothing to fit"]
         return [*none, *(f"{flaw.what}: {flaw.so}" if flaw.so else flaw.what for flaw in self.flaws), *self.all_fits.warnings]
 
@@ -194,7 +194,7 @@ class Findings:
 
 
 def findings_in(folder: Path) -> Findings:
-    """What the runs of a study's folder say.
+    """The findings from the runs in a study's folder.
 
     Raises:
         InputError: something in the folder is missing or broken.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of a run beside its scene."""
+    """The options of a run."""
 
     force: bool = False  # overwrite the results that are there
     resume: bool = False  # go on from the last checkpoint
@@ -80,7 +80,7 @@ def computed(case: Case, folder: Path, asked: Asked, say: Say = silent) -> Resul
 
 
 def _announced(case: Case) -> list[str]:
-    """What is about to be computed."""
+    """The lines on what is about to be computed."""
     from masonry_cd.app.closing_lines import announced
 
     settings = case.scene.run

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What masonry and its ties usually have, where keys of several tables are such a quantity; each stands in the annotation of its key."""
+"""Usual values of masonry and its ties, where keys of several tables are such a quantity; each stands in the annotation of its key."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def held(laws: JointLaws) -> tuple[Law, ...]:
 
 
 def histories(laws: JointLaws | None = None) -> tuple[JointHistory, ...]:
-    """What runs record of laws that some joint has; of all laws for None."""
+    """The histories that runs record of laws that some joint has; of all laws for None."""
     return tuple(law.history for law in (LAWS if laws is None else held(laws)) if law.history is not None)
 
 

@@ -19,7 +19,7 @@ from masonry_cd.mechanics.model.usual import BOND
 
 
 class BondKeys(ElasticKeys):
-    """Of ``[material.joints]``."""
+    """Keys of ``[material.joints]``."""
 
     cohesion: Annotated[Number, Unit("Pa"), BOND, Field(ge=0)] = 0.0
     """Shear strength without compression, of a joint that has not broken yet."""

@@ -22,7 +22,7 @@ CRUSHING_POINTS = 11  # over the depth of a joint that crushes: its moment is ri
 
 
 class CrushingKeys(ElasticKeys):
-    """Of ``[material.joints]``."""
+    """Keys of ``[material.joints]``."""
 
     compressive_strength: Annotated[Number, Unit("Pa"), COMPRESSION, Field(gt=0)] | None = None
     """Pressure at which the joint crushes; that of the masonry where ``masonry.crushing`` asks for it, else it never does. In a run the

@@ -24,7 +24,7 @@ Stiffness = Annotated[Number, Unit("N/m3"), STIFF, Field(ge=1.0, le=1e20)]  # on
 
 
 class ElasticKeys(Table):
-    """Of ``[material.joints]``."""
+    """Keys of ``[material.joints]``."""
 
     normal_stiffness: Stiffness | None = None
     """Elastic force per area and shortening; that of the masonry when not given, and without masonry rigid."""
@@ -76,7 +76,7 @@ class ElasticKeys(Table):
 
     @property
     def retardation(self) -> float:
-        """Of the dashpot, its coefficient over the stiffness [s]: 2 damping / omega, as Rayleigh's stiffness-proportional damping; zero as
+        """The coefficient of the dashpot over the stiffness [s]: 2 damping / omega, as Rayleigh's stiffness-proportional damping; zero as
         long as the frequency is not known."""
         return 0.0 if self.damping_frequency is None else self.damping / (math.pi * self.damping_frequency)
 

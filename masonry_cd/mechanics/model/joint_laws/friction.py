@@ -24,7 +24,7 @@ LISTED = 6  # pairs whose values are listed
 
 
 def _wrong(mu: Any) -> str:
-    """What is wrong with a coefficient, or nothing."""
+    """The fault of a coefficient, empty where it has none."""
     if not (is_number(mu) or isinstance(mu, float)):
         return "should be a number"
     return "" if 0 <= mu <= ROUGHEST else f"a coefficient of friction (no angle) should be between 0 and {ROUGHEST}"

@@ -36,17 +36,19 @@ class Law:
     where: Callable[[JointLaws], np.ndarray]  # (G, G) bool: joints that have it
     words: Callable[[Any], str]  # the law with its numbers, as the page has it; empty of joints without it
     absent: str = ""  # what a run says whose joints do not have it
-    needs: Callable[[Any, bool], tuple[str, str] | None] | None = None  # key that a run lacks, and why; beside masonry that is elastic
+    needs: Callable[[Any, bool], tuple[str, str] | None] | None = (
+        None  # of a law and whether the masonry is elastic: the key that a run lacks, and why
+    )
     history: JointHistory | None = None
     in_limit: str = ""  # what limit analysis makes of it, as a note of its results
     at_start_only: str = ""  # why limit analysis does not follow such joints at finite displacements
     bounds: str = ""  # what it is in a list of all that would end a load that is borne without limit
 
     def holds(self, laws: JointLaws) -> bool:
-        """Whether a joint has it."""
+        """True where some joint has it."""
         return bool(self.where(laws).any())
 
 
 def of_masonry(info: ValidationInfo) -> bool:
-    """Whether a law is read beside a kind of masonry, which makes its joint elastic."""
+    """True where the scene also names a kind of masonry, which makes the joint elastic."""
     return bool(info.data) and info.data.get("masonry") is not None

@@ -17,7 +17,7 @@ from masonry_cd.mechanics.model.by_group import by_group, pair_table
 
 
 def _wrong(share: Any) -> str:
-    """What is wrong with an arm over a radius, or nothing."""
+    """The fault of an arm over a radius, empty where it has none."""
     return "" if is_number(share) and 0 <= share <= 1 else "an arm over a radius should be a number between 0 and 1"
 
 
