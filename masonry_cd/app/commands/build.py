@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from masonry_cd.analysis.outputs.folders import BLOCKS, files_of
 from masonry_cd.app.folders import free_folder
-from masonry_cd.app.result import Result, Say, silent
+from masonry_cd.app.result import Result, Say, said, silent
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.errors import InputError
@@ -61,7 +61,7 @@ def build(
         made = make_structures(scene)
     except Unsound as fault:
         if picture:
-            say(_problem_drawn(fault, folder))
+            _draw_problem(fault, folder, say)
         raise
     found = summary.report(made.blocks)
     warnings = [*summary.warnings(found), *_doubts(scene, made)]
@@ -136,13 +136,14 @@ def _draw(scene: Scene, made: Made, folder: Path, picture: bool) -> list[Path]:
     return [folder / "structure.png"]
 
 
-def _problem_drawn(fault: Unsound, folder: Path) -> str:
-    """Draw problem.png where the libraries for it are installed; a line on it. The error itself is reported in any case."""
+def _draw_problem(fault: Unsound, folder: Path, say: Say) -> None:
+    """Draw problem.png where the libraries for it are installed, else warn on standard error; the error itself is reported in any case."""
     try:
         from reports.drawing.refused_blocks import problem_picture
 
         own_files.begin(folder, ("problem.png",))
         problem_picture(fault.blocks, fault.faulty, str(fault), folder / "problem.png")
     except (ImportError, InputError) as failure:
-        return f"warning: problem.png is not drawn: {failure}"
-    return f"written: {folder / 'problem.png'}"
+        said(True)(f"masonry-cd: warning: problem.png is not drawn: {failure}")
+    else:
+        say(f"written: {folder / 'problem.png'}")
