@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from masonry_cd.analysis.code_check.verdicts import SearchNumbers
 from masonry_cd.analysis.limit.analysis import Analysis, Options
 from masonry_cd.analysis.limit.interfaces import interfaces
-from masonry_cd.analysis.limit.nonassociated import AGREE
 from masonry_cd.analysis.limit.problem import plane_of
+from masonry_cd.analysis.limit.search import AGREE
 from masonry_cd.foundation.quantities import in_words
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints

@@ -28,7 +28,7 @@ from masonry_cd.analysis.code_check.verdicts import (
 )
 from masonry_cd.analysis.limit.candidates import ASSOCIATED
 from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, PartMechanism
-from masonry_cd.analysis.limit.nonassociated import AGREE
+from masonry_cd.analysis.limit.search import AGREE
 from masonry_cd.foundation.quantities import length
 
 if TYPE_CHECKING:

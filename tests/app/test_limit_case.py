@@ -16,7 +16,7 @@ from pictures import pixels
 from typer.testing import CliRunner
 
 from benchmarks.dry_walls import ASSOCIATED, dry_wall
-from masonry_cd.analysis.limit import conic, nonassociated
+from masonry_cd.analysis.limit import programme, search
 from masonry_cd.app.limit_case import EVERY, limit_case, lines, summary
 from masonry_cd.app.limit_files import draw, write
 from masonry_cd.cli.app import app
@@ -234,7 +234,7 @@ def test_an_unknown_view_is_refused_before_anything_is_written(tmp_path):
 def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
     blocks = [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.1, 1.5))]
     assert not any("before its tolerance" in line for line in lines(limit_case(scene(tmp_path, blocks, PUSH))))
-    monkeypatch.setattr(conic, "MOST", 4)
+    monkeypatch.setattr(programme, "MOST", 4)
     found = limit_case(scene(tmp_path, blocks, PUSH))
     said = [line for line in lines(found) if "before its tolerance (MaxIterations after 4 iterations)" in line]
     assert any("the load factor" in line for line in said)
@@ -242,7 +242,7 @@ def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
 
 
 def test_a_search_without_an_end_differs_from_none(tmp_path, monkeypatch):
-    monkeypatch.setattr(nonassociated, "EXACT", -1.0)  # no pair counts
+    monkeypatch.setattr(search, "EXACT", -1.0)  # no pair counts
     ended = limit_case(scene(tmp_path, pillar(), PUSH))
     assert any("of 4 starts none came to an end" in line for line in lines(ended))
     assert (summary(ended)["least"], summary(ended)["starts"]) == (None, 4)

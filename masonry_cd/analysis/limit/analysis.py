@@ -10,13 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.conic import solve_conic
 from masonry_cd.analysis.limit.crushing import block_shares, crushable, cut_where_it_crushes, refuse_crushed_at_rest, solved_finely
-from masonry_cd.analysis.limit.linear import solve_linear
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
-from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound, least_factor, merged
-from masonry_cd.analysis.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.analysis.limit.problem import LimitProblem, Loads, limit_problem
+from masonry_cd.analysis.limit.programme import largest
+from masonry_cd.analysis.limit.search import ALIKE, LeastFound, least_factor, merged
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -191,7 +189,7 @@ def largest_factor(problem: LimitProblem) -> tuple[Optimum, float]:
     if not problem.live.any():
         raise NoFiniteFactor("limit", NO_WORK)
     scale = _scale(problem)
-    scaled = by_solver(problem, problem.dead, scale * problem.live, CAP)
+    scaled = largest(problem, problem.dead, scale * problem.live, CAP)
     if scaled.factor > 0.99 * CAP:
         raise NoFiniteFactor("limit", NO_WORK)
     return replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity), scale * CAP
@@ -203,15 +201,11 @@ def _scale(problem: LimitProblem) -> float:
 
 
 def searched(problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0) -> LeastFound | None:
-    """The least factor without dilation that so many starts come to; None of none, and where none came to an end.
+    """The least factor without dilation that so many starts come to, those before the ``first`` left out.
 
-    In space those before the ``first`` are left out.
+    None of none, and where none came to an end.
     """
-    if starts <= first:
-        return None
-    if problem.axis is None:
-        return least_factor_in_space(problem, associated, starts, seed, first)
-    return least_factor(problem, associated, starts, seed)
+    return least_factor(problem, associated, starts, seed, first) if starts > first else None
 
 
 def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, made: int, most: int, seed: int) -> Analysis:
@@ -292,16 +286,9 @@ def _refuse_crushed(problem: LimitProblem, alone: Optimum, assembly: Assembly) -
 def _rests(problem: LimitProblem) -> Optimum:
     """The largest share of the dead loads that is borne, at most 1; what has no answer is an error of the input."""
     try:
-        return by_solver(problem, np.zeros_like(problem.dead), problem.dead, 1.0)
+        return largest(problem, np.zeros_like(problem.dead), problem.dead, 1.0)
     except Unbounded as failure:
         raise InputError("limit", f"no answer: {failure}") from None
-
-
-def by_solver(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float) -> Optimum:
-    """Exact in a plane, by an interior point method in space."""
-    if problem.axis is not None:
-        return solve_linear(problem, dead, live, cap)
-    return solve_conic(problem, dead, live, cap)
 
 
 def _answer(problem: LimitProblem, assembly: Assembly, joints: Joints, best: Optimum, cap: float, seconds: float) -> Answer:

@@ -24,14 +24,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from masonry_cd.analysis.limit.admitted import admitted
 from masonry_cd.analysis.limit.analysis import HELD, Analysis, Options, largest_factor, searched, searched_finely
-from masonry_cd.analysis.limit.from_mechanisms import Searched, admitted, begun_at
 from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
-from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound
-from masonry_cd.analysis.limit.nonassociated_space import MOST
 from masonry_cd.analysis.limit.overturning import overturning_below
 from masonry_cd.analysis.limit.part import Whole
 from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.search import ALIKE, CAP, LeastFound, Searched, begun_at
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -100,7 +99,7 @@ def with_overturning(analysis: Analysis, whole: Whole, direction: np.ndarray) ->
 
 def _begun_at(analysis: Analysis, assembly: Assembly, joints: Joints, mechanisms: Sequence[np.ndarray]) -> Analysis:
     """An analysis whose search has begun at velocities (unknowns,) as well."""
-    before, cap = Searched(analysis.least, analysis.starts), MOST * max(abs(analysis.associated.optimum.factor), 1e-3)
+    before, cap = Searched(analysis.least, analysis.starts), CAP * max(abs(analysis.associated.optimum.factor), 1e-3)
     found = before
 
     def search(problem: LimitProblem) -> LeastFound | None:

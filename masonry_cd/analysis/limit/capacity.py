@@ -7,7 +7,7 @@ may be another. Where no factor is borne, hinges pass to other joints (:mod:`mas
 the displacement of a control block along the load, until it vanishes.
 
 **Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (the sequence of
-:mod:`masonry_cd.analysis.limit.nonassociated` from the forces of the associated problem), when ``starts`` asks for it; otherwise the factor
+:mod:`masonry_cd.analysis.limit.search` from the forces of the associated problem), when ``starts`` asks for it; otherwise the factor
 is the associated one, an upper value, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not
 climb.
 

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Collapse, by_solver, collapse_of
+from masonry_cd.analysis.limit.analysis import Collapse, collapse_of
 from masonry_cd.analysis.limit.crushing import solved_finely
 from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.analysis.limit.solution import Unbounded
 from masonry_cd.foundation.quantities import counted, pressure
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -76,7 +77,7 @@ def little_left(problem: LimitProblem, assembly: Assembly, joints: Joints) -> Li
     most, bond = 1.0 + LEFT, np.zeros_like(problem.dead)
     bond[problem.unknowns - problem.rates :] = problem.dead[problem.unknowns - problem.rates :]  # which does not grow with the loads
     try:
-        finer, best = solved_finely(problem, lambda one: by_solver(one, bond, one.dead - bond, most))
+        finer, best = solved_finely(problem, lambda one: largest(one, bond, one.dead - bond, most))
     except Unbounded:
         return None
     moves = mechanism(finer, assembly, joints, best.velocity)

@@ -9,18 +9,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import by_solver, refuse_crushed, searched, searched_finely
+from masonry_cd.analysis.limit.analysis import refuse_crushed, searched, searched_finely
 from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, Candidate, alike, dilation
 from masonry_cd.analysis.limit.crushing import solved_finely
-from masonry_cd.analysis.limit.from_mechanisms import Searched, begun_at
 from masonry_cd.analysis.limit.linkage import with_displacements
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
-from masonry_cd.analysis.limit.nonassociated import LeastFound
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
 from masonry_cd.analysis.limit.part import Part, Whole, part_of, resting
 from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
 from masonry_cd.analysis.limit.rigid_groups import RigidGroups, rigid_groups
+from masonry_cd.analysis.limit.search import LeastFound, Searched, begun_at
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.foundation.quantities import counted
 from structures.macro_elements.element import HORIZONTAL_BENDING, MacroElement
@@ -146,7 +146,7 @@ def _free(
 
 def _searched(problem: LimitProblem, begin: tuple[int, int], known: Sequence[np.ndarray]) -> tuple[Optimum, LeastFound | None]:
     """The associated answer of a problem and the least one without dilation, from so many starts of a seed and from known mechanisms."""
-    problem, best = solved_finely(problem, lambda finer: by_solver(finer, finer.dead, finer.live, MOST))
+    problem, best = solved_finely(problem, lambda finer: largest(finer, finer.dead, finer.live, MOST))
 
     def search(finer: LimitProblem) -> LeastFound | None:
         own = Searched(searched(finer, best, *begin), begin[0])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
-from masonry_cd.analysis.limit.nonassociated import AGREE
+from masonry_cd.analysis.limit.search import AGREE
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
 
 SURE = {  # by the state of a check by a code: how sure it is, and that in words

@@ -9,17 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import CAP, Collapse, Options, by_solver, collapse_of, largest_factor
-from masonry_cd.analysis.limit.conic import least_unborne_in_space
+from masonry_cd.analysis.limit.analysis import CAP, Collapse, Options, collapse_of, largest_factor
 from masonry_cd.analysis.limit.following import LOCKED, Motion, motion
-from masonry_cd.analysis.limit.from_mechanisms import ends_of
 from masonry_cd.analysis.limit.interfaces import interfaces
-from masonry_cd.analysis.limit.linear import least_unborne
 from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.moved import moved_joints, touching_gap
-from masonry_cd.analysis.limit.nonassociated import least_factor
-from masonry_cd.analysis.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.analysis.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
+from masonry_cd.analysis.limit.programme import largest, least_unborne
+from masonry_cd.analysis.limit.search import close_to, ends_of, least_factor, normal_forces
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -126,10 +123,10 @@ class Stages:
 
     def _from_held(self, problem: LimitProblem) -> Optimum | None:
         """The answer without dilation of a problem whose associated factor is not finite, None where there is none or it is."""
-        best = by_solver(problem, problem.dead, problem.live, HELD)
+        best = largest(problem, problem.dead, problem.live, HELD)
         if best.factor < 0.99 * HELD:
             return None
-        least = (least_factor_in_space if self.axis is None else least_factor)(problem, best, 1, self.options.seed)
+        least = least_factor(problem, best, 1, self.options.seed)
         if least is None:
             raise Unbounded("no mechanism without dilation is found")
         return least.optimum
@@ -140,17 +137,18 @@ class Stages:
         The search begins from the associated forces. Where only hinges work these are an answer, but if the stage before slid, blocks may
         go on sliding under less: then it begins from the forces of that stage.
         """
-        begin = associated
+        if not self._slid:
+            found = least_factor(problem, associated, 1, self.options.seed) if slides else None
+            self.unsettled += slides and found is None
+            return None if found is None else found.optimum
+        normal = normal_forces(problem, associated)
         if not slides:
-            if not self._slid:
-                return None
             pairs = [frozenset(map(int, pair)) for pair in problem.points.bodies]
             count = Counter(pairs)
             normal = np.array([self._slid.get(pair, 0.0) / count[pair] for pair in pairs])
-            begin = replace(associated, force=np.column_stack([normal - problem.apex, associated.force[:, 1:]]))
-        least = (least_factor_in_space if self.axis is None else least_factor)(problem, begin, 1, self.options.seed)
+        least = close_to(problem, normal, CAP)
         self.unsettled += slides and least is None
-        return least.optimum if least is not None and (slides or least.optimum.factor < associated.factor) else None
+        return least if least is not None and (slides or least.factor < associated.factor) else None
 
     def bears(self, moved: Moved) -> bool:
         """Whether any factor of the load is borne by blocks where they are."""
@@ -167,7 +165,7 @@ class Stages:
             Unbounded: no answer of the solver.
         """
         pulling, problem = self._problem(moved.assembly, moved.loads, moved.joints)
-        best = least_unborne(problem) if self.axis is not None else least_unborne_in_space(problem)
+        best = least_unborne(problem)
         moves = mechanism(problem, moved.assembly, moved.joints, best.velocity)
         return Stage(moved.assembly, moved.loads, pulling, moved.joints, problem, best, moves, best.factor, moved.deepest)
 

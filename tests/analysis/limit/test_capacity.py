@@ -223,7 +223,7 @@ def test_no_block_slides_back_against_the_push_where_contacts_give_way():
     assert (
         gone.min() > -1e-5
     )  # a row went 5 mm back in the second step, and 0.1 m by the tenth, while corrections could slide back for nothing
-    assert curve.factor[-1] == pytest.approx(curve.factor[0], rel=0.03)
+    assert curve.factor[-1] == pytest.approx(curve.factor[0], rel=0.05)
 
 
 def test_a_curve_ends_close_to_the_displacement_asked_for():

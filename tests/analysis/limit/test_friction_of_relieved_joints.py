@@ -10,16 +10,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from limit_loads import push_loads
 from models import box, ground
 
 from benchmarks.held_push import hold
 from masonry_cd.analysis.limit.analysis import Options, analyse
-from masonry_cd.analysis.limit.candidates import with_overturning
-from masonry_cd.analysis.limit.part import Whole
-from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 
@@ -39,10 +35,7 @@ def test_the_search_finds_the_slab_relieved_of_its_ledges() -> None:
     assembly = on_ledges(0.6)
     joints, loads = find_joints(assembly), push_loads(assembly, INWARDS)
     found = analyse(assembly, joints, loads, Options(starts=2))
-    assert found.least is not None and found.least.optimum.factor > 2.0 * ALONE and found.least.agreed  # both ends miss it
-    whole = Whole(assembly, joints, loads.dead, Bars.none(), 9.81, lambda group: False)
-    found = with_overturning(found, whole, np.array(INWARDS))
-    assert found.least is not None and found.least.agreeing == 1 and found.least.optimum.factor == pytest.approx(ALONE, rel=1e-3)
+    assert found.least is not None and found.least.optimum.factor == pytest.approx(ALONE, rel=1e-3)
     assert found.associated.factor > 1.8 * ALONE
 
 

@@ -8,9 +8,9 @@ from limit_loads import joined, push_loads
 from models import box, ground
 from test_macro import EFFORT, element, stack, toothed, whole_of
 
+from masonry_cd.analysis.limit.admitted import admitted
 from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.limit.candidates import with_mechanisms
-from masonry_cd.analysis.limit.from_mechanisms import admitted
 from masonry_cd.analysis.limit.macro import analyse_element
 from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.problem import limit_problem

@@ -10,10 +10,10 @@ import pytest
 from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
-from masonry_cd.analysis.limit.analysis import by_solver
 from masonry_cd.analysis.limit.macro import FREE, Effort, analyse_element
 from masonry_cd.analysis.limit.part import INTERLOCK, Whole, part_of, resting
 from masonry_cd.analysis.limit.problem import Bars, limit_problem
+from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.analysis.limit.rigid_groups import rigid_groups
 from masonry_cd.mechanics.model.blocks import Block
 from structures.macro_elements.element import IN_PLANE, OVERTURNING, PIERS, VERTICAL_BENDING, MacroElement
@@ -108,9 +108,9 @@ def test_an_oblique_wall_bears_what_one_along_an_axis_does(degrees: float) -> No
 def test_rigid_bodies_start_at_no_less_than_their_blocks() -> None:
     assembly, joints = joined([ground(4.0), *stack("w", 4)], MU)
     problem = limit_problem(assembly, joints, push_loads(assembly, (1.0, 0.3, 0.0)))
-    free = by_solver(problem, problem.dead, problem.live, 10.0)
+    free = largest(problem, problem.dead, problem.live, 10.0)
     two = rigid_groups(problem, assembly, [np.array([1, 2]), np.array([3, 4])])
-    bodies = by_solver(two.problem, two.problem.dead, two.problem.live, 10.0)
+    bodies = largest(two.problem, two.problem.dead, two.problem.live, 10.0)
     assert two.problem.unknowns == 12 and problem.unknowns == 24
     assert bodies.factor >= free.factor - 1e-6
     velocity = two.of_blocks(bodies.velocity)

@@ -8,9 +8,9 @@ import pytest
 from limit_loads import joined, push_loads
 from models import GRAVITY, box
 
+from masonry_cd.analysis.limit.admitted import admitted
 from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.limit.candidates import with_mechanisms
-from masonry_cd.analysis.limit.from_mechanisms import admitted
 from masonry_cd.analysis.limit.macro import FREE, Effort, ElementAnalysis, analyse_element
 from masonry_cd.analysis.limit.part import Whole, part_of, resting
 from masonry_cd.analysis.limit.problem import Bars

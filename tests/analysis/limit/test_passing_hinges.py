@@ -15,10 +15,9 @@ from released_from_curve import brackets
 import structures
 from masonry_cd.analysis.limit.analysis import Options
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.analysis.limit.conic import least_unborne_in_space
 from masonry_cd.analysis.limit.interfaces import interfaces
-from masonry_cd.analysis.limit.linear import least_unborne
 from masonry_cd.analysis.limit.problem import problem_at
+from masonry_cd.analysis.limit.programme import least_unborne
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 
@@ -124,9 +123,9 @@ def test_the_fall_of_two_blocks_over_opposite_edges_is_the_same_in_a_plane_and_i
     assembly, joints = joined([plate, *over], 0.6)
     loads = push_loads(assembly)
     falls = []
-    for axis, solve in ((1, least_unborne), (None, least_unborne_in_space)):
+    for axis in (1, None):
         problem = problem_at(assembly, interfaces(assembly, joints, axis), loads, axis)
-        best = solve(problem)
+        best = least_unborne(problem)
         speed = problem.block_velocity(best.velocity, assembly.count)
         assert problem.live @ best.velocity == pytest.approx(0.0, abs=1e-7)
         assert (problem.jacobian @ best.velocity).reshape(-1, problem.directions)[:, 0].min() > -1e-7

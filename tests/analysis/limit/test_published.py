@@ -46,16 +46,17 @@ def test_associated_factor_of_the_dry_walls(wall):
 
 @pytest.mark.parametrize("wall", [2, 3, 4, 5])
 def test_least_factor_without_dilation_of_the_dry_walls(wall):
+    """A pair whose gap is nothing proves that its factor is one of Coulomb's law; of walls 2, 5 and 6 it is less than the published one."""
     analysis = pushed(dry_wall(wall), FRICTION, options=Options(starts=2))
-    assert analysis.least is not None
-    assert analysis.least.optimum.factor == pytest.approx(LEAST[wall], rel=1e-2)
+    assert analysis.least is not None and analysis.least.gap < 1e-12
+    assert 0.97 * LEAST[wall] < analysis.least.optimum.factor < (1.0 + 1e-2) * LEAST[wall]
     assert analysis.least.optimum.factor < analysis.associated.factor
 
 
 def test_least_factor_without_dilation_of_the_largest_wall():
     analysis = pushed(dry_wall(6), FRICTION, options=Options(starts=1))
-    assert analysis.least is not None
-    assert analysis.least.optimum.factor == pytest.approx(LEAST[6], rel=1e-2)
+    assert analysis.least is not None and analysis.least.gap < 1e-12
+    assert 0.97 * LEAST[6] < analysis.least.optimum.factor < LEAST[6]
 
 
 def test_least_factor_in_space_of_a_wall_beside_a_lone_block_out_of_its_plane():
@@ -87,7 +88,7 @@ def power(ratio: float, count: int, mu: float, fall: Analysis) -> float:
     velocity = fall.associated.optimum.velocity
     kept = edges(fall.problem) @ velocity < 1e-7 * np.abs(velocity).max()
     free = null_space(edges(problem)[kept], rcond=1e-9)
-    assert 1 <= free.shape[1] <= 2  # two where the mechanism is symmetric
+    assert 1 <= free.shape[1] <= 3  # more than one where the mechanism is symmetric, or several are as good
     return float(problem.dead @ (free @ (free.T @ velocity)))
 
 

@@ -12,7 +12,7 @@ from limit_loads import joined, push_loads
 from models import box, ground
 
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, searched, with_more_starts
-from masonry_cd.analysis.limit.nonassociated_space import MOST, SearchInSpace
+from masonry_cd.analysis.limit.search import CAP, Search
 from masonry_cd.app.limit_case import limit_case
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -47,15 +47,12 @@ def test_a_search_goes_on_until_two_starts_agree_and_no_farther() -> None:
 
 def test_programmes_that_are_set_up_once_give_what_each_gives_by_itself() -> None:
     _, _, analysis = wedged(0)
-    problem, normal = analysis.problem, np.maximum(analysis.associated.optimum.force[:, 0], 0.0)
-    cap = MOST * analysis.associated.factor
-    one = SearchInSpace(problem, cap)
-    first = one.descend(one.sequence(normal, 0.5))
-    second = one.descend(one.sequence(one.least_normal(), 1.0))
-    alone = SearchInSpace(problem, cap)
-    again = alone.descend(alone.sequence(alone.least_normal(), 1.0))
-    assert first is not None and second is not None and again is not None
-    assert second[0].factor == pytest.approx(again[0].factor, rel=1e-9) and second[0].factor < first[0].factor
+    problem, cap = analysis.problem, CAP * analysis.associated.factor
+    one, alone = Search(problem, cap), Search(problem, cap)
+    pressed = one.descend(one.mechanism_of(np.maximum(analysis.associated.optimum.force[:, 0], 0.0)))
+    second, again = one.descend(one.mechanism_of(one.least_normal())), alone.descend(alone.mechanism_of(alone.least_normal()))
+    assert pressed is not None and second is not None and again is not None
+    assert second[0].factor == pytest.approx(again[0].factor, rel=1e-9)
 
 
 def test_of_two_walls_that_no_start_joins_the_slenderer_one_is_found_as_a_part(tmp_path: Path) -> None:

@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+r"""Coulomb friction that does not dilate: the least factor that is found.
+
+Sliding that opens nothing, u_n = 0, is not the associated flow rule, and the factor of collapse is then not unique. A factor belongs to it
+when forces and velocities satisfy together, with w_1 . v = 1 and u = H v,
+
+    r as in the static problem,    u_n >= 0,    g = sum over the points of  u_n (r_n + f) + mu r'_n |u_t| + r_t . u_t  = 0,
+
+and over the ties (N_y - N) G v, or -N G v of those that are slack. No term of g is negative. The least such factor is a programme with
+complementarity constraints (Ferris & Tin-Loi, Int. J. Mech. Sci. 43, 2001).
+
+**Descent.** The terms of g are linear in r and convex in v. For the mechanism at hand the forces of least lambda + sum M_k g_k are found,
+for these forces the mechanism of least g: that of the associated problem with the strips |r_t| <= mu r'_n for cones, which open nothing
+(Gilbert, Casapulla & Ahmed, Computers & Structures 84, 2006; in space Portioli, Casapulla, Gilbert & Cascini, ibid. 142, 2014). And so on,
+with M_k that grow from round to round, fastest at the few points that have most of g: as long as they are small, forces may leave what a
+mechanism asks of them, so that a descent does not end where it began. Where it sticks before g is nothing, rounds of strips alone, each
+with the normal forces of the one before, move it on.
+
+A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is no proof but the agreement
+of starts. The first begins at the associated mechanism, the second at the least normal forces in equilibrium, which press together nothing
+that need not be, others at random normal forces around these, by turns. Cone programmes are solved to a tolerance, so that g in space is
+small and not zero; it is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from masonry_cd.analysis.limit.mechanism import STILL
+from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.programme import Programme, programme
+from masonry_cd.analysis.limit.solution import Optimum, Unbounded
+
+ROUNDS = 24  # of a descent at most
+GROWS, LARGEST = 3.0, 1e3  # M_k, over w_1 . v = 1, begin at one and grow by this factor from round to round, up to that
+WORST, FASTER, MOST = 0.05, 10.0, 1e4  # those of points with more than this share of g grow by so much more, up to that
+LOWER = 2e-3  # share of the factor that a round takes off at least, once a pair is found
+STUCK, CLOSER = 1e-3, 0.8  # a round sticks that moves the factor by no more than this share of it and leaves more than that of g
+LOOSENED, STRIPS, AGAIN = 2, 4, 3.0  # times that a descent which sticks is moved on, by so many rounds of strips; the M_k after it
+WORSE = 0.1  # share by which forces may cost more than those of the round before, which would do as well: more is no answer
+EXACT, NEARLY = 1e-7, 1e-3  # g of a pair, over the power of the loads: in a plane, and in space
+NO_POWER = 0.5  # w_1 . v of a programme of strips below which its factor is the cap: it is 1 elsewhere
+CAP = 10.0  # times the associated factor: the largest that is looked for
+ALIKE = 2e-3  # factors that differ by no more than this share of the least agree
+AGREE = 2  # starts that come to the least factor before it counts as known: one start alone may miss it
+
+Pair = tuple[Optimum, float]  # forces and velocities, and g over the power of the loads
+
+
+@dataclass(frozen=True, eq=False)
+class LeastFound:
+    """The least factor of sliding without dilation that was found."""
+
+    optimum: Optimum
+    gap: float  # g over the power of the loads
+    starts: int
+    ends: tuple[Optimum, ...]  # of each start that came to an end
+
+    @property
+    def found(self) -> tuple[float, ...]:
+        """The factors of the starts that came to an end."""
+        return tuple(end.factor for end in self.ends)
+
+    @property
+    def agreeing(self) -> int:
+        """Starts that came to it."""
+        best = self.optimum.factor
+        return sum(factor <= best + ALIKE * abs(best) for factor in self.found)
+
+    @property
+    def agreed(self) -> bool:
+        """Whether starts enough came to it for it to count as known, which is no proof that it is the least."""
+        return self.agreeing >= AGREE
+
+    @property
+    def spread(self) -> float:
+        """The largest factor found less the least, over the least."""
+        return (max(self.found) - self.optimum.factor) / max(abs(self.optimum.factor), 1e-300)
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What a mechanism asks of forces: g is linear in them."""
+
+    prices: np.ndarray  # (P, m) of r'
+    of_bars: np.ndarray  # (T,) of N
+    least: np.ndarray  # (P,) prices of a tension that is cut off, which cannot be less
+    yields: float  # work of the ties that yield
+
+
+class Search:
+    """The descents of a problem, whose programmes are set up once."""
+
+    def __init__(self, problem: LimitProblem, cap: float) -> None:
+        """``cap``: the largest factor that is looked for."""
+        self.problem, self.cap = problem, cap
+        self.exact = EXACT if problem.axis is not None else NEARLY
+
+    @cached_property
+    def _strips(self) -> Programme:
+        return programme(self.problem, self.problem.dead, self.problem.live, self.cap, strips=True)
+
+    @cached_property
+    def _cones(self) -> Programme:
+        return programme(self.problem, self.problem.dead, self.problem.live, self.cap).for_the_least()
+
+    def least_normal(self) -> np.ndarray:
+        """The normal forces r'_n (P,) of least sum that bear the dead loads with any factor, which weighs next to nothing beside them.
+
+        Raises:
+            Unbounded: no factor is borne.
+        """
+        prices = np.zeros((self.problem.points.count, self.problem.directions))
+        prices[:, 0] = LARGEST
+        return normal_forces(self.problem, self._cones.priced(prices).solved(refined=False))
+
+    def mechanism_of(self, normal: np.ndarray) -> np.ndarray:
+        """The velocities (unknowns,) with w_1 . v = 1 of least g for forces with normal parts r'_n (P,).
+
+        Raises:
+            Unbounded: there is none below the cap.
+        """
+        found = self._strips.within(self.problem.mu * normal).solved(refined=False)
+        power = float(self.problem.live @ found.velocity)
+        if power < NO_POWER:
+            raise Unbounded("no mechanism below the largest factor that is looked for")
+        return found.velocity / power
+
+    def descend(self, velocity: np.ndarray, begin: float = 1.0) -> Pair | None:
+        """The pair of least factor on the way down from a mechanism (unknowns,) with w_1 . v = 1; None where none has a small g.
+
+        ``begin`` is M_k of the first round: from LARGEST on, the descent stays close to its mechanism.
+        """
+        best: Pair | None = None
+        try:
+            for pair in self._pairs(velocity, begin):
+                best = pair if best is None or pair[0].factor < best[0].factor else best
+        except Unbounded:
+            pass
+        return best
+
+    def _pairs(self, velocity: np.ndarray, begin: float) -> Iterator[Pair]:
+        """The pairs with a small g on the way down from a mechanism.
+
+        Raises:
+            Unbounded: no further answer of the solver.
+        """
+        penalty, loosened, least = np.full(self.problem.points.count, begin), 0, np.inf
+        factor, gap, before = np.inf, np.inf, None
+        for _ in range(ROUNDS):
+            asked = self._asked(velocity)
+            found = self._forces(asked, penalty, before)
+            shares = self._gaps(asked, found) / self._power(velocity, found)
+            last, gap = (factor, gap), float(shares.sum())
+            factor, normal, before = found.factor, normal_forces(self.problem, found), found
+            if gap <= self.exact:
+                yield replace(found, velocity=velocity, method=self._method), gap
+                if factor >= least * (1.0 - LOWER):
+                    return
+                least = factor
+            penalty = np.minimum(GROWS * penalty, np.maximum(LARGEST, penalty))
+            worst = shares[:-1] > WORST * gap
+            penalty[worst] = np.minimum(FASTER * penalty[worst], MOST)
+            if gap > self.exact and abs(factor - last[0]) <= STUCK * abs(factor) and gap > CLOSER * last[1]:
+                if loosened == LOOSENED:
+                    return
+                normal, penalty, before, loosened = self._loosened(normal), np.full(len(penalty), AGAIN), None, loosened + 1
+            velocity = self.mechanism_of(normal)
+
+    def _loosened(self, normal: np.ndarray) -> np.ndarray:
+        """Normal forces r'_n (P,) after some rounds of strips alone."""
+        for _ in range(STRIPS):
+            found = self._strips.within(self.problem.mu * normal).solved(refined=False)
+            normal = 0.5 * (normal + normal_forces(self.problem, found))
+        return normal
+
+    def _forces(self, asked: _Asked, penalty: np.ndarray, before: Optimum | None) -> Optimum:
+        """The forces of least lambda + sum M_k g_k, with those of the round before for comparison.
+
+        Raises:
+            Unbounded: no answer of the solver.
+        """
+        most = float(penalty.max(initial=0.0))
+        found = self._cones.priced(penalty[:, None] * asked.prices, most * asked.of_bars).solved()
+        if before is not None:
+            weights = np.append(penalty, most)
+            cost, bound = (one.factor + float(weights @ self._gaps(asked, one)) for one in (found, before))
+            if cost > bound + WORSE * abs(bound):
+                raise Unbounded(f"{found.method}: forces that are known cost less")
+        return found
+
+    def _asked(self, velocity: np.ndarray) -> _Asked:
+        """What a mechanism (unknowns,) asks of forces."""
+        problem = self.problem
+        moved = (problem.jacobian @ velocity).reshape(-1, problem.directions)
+        opening = np.maximum(moved[:, 0], 0.0)
+        prices = moved.copy()
+        prices[:, 0] = opening + problem.mu * np.linalg.norm(moved[:, 1:], axis=1)
+        longer, yields = problem.bars @ velocity, np.isfinite(problem.strength)
+        slack = np.where(yields, -longer, np.maximum(-longer, 0.0))
+        work = float(np.maximum(longer[yields], 0.0) @ problem.strength[yields])
+        return _Asked(prices, slack, opening * np.maximum(problem.apex - problem.tension, 0.0), work)
+
+    def _gaps(self, asked: _Asked, found: Optimum) -> np.ndarray:
+        """(P + 1,) the terms of g of the points, and that of all ties."""
+        lifted = found.force.copy()
+        lifted[:, 0] += self.problem.apex
+        of_points = np.maximum(np.sum(asked.prices * lifted, axis=1) - asked.least, 0.0)
+        return np.append(of_points, max(float(asked.of_bars @ found.bars) + asked.yields, 0.0))
+
+    def _power(self, velocity: np.ndarray, found: Optimum) -> float:
+        """The power of the loads in a mechanism with w_1 . v = 1."""
+        return abs(float(self.problem.dead @ velocity)) + abs(found.factor) + 1e-300
+
+    @property
+    def _method(self) -> str:
+        return f"descent by {'linear programmes (HiGHS)' if self.problem.axis is not None else 'cone programmes (Clarabel)'}"
+
+
+def normal_forces(problem: LimitProblem, found: Optimum) -> np.ndarray:
+    """r'_n (P,)."""
+    return np.maximum(found.force[:, 0] + problem.apex, 0.0)
+
+
+def least_factor(problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0) -> LeastFound | None:
+    """The least factor that some starts come to, None where none comes to a pair.
+
+    Args:
+        problem: whose least factor is sought.
+        associated: its associated answer.
+        starts: how many.
+        seed: of the random ones.
+        first: number of the first that is made; those before it are left out.
+    """
+    search = Search(problem, CAP * max(abs(associated.factor), 1e-3))
+    ends = [search.descend(velocity) for velocity in _begins(search, associated, starts, seed, first)]
+    return _found([end for end in ends if end is not None], starts - first)
+
+
+def _begins(search: Search, associated: Optimum, starts: int, seed: int, first: int) -> Iterator[np.ndarray]:
+    """The mechanisms (unknowns,) with w_1 . v = 1 at which starts begin, but of those that have none."""
+    random, power = np.random.default_rng(seed), float(search.problem.live @ associated.velocity)
+    pressed = normal_forces(search.problem, associated)
+    least: np.ndarray | None = None
+    for start in range(starts):
+        normal = pressed
+        try:
+            if start % 2:
+                least = search.least_normal() if least is None else least
+                normal = least * (1.0 if start == 1 else random.uniform(0.5, 1.5, len(least)))
+            elif start:
+                normal = pressed * random.random(len(pressed)) + random.exponential(float(pressed.mean()), len(pressed))
+            if start >= first:
+                yield associated.velocity / power if start == 0 and power > NO_POWER else search.mechanism_of(normal)
+        except Unbounded:
+            continue
+
+
+def _found(ends: Sequence[Pair], starts: int) -> LeastFound | None:
+    """The least of some pairs."""
+    if not ends:
+        return None
+    best, gap = min(ends, key=lambda end: end[0].factor)
+    return LeastFound(best, gap, starts, tuple(optimum for optimum, _ in ends))
+
+
+def merged(one: LeastFound | None, other: LeastFound | None, starts: int) -> LeastFound | None:
+    """Two searches as one of so many starts; None where neither found anything."""
+    both = [each for each in (one, other) if each is not None]
+    if not both:
+        return None
+    best = min(both, key=lambda each: each.optimum.factor)
+    return LeastFound(best.optimum, best.gap, starts, tuple(end for each in both for end in each.ends))
+
+
+def close_to(problem: LimitProblem, normal: np.ndarray, cap: float) -> Optimum | None:
+    """The pair close to normal forces r'_n (P,), None where the descent from their mechanism comes to none."""
+    search = Search(problem, cap)
+    try:
+        end = search.descend(search.mechanism_of(normal), LARGEST)
+    except Unbounded:
+        return None
+    return None if end is None else end[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Searched:
+    """A search: what it found, None where no start came to an end, and of how many starts."""
+
+    least: LeastFound | None
+    starts: int
+
+
+def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float) -> list[Pair]:
+    """The pairs close to known mechanisms, of those that come to one.
+
+    Args:
+        problem: whose least factor is sought.
+        mechanisms: velocities (unknowns,) that the live loads drive, w_1 . v > 0, under which no joint closes and that no tie holds which
+            does not yield; others are passed over. They may be of another problem: the structure without its ties, one of its parts.
+        cap: the largest factor that is looked for.
+    """
+    search = Search(problem, cap)
+    begun = [(velocity, float(problem.live @ velocity)) for velocity in mechanisms if not _held(problem, velocity)]
+    ends = [search.descend(velocity / power, LARGEST) for velocity, power in begun if power > 0.0]
+    return [end for end in ends if end is not None]
+
+
+def _held(problem: LimitProblem, velocity: np.ndarray) -> bool:
+    """Whether a mechanism stretches a tie that does not yield, or closes a joint."""
+    longer = (problem.bars @ velocity)[~np.isfinite(problem.strength)]
+    opening = (problem.jacobian @ velocity)[:: problem.directions]
+    size = STILL * float(np.abs(velocity).max(initial=0.0))
+    return bool((longer > size).any() or (opening < -size).any())
+
+
+def begun_at(problem: LimitProblem, before: Searched, mechanisms: Sequence[np.ndarray], cap: float) -> Searched:
+    """A search that has begun at mechanisms as well; arguments as of :func:`ends_of`.
+
+    Descents from mechanisms that are alike come to one end, which is no agreement: those that come to one factor are one start.
+    """
+    every, apart = ends_of(problem, mechanisms, cap), list[Pair]()
+    for end in sorted(every, key=lambda pair: pair[0].factor):
+        if not apart or end[0].factor - apart[-1][0].factor > ALIKE * abs(apart[-1][0].factor):
+            apart.append(end)
+    starts = before.starts + len(mechanisms) - len(every) + len(apart)
+    return Searched(merged(before.least, _found(apart, starts), starts), starts)
