@@ -62,6 +62,9 @@ class CodeSpectrum:
     plateau: float  # P
     corners: tuple[float, float, float]  # T_B, T_C, T_D [s]
     long: tuple[float, float] | None = None  # T_E, T_F [s]; None where a code has none
+    soil: float = 1.0  # S of EC8, SS of NTC
+    hill: float = 1.0  # ST
+    stretch: float = 1.0  # CC
 
     def at(self, period: np.ndarray, damping: float = 0.05) -> np.ndarray:
         """Pseudo-acceleration at periods (n,) of zero or more [m/s2]."""
@@ -93,17 +96,26 @@ def ec8(ag: float, ground: str = "A", type_: int = 1, vertical: bool = False) ->
     if vertical:
         return CodeSpectrum(EC8_VERTICAL[type_] * ag, 1.0, 3.0, VERTICAL_PERIODS)
     soil, *corners = EC8_LEVEL[type_, ground]
-    return CodeSpectrum(soil * ag, 1.0, 2.5, (corners[0], corners[1], corners[2]), LONG_PERIODS[ground] if type_ == 1 else None)
+    return CodeSpectrum(soil * ag, 1.0, 2.5, (corners[0], corners[1], corners[2]), LONG_PERIODS[ground] if type_ == 1 else None, soil)
 
 
-def ntc(ag: float, f0: float, tc_star: float, ground: str = "A", topography: str = "T1", vertical: bool = False) -> CodeSpectrum:
-    """NTC 2018 for the site's ag [m/s2], F0 and TC* [s], category of ground A to E and of topography T1 to T4."""
-    share, hill = ag / STANDARD_GRAVITY, NTC_TOPOGRAPHY[topography]
+def ntc(
+    ag: float,
+    f0: float,
+    tc_star: float,
+    ground: str = "A",
+    topography: str = "T1",
+    vertical: bool = False,
+    gravity: float = STANDARD_GRAVITY,
+) -> CodeSpectrum:
+    """NTC 2018 for the site's ag [m/s2], F0 and TC* [s], category of ground A to E and of topography T1 to T4; gravity [m/s2]."""
+    share, hill = ag / gravity, NTC_TOPOGRAPHY[topography]
     if vertical:
         fv = 1.35 * f0 * np.sqrt(share)
         return CodeSpectrum(ag * hill, float(fv / f0), float(fv), VERTICAL_PERIODS)
     base, slope, low, high = NTC_AMPLIFICATION[ground]
     soil = float(np.clip(base - slope * f0 * share, low, high))
     factor, power = NTC_PERIOD[ground]
-    tc = factor * tc_star**power * tc_star
-    return CodeSpectrum(ag * soil * hill, 1.0, f0, (tc / 3.0, tc, 4.0 * share + 1.6), LONG_PERIODS[ground])
+    stretch = factor * tc_star**power
+    tc = stretch * tc_star
+    return CodeSpectrum(ag * soil * hill, 1.0, f0, (tc / 3.0, tc, 4.0 * share + 1.6), LONG_PERIODS[ground], soil, hill, stretch)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from loads.motion import strict
+from loads.motion import STANDARD_GRAVITY, strict
 from loads.signal.code_spectrum import CodeSpectrum, ec8, ntc
 from masonry_cd.foundation.fields import Span
 from masonry_cd.foundation.units import Unit, Usual
@@ -57,11 +57,11 @@ class SiteSpectrum(BaseModel):
             raise ValueError(f"{stray}: does not apply to a spectrum of {self.spectrum}")
         return self
 
-    def spectrum_of_site(self, vertical: bool = False) -> CodeSpectrum:
-        """The spectrum; of keys that name one."""
+    def spectrum_of_site(self, vertical: bool = False, gravity: float = STANDARD_GRAVITY) -> CodeSpectrum:
+        """The spectrum; of keys that name one. Gravity [m/s2] is that of the formulas of NTC."""
         assert self.ag is not None
         if self.spectrum == "EC8":
             return ec8(self.ag, self.ground, self.type or 1, vertical)
         assert self.f0 is not None
         assert self.tc_star is not None
-        return ntc(self.ag, self.f0, self.tc_star, self.ground, self.topography or "T1", vertical)
+        return ntc(self.ag, self.f0, self.tc_star, self.ground, self.topography or "T1", vertical, gravity)

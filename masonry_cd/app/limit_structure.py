@@ -27,6 +27,32 @@ class LimitStructure:
     assembly: Assembly
     joints: Joints
 
+    @property
+    def upright(self) -> bool:
+        """True where gravity acts along -z."""
+        x, y, z = self.scene.run.gravity
+        return z < 0.0 and x == y == 0.0
+
+    def of(self, scene: Scene) -> LimitStructure:
+        """The structure with a scene that differs in its loads and its table ``[limit]`` only.
+
+        Raises:
+            InputError: a bad table.
+        """
+        from masonry_cd.app.limit_table import limit_table
+
+        return replace(self, scene=scene, asked=limit_table(scene.limit))
+
+    def loads_of_parts(self) -> StaticLoads:
+        """The loads as its parts bear them, each of which has a push of its own.
+
+        Raises:
+            InputError: a bad table.
+        """
+        from loads.motion import parse_direction
+
+        return self.loads(self.asked.model_copy(update={"push": parse_direction("x"), "tilt": None, "live": ()}))
+
     def loads(self, asked: LimitTable | None = None) -> StaticLoads:
         """What acts on it, as its own table or another one asks for it.
 

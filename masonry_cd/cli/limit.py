@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from masonry_cd.app.folders import free_folder
-from masonry_cd.app.result import Result, silent
+from masonry_cd.app.result import Result
 from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust
 
 
@@ -23,25 +22,25 @@ def limit(
     macro_elements: Annotated[
         bool, typer.Option("--macro-elements", help="Look at each part of the structure with all else held.")
     ] = False,
-    run: Annotated[Path | None, typer.Option(metavar="DIR", help="Of a run, whose damage stands beside the macro-elements.")] = None,
+    run: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of a run, whose damage the table of parts then has.")] = None,
     force: Force = False,
     trust: Trust = False,
     quiet: Quiet = False,
-) -> Result[None]:
+) -> Result[Any]:
     """Find the largest load factor of a scene by limit analysis, and the mechanism.
 
     What is multiplied is the scene's load of kind push, tilt, settlement or spreading, or what its table [limit] names: push = "x",
     tilt = "x", or live = [0] for point loads or a vehicle, whose worst place is looked for where it has none: crossing.csv and .png.
     In a plane, and for a check in space, the least factor without dilation is searched for.
-    DIR gets limit.json, blocks.csv, joints.csv, mechanism.png, thrust.png and limit.html, a page with all of it; with ties also
-    ties.csv, what they pull at collapse; with a table [limit.check] check.json and check.csv, the check by a code;
-    with --curve, or a table [limit.curve], the capacity curve: the factor that the moved structure still bears, over the displacement
-    of a block, until none is left.
+    DIR gets limit.json, mechanisms.csv, blocks.csv, joints.csv, mechanism.png, thrust.png and limit.html, a page with all of it; with
+    ties also ties.csv, what they pull at collapse; with a table [limit.check] check.json and check.csv, the check by a code of the
+    mechanism that decides; with --curve, or a table [limit.curve], the capacity curve: the factor that the moved structure still bears,
+    over the displacement of a block, until none is left.
 
     With --macro-elements the parts that the structure's kind names, facade, gable, side walls, apse, tower, belfry, corners, piers, are
-    looked at one by one with all else held, for the mechanisms of practice and the free least one: macro_elements.csv, .json and .html,
-    and a picture each. Tables [[limit.mechanism]] choose or add parts. The whole is looked at beside them where the scene names a push or
-    a tilt.
+    looked at one by one with all else held, for the mechanisms of practice and the free least one: more rows of mechanisms.csv and of the
+    page, and a picture each. Tables [[limit.mechanism]] choose or add parts. The whole is looked at as well where the scene names a push
+    or a tilt. A check of the whole has the mechanisms of rigid bodies of its parts along the push in its table in any case.
 
     \b
     Examples:
@@ -51,13 +50,10 @@ def limit(
       masonry-cd limit arch.toml -o out/arch --curve --set limit.curve.steps=50
       masonry-cd limit church.toml -o out/parts --macro-elements
     """
-    from masonry_cd.app.limit_case import EVERY
-    from masonry_cd.app.limit_command import Asked, limit_command
-    from masonry_cd.app.macro_files import MACRO_OUTPUTS
-    from reports.drawing.parts import view_named
+    from masonry_cd.app.scene import read_scene
+    from masonry_cd.limit.case import Wanted
+    from masonry_cd.limit.command import Files
+    from masonry_cd.limit.command import limit as command
 
-    free_folder(output, (*EVERY, *MACRO_OUTPUTS), force)
-    if picture and view != "auto":
-        view_named(view)  # refused before anything is computed
-    asked = Asked(output, curve, macro_elements, run, picture, view, quiet)
-    return Result(None, written=limit_command(scene, set_ or (), asked, silent if quiet else typer.echo))
+    wanted = Wanted(macro_elements, curve, quiet=quiet)
+    return command(read_scene(scene, set_ or ()), wanted, Files(output, force, picture, view, run))

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Limit analysis of a scene: the load factor, the mechanism, the check by a code."""
+"""Limit analysis of a scene: the load factor, the mechanisms of the whole and of its parts, the check by a code."""
 
 from __future__ import annotations
 
 import os
-import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,7 @@ from masonry_cd.app.folders import free_folder
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.interface.plots import Page
-from masonry_cd.interface.returned import RunWarning
+from masonry_cd.interface.returned import returned
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import frame_of_rows
@@ -24,14 +23,23 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from PIL.Image import Image
 
-    from masonry_cd.app.limit_case import LimitCase
+    from masonry_cd.limit.case import LimitCase, Wanted
+    from masonry_cd.limit.checked import Checked
+    from masonry_cd.limit.whole import WholeAnalysis
 
 
 class LimitAnalysis(Sealed):
-    """What a limit analysis found. Made by :func:`masonry_cd.limit_analysis`; ``print`` shows the lines of the command."""
+    """A limit analysis. Made by :func:`masonry_cd.limit_analysis` and :func:`masonry_cd.macro_elements`; ``print`` shows the lines of the
+    command."""
 
     def __init__(self, case: LimitCase, folder: Path | None = None) -> None:
         self._case, self._folder = case, folder
+
+    @property
+    def _whole(self) -> WholeAnalysis:
+        if self._case.whole is None:
+            raise InputError("limit analysis", "the scene multiplies no load, and parts alone were looked at; give it limit.push")
+        return self._case.whole
 
     @property
     def folder(self) -> Path | None:
@@ -40,54 +48,84 @@ class LimitAnalysis(Sealed):
 
     @property
     def stands(self) -> bool:
-        """Whether the structure bears its dead loads."""
-        return self._case.analysis.stands
+        """True of a structure that bears its dead loads.
+
+        Raises:
+            InputError: parts alone were looked at; so do all values that are of the whole.
+        """
+        return self._whole.analysis.stands
 
     @property
     def factor(self) -> float | None:
         """The load factor, of associated sliding: an upper value. None where the structure does not stand, where supports move, or where no
         factor is finite."""
-        found: float | None = self.summary["associated"]
+        found: float | None = self.summary.get("associated")
         return found
 
     @property
     def least(self) -> float | None:
         """The least factor found for sliding without dilation; None where none was searched for or found."""
-        return self.summary["least"]["factor"] if self.summary["least"] else None
+        found = self.summary.get("least")
+        return found["factor"] if found else None
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What limit.json holds."""
-        from masonry_cd.app.limit_case import summary
+        """The contents of limit.json."""
+        from masonry_cd.limit.facts import facts
 
-        return summary(self._case)
+        return facts(self._case)
 
     @cached_property
     def blocks(self) -> DataFrame:
         """How each block moves in the mechanism: velocities over the largest one of any corner, angular ones per metre."""
         from reports.limit.tables import BLOCKS, block_rows
 
-        rows = block_rows(self._case.collapse, self._case.assembly)
+        rows = block_rows(self._whole.collapse, self._whole.assembly)
         return frame_of_rows([dict(zip(BLOCKS, row, strict=True)) for row in rows], "block")
 
     @cached_property
     def joints(self) -> DataFrame:
-        """What each joint does in the mechanism, its forces [N] and where they act [m]."""
+        """State of each joint in the mechanism, its forces [N] and where they act [m]."""
         from reports.limit.tables import JOINTS, joint_rows
 
-        rows = joint_rows(self._case.collapse, self._case.assembly, self._case.joints)
+        rows = joint_rows(self._whole.collapse, self._whole.assembly, self._whole.joints)
         return frame_of_rows([dict(zip(JOINTS, row, strict=True)) for row in rows], "joint")
 
     @property
+    def mechanisms(self) -> DataFrame:
+        """All mechanisms of the whole and of its parts, the gravest first, with the columns of mechanisms.csv: ``alpha0``, ``e_star``,
+        ``a0_m_s2`` over the confidence factor and ``demand_m_s2``, ``d0_m``, ``displacement_m`` borne and what is asked for, ``ratio`` and
+        ``verdict`` of the check that decides.
+
+        Without a table ``[limit.check]`` the least a0* comes first, and there is no demand, ratio or verdict.
+        """
+        return _frame(self._case.mechanisms)
+
+    @property
+    def parts(self) -> DataFrame:
+        """The gravest mechanism of each part and push, as :attr:`mechanisms` has all."""
+        from masonry_cd.limit.checked import least_of
+
+        return _frame(least_of(self._case.mechanisms))
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Parts and pushes without a mechanism below five times the weight."""
+        from masonry_cd.limit.words import held_parts
+
+        return tuple(held_parts(self._case))
+
+    @property
     def check(self) -> DataFrame | None:
-        """The check by a code, value by value: symbol, value, unit, clause, meaning; ``attrs["verdicts"]`` say what is satisfied,
-        not satisfied or not decided.
+        """The check by a code of the mechanism that decides, value by value: symbol, value, unit, clause, meaning; ``attrs["verdicts"]``
+        say what is satisfied, not satisfied or not decided.
 
         None without a table ``[limit.check]``, and where the structure does not stand.
         """
-        if self._case.check is None:
+        check = self._case.check
+        if check is None:
             return None
-        numbers = self._case.check.numbers()
+        numbers = check.numbers()
         return frame_of_rows(numbers["steps"], "symbol", verdicts=numbers["verdicts"])
 
     @property
@@ -105,12 +143,12 @@ class LimitAnalysis(Sealed):
 
         None without a table ``[limit.curve]``.
         """
-        from masonry_cd.app.limit_curve import curve_rows
+        from masonry_cd.limit.curve import curve_rows
 
-        if self._case.curve is None:
+        curve = self._whole.curve
+        if curve is None:
             return None
-        curve = self._case.curve
-        return frame_of_rows(curve_rows(curve), "point", end=curve.end, control=self._case.assembly.names[curve.control.block])
+        return frame_of_rows(curve_rows(curve), "point", end=curve.end, control=self._whole.assembly.names[curve.control.block])
 
     def mechanism(self, view: str = "auto") -> Image:
         """The moved blocks with hinges and slips, as an image that a notebook shows; ``view`` as in :meth:`Scene.picture`."""
@@ -132,7 +170,7 @@ class LimitAnalysis(Sealed):
         Raises:
             InputError: the scene has no table ``[limit.curve]``.
         """
-        if self._case.curve is None:
+        if self._whole.curve is None:
             raise InputError("limit analysis", "no curve was followed: give the scene a table [limit.curve]")
         return self._picture("capacity.png", view)
 
@@ -142,8 +180,7 @@ class LimitAnalysis(Sealed):
         Raises:
             InputError: a folder that holds such files already, without ``force``.
         """
-        from masonry_cd.app.limit_case import EVERY
-        from masonry_cd.app.limit_files import write
+        from masonry_cd.limit.files import EVERY, write
 
         self._folder = Path(folder)
         free_folder(self._folder, EVERY, force)
@@ -154,35 +191,59 @@ class LimitAnalysis(Sealed):
         require("a picture", "PIL")
         from PIL import Image as images
 
-        from masonry_cd.app.limit_files import draw
+        from masonry_cd.limit.pictures import draw_whole
 
         keeper = TemporaryFolder()
-        draw(self._case, keeper.path, view)
+        draw_whole(self._whole, self._case.scene.title, keeper.path, view)
         with images.open(keeper.path / name) as found:
             return found.copy()
 
     def __str__(self) -> str:
-        from masonry_cd.app.limit_case import lines
+        from masonry_cd.limit.words import lines
 
         return "\n".join(lines(self._case))
 
     def __repr__(self) -> str:
-        found = "does not stand" if not self.stands else "no load factor" if self.factor is None else f"load factor {self._known()}"
-        return f'<LimitAnalysis "{self._case.scene.title}": {self._case.loads.words}, {found}>'
+        return f'<LimitAnalysis "{self._case.scene.title}": {self._in_brief()}>'
 
-    def _known(self) -> str:
-        """What is known of the factor: from the least found up to the associated one, which is an upper value."""
-        return f"at most {self.factor:.5g}" if self.least is None else f"{self.least:.5g} (least found) to {self.factor:.5g}"
+    def _in_brief(self) -> str:
+        """The outcome in a few words: what is known of the factor, from the least found up to the associated one, or how many parts."""
+        if self._case.whole is None:
+            state = "" if self._case.verdict is None else f", {self._case.verdict.state}"
+            return f"{len({one.element.name for one in self._case.parts})} parts{state}"
+        if not self.stands:
+            found = "does not stand"
+        elif self.factor is None:
+            found = "no load factor"
+        elif self.least is None:
+            found = f"load factor at most {self.factor:.5g}"
+        else:
+            found = f"load factor {self.least:.5g} (least found) to {self.factor:.5g}"
+        return f"{self._case.whole.loads.words}, {found}"
+
+
+def _frame(rows: Sequence[Checked]) -> DataFrame:
+    """Mechanisms as a table with the heads of the CSV file."""
+    from reports.limit.tables import MECHANISMS
+
+    return frame_of_rows([{head: getattr(each.row, name) for name, head in MECHANISMS.items()} for each in rows])
 
 
 def limit_analysis(
-    source: Scene | str | os.PathLike[str] | Mapping[str, Any], folder: str | os.PathLike[str] | None = None, *, force: bool = False
+    source: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    macro_elements: bool = False,
+    jobs: int | None = None,
+    force: bool = False,
 ) -> LimitAnalysis:
     """The largest load that a scene bears at rest, and how it gives way, as ``masonry-cd limit`` finds them.
 
     Args:
         source: a scene, or what :func:`masonry_cd.scene` makes one of; its table ``limit`` says what is multiplied.
         folder: where tables, pictures and page are written; nowhere by default.
+        macro_elements: look at each part of the structure with all else held as well.
+        jobs: processes for the parts; as many as there are cores by default.
         force: overwrite what the folder holds.
 
     Raises:
@@ -195,11 +256,49 @@ def limit_analysis(
     >>> int((found.joints["state"] == "hinge").sum())
     4
     """
-    from masonry_cd.app.limit_case import case_of
+    from masonry_cd.limit.case import Wanted
 
-    found = LimitAnalysis(case_of(scene(source).checked))
-    if folder is not None:
-        found.write(folder, force=force)
-    for line in found.summary["notes"]:
-        warnings.warn(line, RunWarning, stacklevel=2)
-    return found
+    return _analysed(source, Wanted(macro_elements, jobs=jobs), folder, force)
+
+
+def macro_elements(
+    source: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    chosen: bool = False,
+    jobs: int | None = None,
+    force: bool = False,
+) -> LimitAnalysis:
+    """The parts of a structure one by one, each with all else held, and no load on the whole.
+
+    Args:
+        source: a scene, or what :func:`masonry_cd.scene` makes one of; its table ``limit`` may choose or add parts, and check them.
+        folder: where tables, pictures and page are written; nowhere by default.
+        chosen: look at the parts of ``[[limit.mechanism]]`` only, not at all that the kind of the structure names.
+        jobs: processes; as many as there are cores by default.
+        force: overwrite what the folder holds.
+
+    Raises:
+        InputError: anything wrong with the scene, or a part that names no block.
+
+    >>> import masonry_cd as mc
+    >>> wall = {"kind": "wall", "length": 2.0, "height": 2.0, "thickness": 0.4, "course_height": 0.5}
+    >>> walls = {"structure": wall, "material": {"density": 2000.0, "friction": 0.6}, "limit": {"starts": 2}}
+    >>> found = mc.macro_elements(mc.scene(walls), jobs=1)
+    >>> found.parts["element"].iloc[0], round(float(found.parts["alpha0"].min()), 2)
+    ('wall', 0.2)
+    """
+    from masonry_cd.limit.case import Wanted
+
+    return _analysed(source, Wanted(not chosen, whole=False, jobs=jobs), folder, force)
+
+
+def _analysed(
+    source: Scene | str | os.PathLike[str] | Mapping[str, Any], wanted: Wanted, folder: str | os.PathLike[str] | None, force: bool
+) -> LimitAnalysis:
+    """A scene analysed, and written into a folder where one is given."""
+    from masonry_cd.limit.command import Files, limit
+
+    asked = scene(source)  # which holds the files of its arrays
+    where = None if folder is None else Path(folder)
+    return LimitAnalysis(returned(limit(asked.checked, wanted, None if where is None else Files(where, force)), level=4), where)

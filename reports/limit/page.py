@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""limit.html, a limit analysis on one page, and macro_elements.html with its table, the mechanisms of the parts of a structure."""
+"""limit.html, a limit analysis on one page: verdict, mechanisms of the whole and of its parts, check by a code, pictures, certificate."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.analysis.limit.outcome import SURE, on_the_check
+from masonry_cd.analysis.limit.outcome import STATES_OF_CHECKS
 from masonry_cd.analysis.verdict import Verdict
-from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import force
 from reports.page.document import Badge, Head, pictures, rows_of, write_document
@@ -22,6 +21,7 @@ CAPTIONS = {
     "built. The size of the displacements is chosen for the eye; only their ratios are computed.",
     "thrust.png": "The forces at collapse: where the resultant crosses each joint, as wide as it is large. Forces in parts that do not "
     "move are one of many sets that balance the loads.",
+    "spectrum.png": "What the check of the mechanism that decides asks for, of the ground and at its height, and what it bears.",
     "capacity.png": "The load factor while the mechanism goes on, as far as it was followed; below, the structure at the marked points.",
 }
 NAMED = 40  # blocks at most that are listed
@@ -36,38 +36,46 @@ CERTIFICATE = {
     "friction": ("Strength", "largest force beyond what friction or a bond allows, over the mean weight of a block"),
     "flow": ("Flow rule", "by how much a joint closes that must not, over the largest velocity"),
 }
-VERDICTS = {state: sure for state, (sure, _) in SURE.items()}  # how states of a check are coloured
 STATES = {"hinge": "hinges", "slide": "slide", "hinge_and_slide": "hinge and slide", "open": "open"}
 
 
 @dataclass(frozen=True)
 class LimitPage:
-    """What the page shows."""
+    """The contents of the page."""
 
     summary: Mapping[str, Any]  # limit.json
     lines: Sequence[str]  # what was found; the first says of what
+    held: Sequence[str]  # parts without a mechanism
     scene: str  # its text
     options: Sequence[str]  # of the command, beside what the scene asks for
     report: Mapping[str, Any]  # the scene's table [report]
+    damage: Mapping[str, str] = field(default_factory=dict)  # of the groups of each part in a run, by its name
 
 
-def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None:
-    """Write the page, with those PNGs that are there."""
+def write_limit_page(page: LimitPage, drawn: Mapping[Path, str], path: Path) -> None:
+    """Write the page; ``drawn`` are PNGs with what each shows, those of the whole without words."""
     summary = page.summary
     block, check = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene), summary["check"] or {}
-    made = summary["certificate"]
+    made, verdict, least = summary.get("certificate"), summary["on_the_whole"], _least(summary["mechanisms"])
+    rows = [_row(row, page.damage) for row in least]
+    columns = [*rows[0]] if rows else []
     write_document(
         path,
         "limit.html",
         title=summary["title"],
-        page=Head(summary["title"], page.lines, doubts(summary), _numbers(summary), block, Verdict(**summary["on_the_whole"])),
+        page=Head(summary["title"], page.lines, doubts(summary), _numbers(summary), block, None if verdict is None else Verdict(**verdict)),
         summary=summary,
-        verdicts=VERDICTS,
+        verdicts=STATES_OF_CHECKS,
         states=STATES,
         named=NAMED,
         looked=_looked(check["basis"]) if check else [],
-        steps=[[step["symbol"], _value(step), step["clause"], step["meaning"]] for step in check.get("steps", ())],
-        drawn=pictures({picture: CAPTIONS[picture.name] for picture in drawn if picture.exists()}),
+        steps=_steps(check) if check else [],
+        columns=columns,
+        rows=rows,
+        numbers=range(3, columns.index("verdict") if "verdict" in columns else len(columns) - bool(page.damage)),
+        notes=_notes(summary, least),
+        held=page.held,
+        drawn=pictures({path: words or CAPTIONS[path.name] for path, words in drawn.items() if path.exists()}),
         ties=_ties(summary),
         certificate=[[name, number(made[key]), words] for key, (name, words) in CERTIFICATE.items()] if made else [],
         command=" ".join(["masonry-cd limit scene.toml -o out", *page.options]),
@@ -76,12 +84,23 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
 
 
 def doubts(summary: Mapping[str, Any]) -> list[str]:
-    """What must not be overlooked of the notes: those on what is modelled have a section of their own."""
-    return [note for note in summary["notes"] if note not in summary["modelled"]]
+    """What must not be overlooked."""
+    return list(summary["notes"])
 
 
 def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:
     """The headline numbers."""
+    out = _numbers_of_the_whole(summary) if "stands" in summary else []
+    if summary["parts"]:
+        out.append(("macro-elements", len({part["element"] for part in summary["parts"]}), ""))
+    out.append(("mechanisms looked at", len(summary["mechanisms"]), ""))
+    for one in (summary["check"] or {}).get("verdicts", []):
+        out.append((f"{one['check']} check, {one['state']}: borne over asked for", number(one["ratio"], digits=3), ""))
+    return out
+
+
+def _numbers_of_the_whole(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:
+    """The headline numbers of the whole."""
     out: list[tuple[str, object, str]] = [("stands under its dead loads", "yes" if summary["stands"] else "no", "")]
     if summary["bears_nothing"]:
         out.append(("load factor", "none", ""))
@@ -91,12 +110,7 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:
         out.append(("load factor, an upper value", number(summary["associated"]), ""))
     if summary.get("least") and not summary["bears_nothing"]:
         out.append(("least factor found without dilation", number(summary["least"]["factor"]), ""))
-    out.append(("blocks that move", len(summary["mechanism"]["moving_blocks"]), f" of {summary['blocks']}"))
-    if summary["verdict"]:
-        out.append(("verdict of the check", summary["verdict"]["state"], ""))
-    for one in (summary["check"] or {}).get("verdicts", []):
-        out.append((f"{one['check']} check, {one['state']}: borne over asked for", number(one["ratio"], digits=3), ""))
-    return out
+    return [*out, ("blocks that move", len(summary["mechanism"]["moving_blocks"]), f" of {summary['blocks']}")]
 
 
 def _looked(basis: Mapping[str, Any]) -> list[list[str]]:
@@ -109,6 +123,12 @@ def _looked(basis: Mapping[str, Any]) -> list[list[str]]:
         ]
         for one in basis["looked"]
     ]  # fmt: skip
+
+
+def _steps(check: Mapping[str, Any]) -> list[list[str]]:
+    """The values of a check in their order, those that follow from others with the formula and its numbers."""
+    worked = {line.partition(" = ")[0]: line.partition(" = ")[2] for lines in check["worked"].values() for line in lines}
+    return [[step["symbol"], _value(step), worked.get(step["symbol"], ""), step["clause"], step["meaning"]] for step in check["steps"]]
 
 
 def _value(step: Mapping[str, Any]) -> str:
@@ -124,89 +144,36 @@ def _ties(summary: Mapping[str, Any]) -> list[list[str]]:
             tie["tie"], f"{tie['block_a']} to {tie['block_b']}", force(tie["tension_n"]),
             "never" if tie["yield_force_n"] is None else force(tie["yield_force_n"]), "yes" if tie["yields"] else "no",
         ]
-        for tie in summary["ties"]
+        for tie in summary.get("ties", ())
     ]  # fmt: skip
 
 
-CSV, PAGE, JSON, PICTURES = "macro_elements.csv", "macro_elements.html", "macro_elements.json", "macro_elements"
-COLUMNS = (
-    "element", "kind", "push", "mechanism", "found", "height", "moving_blocks", "alpha0", "fraction", "acceleration", "demand", "ratio",
-    "state", "doubt", "undecided", "check", "last", "displacement", "displacement_demand", "displacement_ratio", "no_displacement",
-)  # fmt: skip
-HEADS = COLUMNS[:5] + (
-    "height_m", "moving_blocks", "alpha0", "e_star", "a0_m_s2", "demand_m_s2", "ratio", "verdict", "e_star_is_one", "why", "check", "d0_m",
-    "displacement_m", "displacement_demand_m", "displacement_ratio", "no_check_by_displacements",
-)  # fmt: skip
+def _least(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """The gravest mechanism of each part and push, the first in the table."""
+    first: dict[tuple[str, str], Mapping[str, Any]] = {}
+    for row in rows:
+        first.setdefault((row["element"], row["push"]), row)
+    return list(first.values())
 
 
-@dataclass(frozen=True)
-class MacroPage:
-    """What the page shows."""
-
-    summary: Mapping[str, Any]  # macro_elements.json
-    least: Sequence[Mapping[str, Any]]  # the first row of each part and push
-    held: Sequence[str]  # parts that are held
-    scene: str  # its text
-    command: str
-    report: Mapping[str, Any]  # the scene's table [report]
-    damage: Mapping[str, str] = field(default_factory=dict)  # of the groups of each part in a run, by its name
-
-
-def write_macro_csv(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Write all mechanisms, the least ratio first."""
-    write_csv(path, HEADS, ([row[name] for name in COLUMNS] for row in rows), digits=6)
+def _notes(summary: Mapping[str, Any], least: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What to know of the table of mechanisms, a sentence or two each."""
+    out = []
+    if any(row["doubt"] for row in least):
+        out.append("¹ e* = 1 is taken, the safe side: the mechanism dilates, spreads, or moves much that takes no part.")
+    if any(row["check"] == "non-linear" for row in least):
+        out.append("² The check by displacements decides; elsewhere that by accelerations.")
+    if any(row["displacement"] is not None for row in least):
+        out.append("The friction of interlock counts in α0 and not in d0*, since it does not last to collapse (C8.7.1.2.1.6).")
+    if why_not := [*dict.fromkeys(row["no_displacement"] for row in least if row["no_displacement"])]:
+        out.append(f"No check by displacements: {'; '.join(why_not)}.")
+    if undecided := [*dict.fromkeys(row["undecided"] for row in least if row["undecided"])]:
+        out.append(f"Why some are not decided: {'; '.join(undecided)}.")
+    return out + [f"Left open by the clauses: {one}." for one in summary["left_open"]]
 
 
-def write_macro_page(page: MacroPage, drawn: Mapping[Path, str], path: Path) -> None:
-    """Write the page; ``drawn`` are PNGs with what each shows."""
-    summary, least = page.summary, page.least
-    block = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene)
-    rows = [_row(page, row) for row in least]
-    columns = [*rows[0]] if rows else []
-    write_document(
-        path,
-        "macro_elements.html",
-        title=summary["title"],
-        page=Head(summary["title"], summary["lines"][:1], doubts(summary), _tiles(summary, page), block, on_the_check(summary["verdict"])),
-        csv=CSV,
-        columns=columns,
-        rows=rows,
-        numbers=range(3, columns.index("verdict") if "verdict" in columns else len(columns) - bool(page.damage)),
-        any_doubt=any(row["doubt"] for row in least),
-        by_displacements=any(row["check"] == "non-linear" for row in least),
-        followed=_followed(page),
-        why_not=[*dict.fromkeys(row["no_displacement"] for row in least if row["no_displacement"])],
-        held=page.held,
-        undecided=[*dict.fromkeys(row["undecided"] for row in least if row["undecided"])],
-        left_open=summary["left_open"],
-        modelled=summary["modelled"],
-        drawn=pictures(drawn),
-        command=page.command,
-        scene=page.scene,
-    )
-
-
-def _checked(page: MacroPage) -> bool:
-    """Whether a check by a code was asked for."""
-    return bool(page.least) and page.least[0]["ratio"] is not None
-
-
-def _tiles(summary: Mapping[str, Any], page: MacroPage) -> list[tuple[str, object, str]]:
-    """The headline numbers."""
-    out: list[tuple[str, object, str]] = [("verdict", summary["verdict"]["state"], "")] if summary["verdict"] else []
-    out += [("macro-elements", summary["elements"], ""), ("mechanisms looked at", len(summary["mechanisms"]), "")]
-    if _checked(page):
-        out.append(("least ratio, borne over asked for", number(page.least[0]["ratio"], digits=3), ""))
-    return out
-
-
-def _followed(page: MacroPage) -> bool:
-    """Whether a mechanism of the table has its check by displacements."""
-    return any(row["displacement"] is not None for row in page.least)
-
-
-def _row(page: MacroPage, row: Mapping[str, Any]) -> dict[str, str | Badge]:
-    """The least mechanism of a part and push, by the columns of the table."""
+def _row(row: Mapping[str, Any], damage: Mapping[str, str]) -> dict[str, str | Badge]:
+    """A mechanism by the columns of the table; ``damage`` of a run by the names of parts."""
     cells: dict[str, str | Badge] = {
         "part": row["element"],
         "push": row["push"],
@@ -216,14 +183,13 @@ def _row(page: MacroPage, row: Mapping[str, Any]) -> dict[str, str | Badge]:
         "e*": _aligned(row["fraction"]) + ("¹" if row["doubt"] else ""),
         "a0* [m/s²]": _aligned(row["acceleration"], 4),
     }
-    if _checked(page):
+    if row["ratio"] is not None:
         cells["asked for [m/s²]"] = _aligned(row["demand"], 4)
-        if _followed(page):
-            for name, key in (("d0* [mm]", "last"), ("borne [mm]", "displacement"), ("asked for [mm]", "displacement_demand")):
-                cells[name] = "–" if row[key] is None else number(1e3 * row[key], digits=3)
+        for name, key in (("d0* [mm]", "last"), ("borne [mm]", "displacement"), ("asked for [mm]", "displacement_demand")):
+            cells[name] = "–" if row[key] is None else number(1e3 * row[key], digits=3)
         cells["ratio"] = _aligned(row["ratio"]) + ("²" if row["check"] == "non-linear" else "")
-        cells["verdict"] = Badge(f"verdict {VERDICTS[row['state']]}", row["state"])
-    return cells | ({"damage in the run": page.damage.get(row["element"], "")} if page.damage else {})
+        cells["verdict"] = Badge(f"verdict {STATES_OF_CHECKS[row['state']]}", row["state"])
+    return cells | ({"damage in the run": damage.get(row["element"], "")} if damage else {})
 
 
 def _aligned(value: float, digits: int = 3) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of a limit analysis: blocks.csv, joints.csv, ties.csv, and check.csv, the check of a mechanism by a code, step by step."""
+"""The tables of a limit analysis: mechanisms.csv, blocks.csv, joints.csv, ties.csv, and check.csv, the check by a code step by step."""
 
 from __future__ import annotations
 
@@ -24,6 +24,22 @@ JOINTS = (
     "hinge_x_m", "hinge_y_m", "hinge_z_m", "normal_force_n", "shear_force_n", "force_x_m", "force_y_m", "force_z_m",
     "closing", "stress_block_share",
 )  # fmt: skip
+
+MECHANISMS = {  # column of mechanisms.csv by the name of the value in limit.json
+    "element": "element", "kind": "kind", "push": "push", "mechanism": "mechanism", "found": "found", "height": "height_m",
+    "moving_blocks": "moving_blocks", "alpha0": "alpha0", "fraction": "e_star", "acceleration": "a0_m_s2", "demand": "demand_m_s2",
+    "ratio": "ratio", "state": "verdict", "doubt": "e_star_is_one", "undecided": "why", "check": "check", "last": "d0_m",
+    "displacement": "displacement_m", "displacement_demand": "displacement_demand_m", "displacement_ratio": "displacement_ratio",
+    "no_displacement": "no_check_by_displacements",
+}  # fmt: skip
+
+
+def write_mechanisms(rows: Sequence[Mapping[str, Any]], folder: Path) -> list[Path]:
+    """Write mechanisms.csv; nothing without mechanisms."""
+    if not rows:
+        return []
+    write_csv(folder / "mechanisms.csv", tuple(MECHANISMS.values()), ([row[name] for name in MECHANISMS] for row in rows), digits=6)
+    return [folder / "mechanisms.csv"]
 
 
 def write_tables(collapse: Collapse, assembly: Assembly, joints: Joints, folder: Path) -> list[Path]:

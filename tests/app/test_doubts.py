@@ -17,13 +17,13 @@ from pydantic import BaseModel
 import loads
 from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.doubts import doubts, structure_doubts
-from masonry_cd.app.limit_case import case_of
-from masonry_cd.app.limit_case import summary as limit_summary
 from masonry_cd.app.record_doubts import unusual_pga
 from masonry_cd.app.scene import Scene, parse_scene, read_scene
 from masonry_cd.app.starters import starter
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.units import Declared, declared_at
+from masonry_cd.limit.case import limit_case
+from masonry_cd.limit.facts import facts
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.materials import Material
@@ -195,7 +195,7 @@ def test_the_lines_stand_among_the_warnings_of_a_run_and_the_notes_of_a_limit_an
     path.write_text(TEXT.replace('kind = "file"\npath = "blocks.json"', 'kind = "column"\ndrums = 2').replace("0.6", "1.5"))
     scene = read_scene(path)
     (line,) = structure_doubts(scene, structure_of(scene).blocks)
-    assert line in limit_summary(case_of(scene))["notes"]
+    assert line in facts(limit_case(scene))["notes"]
     assert line in prepare(scene).warnings
 
 

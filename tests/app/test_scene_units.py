@@ -21,13 +21,13 @@ from typer.testing import CliRunner
 import loads
 import masonry_cd as mc
 from masonry_cd.app.case import prepare
-from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_schema import scene_schema
 from masonry_cd.app.scene_text import dump_toml, parse_toml
 from masonry_cd.app.scene_units import scene_in_si, unit_of_key
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.units import KINDS
+from masonry_cd.limit.case import limit_case
 from structures import KINDS as STRUCTURES
 from structures.tables import CommonTable
 
@@ -94,7 +94,7 @@ def test_a_scene_with_units_is_the_scene_with_numbers() -> None:
     plain, given = (parse_scene(text, Path("scene.toml")) for text in (NUMBERS, WITH_UNITS))
     assert scene_in_si(parse_toml(WITH_UNITS, Path("a"))) == parse_toml(NUMBERS, Path("a"))
     assert (given.run, given.material, given.text) == (plain.run, plain.material, WITH_UNITS)
-    assert case_of(given).loads.constant.tolist() == case_of(plain).loads.constant.tolist()
+    assert limit_case(given).whole.loads.constant.tolist() == limit_case(plain).whole.loads.constant.tolist()
     one, other = prepare(plain), prepare(given)
     assert (one.loading.support_velocity == other.loading.support_velocity).all()
     assert one.warnings == other.warnings

@@ -8,13 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from limit_said import said
 from models import GRAVITY, box, ground
 from test_limit_case import pillar, scene
 
-from masonry_cd.app.limit_case import LimitCase, limit_case, lines
-from masonry_cd.app.limit_macro import macro_case
-from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.limit.case import LimitCase, Wanted, limit_case
 
 WIDE, HIGH = 0.5, 1.5  # of the pillar, 0.4 m thick
 WEIGHT, LOAD = 2000.0 * GRAVITY * WIDE * 0.4 * HIGH, 4000.0
@@ -37,7 +36,7 @@ def test_a_mass_on_a_pillar_is_pushed_with_it_and_is_part_of_its_oscillator(tmp_
     theta = math.atan(0.5 * WIDE / MIDDLE)  # both are over the toe
     control = 0.5 * WIDE * (1.0 - math.cos(theta)) + 0.5 * HIGH * math.sin(theta)
     assert made["d0*"] == pytest.approx(control * MIDDLE / (0.5 * HIGH), rel=1e-4)
-    assert not any("without mass" in line for line in lines(case))
+    assert not any("without mass" in line for line in said(case))
 
 
 def test_a_force_without_mass_is_said_beside_a_check(tmp_path: Path) -> None:
@@ -46,12 +45,12 @@ def test_a_force_without_mass_is_said_beside_a_check(tmp_path: Path) -> None:
     made = steps(case)
     assert made["alpha0"] == pytest.approx((WEIGHT + LOAD) * 0.5 * WIDE / (WEIGHT * 0.5 * HIGH), rel=1e-9)
     assert made["sum P"] == pytest.approx(WEIGHT, rel=1e-9)
-    assert any("loads[0] (point) acts as a force without mass" in line and "limit.masses = [0]" in line for line in lines(case))
+    assert any("loads[0] (point) acts as a force without mass" in line and "limit.masses = [0]" in line for line in said(case))
 
 
 def test_gravity_on_masses_is_tilted_with_that_of_the_blocks(tmp_path: Path) -> None:
     pushed, tilted = (
-        limit_case(scene(tmp_path, pillar(), f"{TOP}[limit]\n{way} = 'x'\nmasses = [0]\n")).analysis.associated.factor
+        limit_case(scene(tmp_path, pillar(), f"{TOP}[limit]\n{way} = 'x'\nmasses = [0]\n")).whole.analysis.associated.factor
         for way in ("push", "tilt")
     )
     assert tilted == pytest.approx(pushed, rel=1e-12)
@@ -61,10 +60,10 @@ def test_the_curves_of_masses_and_of_live_loads_are_those_of_the_moved_blocks(tm
     """Balance of moments about the toe at every point: a mass goes with its block, as the point of attack of a live load does."""
     side = f'[[loads]]\nkind = "point"\nblock = "a"\nforce = [1000.0, 0, 0]\npoint = [0.25, 0, {HIGH}]\n'
     for tables in (f"{TOP}[limit]\npush = 'x'\nmasses = [0]\n", f"{TOP}{side}[limit]\nlive = [1]\n"):
-        case = limit_case(scene(tmp_path, pillar(), tables), curve=True)
-        assert case.curve is not None and case.curve.falls
-        for k in range(0, len(case.curve.factor), 7):
-            stage = case.curve.stages[k]
+        case = limit_case(scene(tmp_path, pillar(), tables), wanted=Wanted(curve=True))
+        assert case.whole.curve is not None and case.whole.curve.falls
+        for k in range(0, len(case.whole.curve.factor), 7):
+            stage = case.whole.curve.stages[k]
             top = stage.assembly.blocks[1].vertices
             x, z = top[np.argsort(top[:, 2])[-2:]].mean(axis=0)[[0, 2]] if k == 0 else _top(top)
             centre = stage.assembly.centre[1]
@@ -84,8 +83,8 @@ def _top(corners: np.ndarray) -> tuple[float, float]:
 def test_masses_count_in_macro_elements(tmp_path: Path) -> None:
     part = '[[limit.mechanism]]\nblocks = ["a"]\ndirection = "x"\nmechanisms = ["overturning"]\n[limit]\nmasses = [0]\n'
     part += f"{CHECK}displacements = false\n"
-    case = macro_case(read_scene(scene(tmp_path, pillar(), TOP + part)), False, jobs=1)
-    first = case.rows[0]
+    case = limit_case(scene(tmp_path, pillar(), TOP + part), wanted=Wanted(jobs=1))
+    first = case.mechanisms[0].row
     assert first.alpha0 == pytest.approx(0.5 * WIDE / MIDDLE, rel=1e-6) and first.fraction == pytest.approx(1.0, rel=1e-6)
 
 

@@ -257,7 +257,7 @@ def test_every_format_of_blocks_is_written_twice(block_on_plate, tmp_path):
     ("file", "command"),
     [
         ("limit.html", ["limit"]),
-        ("macro_elements.csv", ["limit", "--macro-elements"]),
+        ("mechanisms.csv", ["limit", "--macro-elements"]),
         ("modal.csv", ["modal", "--young", "1e9"]),
         ("plan.svg", ["build", "--no-picture"]),
         ("accuracy.csv", ["accuracy"]),

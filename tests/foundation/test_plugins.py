@@ -230,7 +230,7 @@ def test_a_mechanism_of_a_package_has_its_factor(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(TOWER)
     code, said = command("limit", tmp_path / "scene.toml", "-o", tmp_path / "out")
     assert code == 0, said
-    rows = list(csv.DictReader((tmp_path / "out" / "macro_elements.csv").open(encoding="utf-8")))
+    rows = list(csv.DictReader((tmp_path / "out" / "mechanisms.csv").open(encoding="utf-8")))
     own = [row for row in rows if row["mechanism"].startswith("toppling")]
     assert own and min(float(row["alpha0"]) for row in own) == pytest.approx(0.5, rel=1e-3)
     (tmp_path / "scene.toml").write_text(TOWER.replace("toppling", "topling"))

@@ -18,12 +18,12 @@ CHECK = {"spectrum": "EC8", "ag": 2.0}
 
 def test_tables_and_verdict_are_those_of_the_command(tmp_path: Path) -> None:
     found = mc.macro_elements(mc.scene(two_blocks(), limit={"check": CHECK}), tmp_path / "out", jobs=1)
-    made = json.loads((tmp_path / "out" / "macro_elements.json").read_text())
-    with (tmp_path / "out" / "macro_elements.csv").open() as file:
+    made = json.loads((tmp_path / "out" / "limit.json").read_text())
+    with (tmp_path / "out" / "mechanisms.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert list(found.mechanisms.columns) == list(rows[0]) and len(found.mechanisms) == len(rows)
     assert found.parts["ratio"].is_monotonic_increasing and len(found.parts) == len(found.parts[["element", "push"]].drop_duplicates())
-    assert found.verdict is not None and found.verdict["words"] == made["verdict"]["words"] and found.verdict["words"] in str(found)
+    assert found.verdict is not None and found.verdict["words"] == made["verdict"]["words"] and found.verdict["reason"] in str(found)
     assert found.verdict["state"] in repr(found)
     with pytest.raises(mc.InputError, match="force"):
         found.write(tmp_path / "out")

@@ -39,11 +39,13 @@ def limit_page(folder: Path, title: str = "An arch") -> str:
     summary = {
         "title": title, "version": "0", "stands": True, "bears_nothing": False, "no_finite_factor": False, "associated": 0.2, "least": None,
         "blocks": 2, "joints": 1, "notes": [title], "modelled": ["masses: 1 t"], "check": None, "ties": [], "certificate": None,
-        "verdict": {"state": "not decided", "reason": title}, "solver": {"method": "m", "iterations": 1},
+        "mechanisms": [], "parts": [], "left_open": [], "without": [],
+        "solver": {"method": "m", "iterations": 1},
+        "verdict": {"state": "not decided", "confidence": "doubtful", "because": "", "reason": title},
         "mechanism": {"of": "associated", "moving_blocks": [title]} | {f"joints_{key}": 0 for key in STATES},
     }  # fmt: skip
     summary["on_the_whole"] = on_the_whole(summary).as_dict()
-    write_limit_page(LimitPage(summary, [title], title, [], {"project": title}), [], folder / "limit.html")
+    write_limit_page(LimitPage(summary, [title], [title], title, [], {"project": title}), {}, folder / "limit.html")
     return (folder / "limit.html").read_text(encoding="utf-8")
 
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.limit.case import limit_case
 from masonry_cd.studies.assess.command import check_statics
 from masonry_cd.studies.assess.plan import AssessPlan
 from masonry_cd.studies.study.checks import scene_of_run
@@ -45,7 +45,7 @@ def test_fill_block_size_and_rings_of_a_bridge_are_varied_and_the_load_factor_fo
     }
     by_level = {tuple(part.values().items()): run for part, run in zip(plan.parts, plan.runs, strict=True) if part.kind == "level"}
     factors = [
-        case_of(scene_of_run(plan.maker.tables(by_level[(level,)].asked))).analysis.governing.factor
+        limit_case(scene_of_run(plan.maker.tables(by_level[(level,)].asked))).whole.analysis.governing.factor
         for level in (("fill resistance", "none"), ("fill angle", "25 degrees"), ("fill angle", "35 degrees"), ("fill resistance", "twice"))
     ]
     assert factors == sorted(factors)

@@ -11,11 +11,11 @@ import pytest
 from typer.testing import CliRunner
 
 import structures
-from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.io.summary import Summary
+from masonry_cd.limit.case import limit_case
 from masonry_cd.studies.laboratory import field_tests, granite_walls
 from masonry_cd.studies.laboratory.case import run_in
 from masonry_cd.studies.laboratory.cases import CASES, overturning, restitution
@@ -78,8 +78,8 @@ def test_what_was_measured_of_rocking_blocks_lies_beside_the_computed_curve() ->
 def test_the_bridge_is_computed_once_and_its_scene_gives_the_same_load_again(tmp_path: Path) -> None:
     load, hinges = field_tests.collapse(field_tests.PRESTWOOD, "structure.fill.passive=0.5", folder=tmp_path)
     assert hinges == 4
-    again = case_of(read_scene(tmp_path / "scene.toml"))
-    assert again.analysis.governing.factor == load
+    again = limit_case(read_scene(tmp_path / "scene.toml"))
+    assert again.whole.analysis.governing.factor == load
     (fill,) = structures.make(read_scene(tmp_path / "scene.toml").structure, 1800.0, tmp_path).fills
     assert (fill.passive, fill.density) == (0.5, 2040.0)
     assert fill.level == pytest.approx(1.428 + 0.22 + 0.165, abs=1e-2)  # crown of a faceted ring

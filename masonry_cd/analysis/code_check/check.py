@@ -6,16 +6,17 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from masonry_cd.analysis.code_check.borne import Borne, just_borne
 from masonry_cd.analysis.code_check.ground import Ground, ground_of
 from masonry_cd.analysis.code_check.level import Level
-from masonry_cd.analysis.code_check.steps import CodeCheck, Step
+from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Step
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.code_check.verdicts import Basis
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 
 def code_check(table: CheckTable, oscillator: Oscillator, folder: Path, basis: Basis | None = None) -> CodeCheck:
-    """Check a mechanism.
+    """Check a mechanism at the height of its table, and find what it just bears.
 
     Args:
         table: what is asked.
@@ -26,12 +27,35 @@ def code_check(table: CheckTable, oscillator: Oscillator, folder: Path, basis: B
     Raises:
         InputError: a record that cannot be read.
     """
-    made: CodeCheck = table.by.check(table, oscillator, ground_of(table, folder))
+    ground = ground_of(table, folder)
+    made = replace(_checked(table, oscillator, ground), borne=_borne(table, oscillator, ground))
     return made.resting_on(basis or Basis())
 
 
 def check_at(table: CheckTable, level: Level, oscillator: Oscillator, ground: Ground, basis: Basis) -> CodeCheck:
     """Check a mechanism that is held at a level."""
-    made: CodeCheck = table.by.check(table.at(level.counted), oscillator, ground)
-    steps = (Step("z", level.height, "m", table.by.height, level.words), *made.steps)
+    made = _checked(table.at(level.counted), oscillator, ground)
+    own = Step("z", level.height, "m", table.by.height, level.words, part=BUILDING)
+    steps = (own, *(step for step in made.steps if step.symbol != own.symbol))
     return replace(made, steps=steps, level=level).resting_on(replace(basis, doubt=level.doubt or basis.doubt))
+
+
+def with_borne(made: CodeCheck, table: CheckTable, level: Level, oscillator: Oscillator, ground: Ground) -> CodeCheck:
+    """A check with the acceleration of the ground that each of its verdicts just meets: a search of some twenty checks."""
+    return replace(made, borne=_borne(table.at(level.counted), oscillator, ground))
+
+
+def _checked(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
+    """The check by the code of a table; gravity is that of the mechanism in all formulas."""
+    made: CodeCheck = table.by.check(table, oscillator, ground.under(oscillator.gravity))
+    return made
+
+
+def _borne(table: CheckTable, oscillator: Oscillator, ground: Ground) -> tuple[Borne, ...]:
+    """What each verdict of a check just meets."""
+
+    def met(ag: float, k: int) -> float:
+        return _checked(table, oscillator, ground.scaled(ag)).verdicts[k].met
+
+    verdicts = _checked(table, oscillator, ground).verdicts
+    return tuple(just_borne(one.check, lambda ag, k=k: met(ag, k), ground.ag) for k, one in enumerate(verdicts))  # type: ignore[misc]

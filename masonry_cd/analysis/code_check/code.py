@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import CodeCheck
 from masonry_cd.analysis.code_check.table import CheckTable
@@ -22,4 +24,6 @@ class Code:
     by_displacements: tuple[str, ...] = ()  # those of them that it checks by displacements, too
     storeys: bool = False  # the mode of a building takes part by its storeys, and is damped
     parts_vibrate: str = ""  # where element_period applies: "anywhere", "above the ground", nowhere where empty
+    raised: Callable[[CheckTable, Ground, np.ndarray, float], tuple[np.ndarray, np.ndarray]] | None = None
+    """Acceleration [m/s2] and displacement [m] asked for at the height of a table, (n,) each, of periods (n,) and a damping."""
     left_open: Callable[[CheckTable], tuple[str, ...]] = lambda _: ()  # what its clauses leave to the engineer, and what was taken

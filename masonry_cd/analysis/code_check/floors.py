@@ -17,13 +17,42 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
 
 from loads.signal.code_spectrum import damping_factor
 from masonry_cd.analysis.code_check.ground import Ground
+from masonry_cd.analysis.code_check.steps import Quantity, Working
 from masonry_cd.analysis.code_check.table import CheckTable
 
 RISE, FALL = 0.8, 1.1  # a and b: over T1, where the largest amplification begins and ends
 BEFORE, AFTER = 1.6, 1.2  # powers of its flanks
+AMPLIFIED = "[C7.2.6], [C7.2.9]"
+ROWS = {
+    "H": Quantity("m", "C7.2.3", "height of the building"),
+    "z": Quantity("m", "C7.2.3", "height at which the mechanism is held, above the foundation"),
+    "T1": Quantity("s", "C7.2.3", "period of the building"),
+    "xi1": Quantity("", "C7.2.3", "damping of the building"),
+    "eta1": Quantity("", "C7.2.3", "what it makes of the spectrum", "max(0.55, sqrt(10 / (5 + 100 xi1)))"),
+    "Se(T1, xi1)": Quantity("m/s2", "[C7.2.7]", "elastic spectrum at that period"),
+    "n": Quantity("", "[C7.2.10]", "storeys"),
+    "gamma1": Quantity("", "[C7.2.10]", "participation of its first mode"),
+    "psi1(z)": Quantity("", "C7.2.3", "mode at the height of the mechanism", "z / H"),
+    "aZ": Quantity("m/s2", "[C7.2.7], [C7.2.8]", "peak acceleration there", "Se(T1, xi1) gamma1 psi1(z) sqrt(1 + 0.0004 (100 xi1)^2)"),
+    "A": Quantity("", AMPLIFIED, "largest amplification", "1.1 eta / sqrt(xi1)"),
+    "F": Quantity("", AMPLIFIED, "how far the period is from that of the building, zero in resonance"),
+    "SeZ(T)": Quantity("m/s2", "[C7.2.5], [C7.2.6]", "spectrum of the floor at that period"),
+}
+
+
+class FloorPoint(NamedTuple):
+    """The spectrum of a floor at a period."""
+
+    most: float  # A
+    away: float  # |1 - T / c|^p
+    ground: float  # S_e there [m/s2]
+    acceleration: float  # S_eZ [m/s2]
 
 
 @dataclass(frozen=True)
@@ -47,23 +76,50 @@ class Floor:
         per_cent = 100.0 * self.damping
         return self.ground.acceleration(self.period, self.damping) * self.share * math.sqrt(1.0 + 0.0004 * per_cent**2)
 
-    def acceleration(self, period: float, damping: float) -> float:
-        """S_eZ [m/s2]."""
-        most = 1.1 * damping_factor(damping) / math.sqrt(self.damping)
+    def at(self, period: float, damping: float) -> FloorPoint:
+        """S_eZ at a period [s], and what it is made of."""
+        most, peak = 1.1 * damping_factor(damping) / math.sqrt(self.damping), self.peak
         first, last = RISE * self.period, FALL * self.period
         away = 0.0
         if period < first:
             away = (1.0 - period / first) ** BEFORE
         elif period >= last:
             away = (period / last - 1.0) ** AFTER
-        found = most * self.peak / (1.0 + (most - 1.0) * away)
-        return max(found, self.ground.acceleration(period, damping)) if period > self.period else found
+        found, ground = most * peak / (1.0 + (most - 1.0) * away), self.ground.acceleration(period, damping)
+        return FloorPoint(most, away, ground, max(found, ground) if period > self.period else found)
 
-    def displacement(self, period: float, damping: float) -> float:
-        """Of an oscillator, not below that at the end of the amplification where its period is longer (C8.7.1.12) [m]."""
-        end = FALL * self.period
-        found = _displacement(self.acceleration(period, damping), period)
-        return max(found, _displacement(self.acceleration(self.period, damping), end)) if period > end else found
+    def put(self, made: Working, period: float, damping: float, of: str) -> float:
+        """Note S_eZ at a period whose symbol is ``of``, and what it is made of; return it [m/s2]."""
+        there = self.at(period, damping)
+        if made.known.get("A") != there.most:
+            made.put("eta", damping_factor(damping))
+            made.put("A", there.most)
+        flank = f"(1 - {of} / ({RISE:g} T1))^{BEFORE:g}" if period < RISE * self.period else f"({of} / ({FALL:g} T1) - 1)^{AFTER:g}"
+        made.put("F", there.away, flank if there.away else "")
+        formula = "A aZ / (1 + (A - 1) F)"
+        if period > self.period:
+            made.put(f"Se({of})", there.ground, self.ground.formula(period, of, True), like="Se(T)")
+            formula = f"max({formula}, Se({of}))"
+        return made.put(f"SeZ({of})", there.acceleration, formula, like="SeZ(T)")
+
+    def displaced(self, made: Working, period: float, damping: float, of: str) -> tuple[float, str]:
+        """The displacement that is asked for at a period whose symbol is ``of`` [m], and its formula; notes what that needs."""
+        self.put(made, period, damping, of)
+        formula, found = f"SeZ({of}) {of}^2 / (4 pi^2)", self._displacement(period, damping)
+        if period <= FALL * self.period:
+            return found, formula
+        self.put(made, self.period, damping, "T1")
+        return found, f"max({formula}, SeZ(T1) ({FALL:g} T1)^2 / (4 pi^2))"
+
+    def _displacement(self, period: float, damping: float) -> float:
+        """The displacement at a period, not below that at the end of the amplification where it is longer (C8.7.1.12) [m]."""
+        found, end = _displacement(self.at(period, damping).acceleration, period), FALL * self.period
+        return found if period <= end else max(found, _displacement(self.at(self.period, damping).acceleration, end))
+
+    def spectrum_at(self, periods: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:
+        """Acceleration [m/s2] and displacement [m] at periods, (n,) each."""
+        found = np.array([self.at(period, damping).acceleration for period in periods.tolist()])
+        return found, np.array([self._displacement(period, damping) for period in periods.tolist()])
 
 
 def _displacement(acceleration: float, period: float) -> float:

@@ -1,34 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How high a mechanism is held: one meaning for the whole of a structure and for its parts.
 
-A mechanism is held along the line of its lowest point that moves. The height of that line counts from the foundation of the building, at
-``limit.check.foundation`` or at the lowest block, and is never less than ``limit.check.height``. Up to ON_THE_GROUND the motion of the
-ground is that of the mechanism.
+A mechanism is held along the lines that constrain it (:mod:`masonry_cd.analysis.limit.held`). The height Z of their centroid counts from
+the foundation of the building, at ``limit.check.foundation`` or at the lowest block, and is never less than ``limit.check.height``. Up to
+ON_THE_GROUND the motion of the ground is that of the mechanism.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from masonry_cd.analysis.code_check.verdicts import ON_THE_GROUND
+from masonry_cd.analysis.limit.held import lowest_point
 from masonry_cd.foundation.errors import InputError
 
 if TYPE_CHECKING:
     from masonry_cd.analysis.code_check.table import CheckTable
     from masonry_cd.mechanics.model.blocks import Assembly
 
-ON_THE_GROUND = 0.5  # height up to which the motion of the ground is that of a mechanism [m]
-
 
 @dataclass(frozen=True)
 class Level:
     """Where a mechanism is held."""
 
-    line: float  # z of its lowest point that moves [m]
-    height: float  # above the foundation [m]
+    line: float  # z of the centroid of the lines that constrain it [m]
+    height: float  # Z, above the foundation [m]
     by: str  # what says so: where the foundation is, or limit.check.height
     counted: float  # height of the building whose motion is asked for [m]; 0: the ground
     doubt: str = ""  # why "satisfied" does not follow there, in words
@@ -55,13 +54,8 @@ def foundation_of(table: CheckTable | None, assembly: Assembly) -> float:
     return table.foundation
 
 
-def lowest_point(assembly: Assembly, blocks: Iterable[int]) -> float:
-    """The z of the lowest corner of some blocks [m]."""
-    return min((float(assembly.blocks[b].vertices[:, 2].min()) for b in blocks), default=0.0)
-
-
 def level_of(table: CheckTable, line: float, foundation: float) -> Level:
-    """The level of a mechanism whose lowest point that moves has a z [m]."""
+    """The level of a mechanism whose constraint lines have their centroid at a z [m]."""
     own = max(line - foundation, 0.0)
     height, doubt = max(own, table.height), ""
     if own > ON_THE_GROUND and not table.building:

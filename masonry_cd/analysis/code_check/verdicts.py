@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The one verdict of a check, which every output has: what decides it, with its numbers.
+"""The one verdict of a check, which every output has: its result, how sure that is, and what decides it, with its numbers.
 
 The least of the checks that were made decides, and of the mechanisms looked at the one with the least capacity over its demand. The
 Circolare lets the check by displacements stand in for that by accelerations (C8.7.1.2.1.7), but it is made of one mechanism only: of the
 others the accelerations are all that is known.
+
+Result and confidence are two things. One mechanism that starts under the demand is enough for "NOT satisfied", however it was found: that
+is certain. "satisfied" says something of all mechanisms, and rests on a search. Everything else is doubtful, because of something.
 """
 
 from __future__ import annotations
@@ -12,13 +15,16 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from masonry_cd.analysis.code_check.level import ON_THE_GROUND
-
+ON_THE_GROUND = 0.5  # height up to which the motion of the ground is that of a mechanism [m]
 HOLDS = 1e-9  # share by which a demand may exceed a capacity and be met
 MARGIN = 0.05  # share of a capacity that is kept: held pushes have moved structures up to so far below the least factor that a search found
 NO_SEARCH = "the least factor without dilation is not known"
+LITTLE = f"less than the margin of {100.0 * MARGIN:g} % is left"
 NOT_SATISFIED, NOT_DECIDED, SATISFIED = "NOT satisfied", "not decided", "satisfied"
 WORST_FIRST = (NOT_SATISFIED, NOT_DECIDED, SATISFIED)
+PASSED = {SATISFIED: True, NOT_SATISFIED: False, NOT_DECIDED: None}
+CERTAIN, BY_SEARCH, DOUBTFUL = "certain", "by search", "doubtful"
+LINEAR, NON_LINEAR = "linear", "non-linear"  # checks: by accelerations, by displacements
 
 
 @dataclass(frozen=True)
@@ -71,18 +77,31 @@ class CheckResult:
     clause: str
     unmoved: float = 0.0  # a0* over the acceleration under which the mechanism starts at all, where that decides as well
     doubt: str = NO_SEARCH  # why "satisfied" does not follow, in words; empty where it may
+    fraction: float = 1.0  # e* by its formula, where one was taken in its place on the safe side
+    period: float = 0.0  # at which the demand is read from the spectrum [s]
+    damping: float = 0.05  # of that spectrum
+    q: float = 1.0  # by which its value is divided
 
     @property
     def state(self) -> str:
         """satisfied, NOT satisfied or not decided."""
-        if not self._met(1.0 + HOLDS):
+        if self.met * (1.0 + HOLDS) < 1.0:
             return NOT_SATISFIED
-        return NOT_DECIDED if self.doubt or not self._met(1.0 - MARGIN) else SATISFIED
+        return NOT_DECIDED if self.doubt or self.met * (1.0 - MARGIN) < 1.0 else SATISFIED
+
+    @property
+    def because(self) -> str:
+        """Why the state is doubtful, in words; empty where it is not."""
+        if self.state == NOT_DECIDED:
+            return self.doubt or LITTLE
+        if self.state == NOT_SATISFIED and self.met >= self.fraction:
+            return f"e* = 1 is taken, the safe side; with e* = {self.fraction:.3g} by its formula the demand is met"
+        return ""
 
     @property
     def passed(self) -> bool | None:
         """Whether the capacity is enough; None where that is not decided."""
-        return {SATISFIED: True, NOT_SATISFIED: False}.get(self.state)
+        return PASSED[self.state]
 
     @property
     def ratio(self) -> float:
@@ -90,25 +109,32 @@ class CheckResult:
         return self.capacity / self.demand
 
     @property
+    def met(self) -> float:
+        """The share of the demand that is met, by the capacity or since the mechanism does not start."""
+        return max(self.ratio, self.unmoved)
+
+    @property
     def words(self) -> str:
         """The verdict in a line."""
         sides = sides_in_words(self.capacity, self.demand, self.unit)
         end = "; the mechanism does not start" if self.unmoved >= 1.0 and self.demand > self.capacity else ""
-        if self.state == NOT_DECIDED:
-            end += undecided_words(self.doubt)
+        if self.because:
+            end += f"; {self.because}"
         return f"{self.check} check {self.state}: {sides}{end} ({self.clause})"
 
-    def _met(self, share: float) -> bool:
-        """Whether this share of the capacity is enough, or of what it takes to start the mechanism."""
-        return max(self.ratio, self.unmoved) * share >= 1.0
+    def numbers(self) -> dict[str, Any]:
+        """What check.json holds of it."""
+        more = {"confidence": confidence(self.state, self.because), "because": self.because}
+        return asdict(self) | {"state": self.state, "passed": self.passed, "ratio": self.ratio, "words": self.words} | more
 
 
 @dataclass(frozen=True)
-class Judgement:
-    """What a check amounts to."""
+class Verdict:
+    """The one verdict on a structure: a result, and how sure it is."""
 
-    state: str  # satisfied, NOT satisfied or not decided
-    reason: str  # in words
+    state: str  # the result: satisfied, NOT satisfied or not decided
+    reason: str  # what decides it, with its numbers
+    because: str = ""  # why it is doubtful, in words; empty where it is not
     check: str = ""  # linear or non-linear: the check that decides; empty where none was needed
     demand: float | None = None
     capacity: float | None = None
@@ -119,13 +145,30 @@ class Judgement:
     search: SearchNumbers | None = None
 
     @property
+    def confidence(self) -> str:
+        """certain, by search or doubtful."""
+        return confidence(self.state, self.because)
+
+    @property
+    def sure(self) -> str:
+        """How sure it is, in words."""
+        return ": ".join(filter(None, [self.confidence, self.because]))
+
+    @property
     def words(self) -> str:
         """The verdict in a line."""
-        return f"verdict: {self.state}: {self.reason}"
+        return f"verdict: {self.state}: {self.reason}; {self.sure}"
 
     def numbers(self) -> dict[str, Any]:
         """What limit.json holds of it."""
-        return asdict(self) | {"passed": {SATISFIED: True, NOT_SATISFIED: False}.get(self.state), "words": self.words}
+        return asdict(self) | {"confidence": self.confidence, "passed": PASSED[self.state], "words": self.words}
+
+
+def confidence(state: str, because: str) -> str:
+    """How sure a result is, with the reason why it is doubtful, if there is one."""
+    if because or state == NOT_DECIDED:
+        return DOUBTFUL
+    return BY_SEARCH if state == SATISFIED else CERTAIN
 
 
 def sides_in_words(capacity: float, demand: float, unit: str) -> str:
@@ -133,42 +176,44 @@ def sides_in_words(capacity: float, demand: float, unit: str) -> str:
     return f"{capacity:.4g} {unit} borne, {demand:.4g} {unit} asked for, ratio {capacity / demand:.3g}"
 
 
-def undecided_words(doubt: str) -> str:
-    """Why a check that is met decides nothing, as the end of a phrase; without a doubt it is the margin."""
-    return f"; {doubt or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
-
-
 def held_words(height: float) -> str:
     """How high a mechanism is held, as the end of a phrase; nothing of one on the ground."""
     return f", held {height:.4g} m up" if height > ON_THE_GROUND else ""
 
 
-def refused(reason: str, search: SearchNumbers | None = None) -> Judgement:
+def refused(reason: str, search: SearchNumbers | None = None) -> Verdict:
     """That of a structure which needs no check to fail."""
-    return Judgement(NOT_SATISFIED, reason, search=search)
+    return Verdict(NOT_SATISFIED, reason, search=search)
 
 
-def judgement(verdicts: Sequence[CheckResult], basis: Basis, notes: Sequence[str] = ()) -> Judgement:
+def how_grave(one: CheckResult) -> tuple[int, float]:
+    """By which the gravest of some checks is found: their state, then how far the demand is met."""
+    return WORST_FIRST.index(one.state), one.met
+
+
+def judged(verdicts: Sequence[CheckResult], basis: Basis, notes: Sequence[str] = ()) -> Verdict:
     """The verdict of some checks: that of the least; of none, why there is none."""
     if not verdicts:
-        return Judgement(NOT_DECIDED, "; ".join(notes), margin=MARGIN, search=basis.numbers)
-    least = min(verdicts, key=lambda one: (WORST_FIRST.index(one.state), max(one.ratio, one.unmoved)))
+        return Verdict(NOT_DECIDED, "; ".join(notes), margin=MARGIN, search=basis.numbers)
+    least = min(verdicts, key=how_grave)
     looked = basis.looked[0] if basis.looked else None
     found = basis.numbers
     of = f", {looked.found}, alpha0 {looked.alpha0:.4g}, e* {looked.fraction:.3g}{held_words(looked.height)}" if looked else ""
-    sides = sides_in_words(least.capacity, least.demand, least.unit)
-    reason = f"{least.check} check, {sides}{of}{_searched(found)}"
-    if least.state == NOT_DECIDED:
-        reason += undecided_words(least.doubt)
+    reason = f"{least.check} check, {sides_in_words(least.capacity, least.demand, least.unit)}{of}{searched_words(found)}"
+    because = least.because
     better = [one for one in verdicts if one.state == SATISFIED and least.state != SATISFIED]
     if better:
-        reason += f"; the {better[0].check} check alone is satisfied"
-    return Judgement(
-        least.state, reason, least.check, least.demand, least.capacity, least.unit, least.ratio, MARGIN, looked, found
-    )  # fmt: skip
+        because = "; ".join(filter(None, [because, f"the {better[0].check} check alone is satisfied"]))
+    return verdict_of(least, reason, because, looked, found)
 
 
-def _searched(found: SearchNumbers | None) -> str:
+def verdict_of(least: CheckResult, reason: str, because: str, looked: Looked | None, found: SearchNumbers | None) -> Verdict:
+    """The verdict that a check, the gravest, comes to."""
+    sides = (least.check, least.demand, least.capacity, least.unit, least.ratio)
+    return Verdict(least.state, reason, because, *sides, MARGIN, looked, found)
+
+
+def searched_words(found: SearchNumbers | None) -> str:
     """The starts of a search, their agreement and their spread."""
     if found is None or not found.starts:
         return ""
@@ -176,7 +221,7 @@ def _searched(found: SearchNumbers | None) -> str:
     return f"; {found.agreeing} of {found.starts} starts agree{spread}"
 
 
-def worst(found: Sequence[Judgement]) -> Judgement | None:
+def worst(found: Sequence[Verdict]) -> Verdict | None:
     """The least of some verdicts, by state and then by ratio; None of none."""
     order = [(WORST_FIRST.index(one.state), one.ratio if one.ratio is not None else 0.0) for one in found]
     return found[order.index(min(order))] if found else None

@@ -12,6 +12,7 @@ import numpy as np
 from masonry_cd.analysis.limit.analysis import refuse_crushed, searched, searched_finely
 from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, Candidate, alike, dilation
 from masonry_cd.analysis.limit.crushing import solved_finely
+from masonry_cd.analysis.limit.held import held_at
 from masonry_cd.analysis.limit.linkage import with_displacements
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
@@ -54,9 +55,10 @@ class PartMechanism:
     source: str  # how it was found
     oscillator: Oscillator
     moving: int  # blocks that move
-    height: float  # of the lowest point that moves [m]
+    height: float  # z at which it is held [m]
     velocity: np.ndarray  # in the unknowns of the part's blocks
     found: Candidate | None  # of the gravest mechanisms of a part and a push only: a large structure has a megabyte of joints
+    stones: bool = False  # whether single stones slide by themselves: no mechanism of the part
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,10 +95,10 @@ def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[flo
     except Unbounded as failure:
         remarks.append(f"{FREE}: no answer, the part may not stand with all else held: {failure}")
     found.sort(key=lambda one: one.oscillator.acceleration())
-    grave = _grave(found)
+    gravest = grave(found)
     if effort.displacements:
-        found = [_followed(whole, one, effort) if k in grave else one for k, one in enumerate(found)]
-    found = [one if k in grave else replace(one, found=None) for k, one in enumerate(found)]
+        found = [_followed(whole, one, effort) if k in gravest else one for k, one in enumerate(found)]
+    found = [one if k in gravest else replace(one, found=None) for k, one in enumerate(found)]
     return ElementAnalysis(element, way, tuple(found), least, part.problem.points.count, part.interlock, tuple(remarks))
 
 
@@ -140,7 +142,8 @@ def _free(
         made = _made(part, element, way, (FREE, source), optimum, dilation(problem, optimum))
         assert made.found is not None
         if not any(alike(made.found, other.found) for other in out if other.found):
-            out.append(replace(made, name=f"{FREE}: {_counts(made.found.mechanism)}{_crushed(made.found.mechanism, part.whole)}"))
+            name, stones = named(made.found.mechanism, part.whole, part.free)
+            out.append(replace(made, name=name, stones=stones))
     return out, least
 
 
@@ -159,14 +162,13 @@ def _made(part: Part, element: MacroElement, way: np.ndarray, called: tuple[str,
     """A mechanism with its oscillator."""
     moves = _within(mechanism(part.problem, part.assembly, part.whole.joints, optimum.velocity), part)
     found = Candidate(called[1], optimum.factor, moves, dilates)
-    low = part.whole.box[0][moves.moving & part.free, 2]
-    height = float(low.min()) if len(low) else 0.0
+    height = held_at(moves, part.assembly, part.whole.joints)
     made = oscillator(found, part.assembly, part.whole.joints, part.push, None, part.loads.live)
     name, source = called[0] + _crushed(moves, part.whole), called[1]
     return PartMechanism(element, way, name, source, made, int(moves.moving.sum()), height, optimum.velocity, found)
 
 
-def _grave(found: Sequence[PartMechanism]) -> list[int]:
+def grave(found: Sequence[PartMechanism]) -> list[int]:
     """Which mechanisms, the least acceleration first, may have the least ratio: one that is held higher is asked for more."""
     out: list[int] = []
     highest = -math.inf
@@ -204,6 +206,14 @@ def _worded(each: Restriction, part: Part, velocity: np.ndarray) -> str:
     ends = [moved[own[0], :3] + np.cross(spin, [*middle[:2], z] - part.assembly.centre[own[0]]) for z in (low, high)]
     foot, top = (float(np.linalg.norm(end[:2])) for end in ends)
     return f"{each.name}: it slides" if foot > SLIDES * max(foot, top) else each.name
+
+
+def named(moves: Mechanism, whole: Whole, free: np.ndarray) -> tuple[str, bool]:
+    """The name of a mechanism that was found block by block, and whether it is one of single stones among the ``free`` (B,) that slide."""
+    count = moves.stones(whole.joints)
+    if 0 < count < free.sum():
+        return f"{counted(count, 'single stone')} that slide{'s' if count == 1 else ''}", True
+    return f"{FREE}: {_counts(moves)}{_crushed(moves, whole)}", False
 
 
 def _crushed(moves: Mechanism, whole: Whole) -> str:

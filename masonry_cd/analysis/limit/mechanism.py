@@ -47,6 +47,14 @@ class Mechanism:
         """(J,) joints that crush."""
         return self.closing > STILL
 
+    def stones(self, joints: Joints) -> int:
+        """How many blocks slide by themselves on blocks at rest; none where anything else is at work, or two that move touch."""
+        moving, works = self.moving, self.state > 0
+        together = moving[joints.block_a] & moving[joints.block_b]
+        if together.any() or not works.any() or (self.state[works] != STATES.index("slide")).any():
+            return 0
+        return int(moving.sum())
+
     def count(self, state: str) -> int:
         """How many joints are in a state."""
         return int((self.state == STATES.index(state)).sum())

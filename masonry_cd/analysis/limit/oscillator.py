@@ -56,7 +56,12 @@ class Oscillator:
     @property
     def fraction(self) -> float:
         """e*; one, the safe side, of what is no oscillator."""
-        return 1.0 if self.doubt else self.first**2 / (self.weight * self.second)
+        return 1.0 if self.doubt else self.by_formula
+
+    @property
+    def by_formula(self) -> float:
+        """e* by its formula, also of what is no oscillator."""
+        return self.first**2 / (self.weight * self.second)
 
     @property
     def reach(self) -> float:
@@ -73,10 +78,13 @@ class Oscillator:
         """d0*, where the factor vanishes [m]; infinite where it does not."""
         return self.reach * float(self.displacement[-1]) if self.falls else np.inf
 
+    def load_factor(self, displacement: float = 0.0) -> float:
+        """Alpha at a displacement of the oscillator [m]."""
+        return self.alpha if not self.falls else float(np.interp(displacement / self.reach, self.displacement, self.factor))
+
     def acceleration(self, displacement: float = 0.0) -> float:
         """a at a displacement of the oscillator [m/s2]."""
-        there = self.alpha if not self.falls else float(np.interp(displacement / self.reach, self.displacement, self.factor))
-        return there * self.gravity / self.fraction
+        return self.load_factor(displacement) * self.gravity / self.fraction
 
 
 def oscillator(

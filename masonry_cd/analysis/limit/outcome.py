@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,8 @@ from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
 from masonry_cd.analysis.limit.search import AGREE
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
 
-SURE = {  # by the state of a check by a code: how sure it is, and that in words
-    "satisfied": (GOOD, "the check by a code is met"),
-    "not decided": (LOOK, "the check by a code decides nothing here"),
-    "NOT satisfied": (DOUBTFUL, "the check by a code is not met"),
-}
+STATES_OF_CHECKS = {"satisfied": GOOD, "not decided": LOOK, "NOT satisfied": DOUBTFUL}  # how the results of a check by a code are coloured
+SURE = {"certain": GOOD, "by search": GOOD, "doubtful": LOOK}  # how sure they are, which is another thing
 CLOSED = 1e-4  # gap of the certificate up to which the factor counts as known
 APART = 1e-2  # share of the factor by which the least and the associated one may differ and say the same
 
@@ -25,19 +23,24 @@ def on_the_check(found: Mapping[str, Any] | None) -> Verdict | None:
     """The verdict of a check by a code; None where none was asked for."""
     if found is None:
         return None
-    sure, words = SURE[found["state"]]
-    return Verdict(found["state"], "", found["reason"], sure, words, "")
+    return Verdict(found["state"], "", found["reason"], SURE[found["confidence"]], found["confidence"], found["because"])
 
 
-def on_the_whole(facts: Mapping[str, Any]) -> Verdict:
-    """The verdict on an analysis: of its check by a code where it has one, else of its load factor.
+def on_the_whole(facts: Mapping[str, Any]) -> Verdict | None:
+    """The verdict on an analysis: of its check by a code where it has one, else of its load factor; None of parts without a check.
 
     Args:
         facts: as in limit.json.
     """
     checked = on_the_check(facts["verdict"])
-    if checked is not None:
+    if checked is not None or "stands" not in facts:
         return checked
+    verdict = _on_the_factor(facts)
+    return replace(verdict, because="; ".join(filter(None, [verdict.because, *(one["line"] for one in facts["without"])])))
+
+
+def _on_the_factor(facts: Mapping[str, Any]) -> Verdict:
+    """The verdict on an analysis without a check."""
     if not facts["stands"]:
         return Verdict("does not stand", "", "it gives way under its dead loads", DOUBTFUL, "there is no load factor", "")
     if facts["bears_nothing"]:

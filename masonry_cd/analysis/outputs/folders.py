@@ -18,12 +18,14 @@ FOLDERS: dict[str, dict[str, str]] = {
         "plan_left.csv": "what of a drawing was not understood",
     },
     "limit": {
-        "limit.json": "factors, mechanism, check and certificate",
+        "limit.json": "verdict, factors, mechanisms, check and certificate",
+        "mechanisms.csv": "every mechanism of the whole and of its parts with its check, the gravest first",
         "blocks.csv": "the velocity of every block in the mechanism",
         "joints.csv": "every joint: how it moves, and its force at collapse",
         "ties.csv": "what every tie pulls at collapse",
         "check.json": "the check by a code",
         "check.csv": "that check step by step, with its clauses",
+        "spectrum.png": "the spectra of that check, with what is asked for and what is borne",
         "mechanism.png": "the mechanism with hinges and slips",
         "thrust.png": "the line of thrust at collapse",
         "limit.html": "the page with all of it",
@@ -32,11 +34,6 @@ FOLDERS: dict[str, dict[str, str]] = {
         "capacity.png": "that curve, and the structure at its points",
         "crossing.csv": "the factor of a vehicle over where it stands",
         "crossing.png": "that envelope",
-    },
-    "limit --macro-elements": {
-        "macro_elements.csv": "all mechanisms of all parts, the gravest first",
-        "macro_elements.json": "those with their verdict",
-        "macro_elements.html": "the page of parts, with a picture each",
     },
     "modal": {
         "modal.json": "frequencies, masses and what was compared",

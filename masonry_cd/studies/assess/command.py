@@ -77,7 +77,7 @@ def check_statics(plan: Plan) -> list[str]:
         InputError: anything wrong with the structure, the loads or [limit].
     """
     from masonry_cd.app.limit_structure import limit_structure
-    from masonry_cd.app.limit_vehicle import somewhere
+    from masonry_cd.limit.vehicle import somewhere
 
     scene = plan.maker.study.scene
     structure = limit_structure(somewhere(scene))

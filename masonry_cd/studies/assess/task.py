@@ -45,13 +45,15 @@ def limit_task(task: Task) -> Outcome:
 
 def _statics(task: Task) -> tuple[float | None, str, float]:
     """The load factor of a scene, or why there is none, and the seconds that it took."""
-    from masonry_cd.app.limit_case import case_of
+    from masonry_cd.limit.case import limit_case
     from masonry_cd.studies.study.checks import scene_of_run
 
     begin = time.perf_counter()
     factor, reason = None, ""
     try:
-        analysis = case_of(scene_of_run(dict(task.tables))).analysis
+        whole = limit_case(scene_of_run(dict(task.tables))).whole
+        assert whole is not None  # there is a load to multiply: the plan has been checked
+        analysis = whole.analysis
         if not analysis.stands:
             factor, reason = 0.0, "it does not stand under its dead loads"
         elif analysis.problem.moves_support:

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.limit.case import limit_case
 
 WITHIN = 0.2  # share of the measured load that counts as near
 LINE = 0.3  # length of the line of load along the span [m]
@@ -93,5 +93,6 @@ def collapse(test: FieldTest, *changes: str, folder: Path | None = None) -> tupl
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "scene.toml").write_text(scene.text, encoding="utf-8")
-    case = case_of(scene)
-    return case.analysis.governing.factor, case.collapse.mechanism.count("hinge")
+    whole = limit_case(scene).whole
+    assert whole is not None  # the scene has a live load
+    return whole.analysis.governing.factor, whole.collapse.mechanism.count("hinge")

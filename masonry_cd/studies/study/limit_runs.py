@@ -28,10 +28,10 @@ def limit_row(scene: Scene) -> dict[str, Any]:
     Raises:
         InputError: a limit analysis without an answer.
     """
-    from masonry_cd.app.limit_command import looked_at
+    from masonry_cd.limit.case import Wanted, limit_case
 
-    whole, parts = looked_at(scene, jobs=1)
-    verdict = next((one.verdict for one in (whole, parts) if one is not None), None)
+    case = limit_case(scene, wanted=Wanted(jobs=1))
+    whole, verdict = case.whole, case.verdict
     found: dict[str, Any] = dict.fromkeys(COLUMNS)
     if whole is not None:
         analysis, least = whole.analysis, whole.analysis.least

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,13 +12,13 @@ from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
 from masonry_cd.analysis.code_check.check import code_check
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import Basis, CheckResult
+from masonry_cd.analysis.code_check.verdicts import Basis
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.errors import InputError, parse_table
 
 G = 9.81
 ALPHA, REACH = 0.125, 0.5 * 4.0 * 0.125 / (1.0 + 0.125**2)  # of the wall: factor, d0* of its centre
-PARAMETERS = {"ag": 2.0, "f0": 2.5, "tc_star": 0.3, "ground": "B"}  # of NTC: SS = 1.2 (2.0 / 9.80665 * 2.5 * 0.4 = 0.204 below 1.4)
+PARAMETERS = {"ag": 2.0, "f0": 2.5, "tc_star": 0.3, "ground": "B"}  # of NTC: SS = 1.196
 BUILDING = {"height": 6.0, "building_height": 10.0, "building_period": 0.3, "storeys": 3}
 
 
@@ -37,7 +36,7 @@ def checked(oscillator: Oscillator | None = None, folder=None, **keys):
 
 def test_the_wall_on_the_ground_by_ntc_2018():
     made, value = checked(spectrum="NTC", **PARAMETERS)
-    share = 2.0 / 9.80665
+    share = 2.0 / G  # one g in all formulas, that of the scene
     soil = 1.4 - 0.4 * 2.5 * share
     tc, td = 1.1 * 0.3**-0.2 * 0.3, 4.0 * share + 1.6
     assert value["alpha0"] == ALPHA
@@ -198,22 +197,3 @@ def test_keys_that_do_not_fit_are_refused_in_one_line(keys, message):
 def test_a_record_that_is_not_there_is_named(tmp_path):
     with pytest.raises(InputError, match=r"limit\.check\.record\.path: no\.csv"):
         checked(folder=tmp_path, record={"path": "no.csv"})
-
-
-@pytest.mark.parametrize(
-    ("capacity", "doubt", "state", "passed"),
-    [
-        (0.99, "", "NOT satisfied", False), (0.99, "no search", "NOT satisfied", False), (1.04, "", "not decided", None),
-        (1.06, "", "satisfied", True), (9.0, "no search", "not decided", None),
-    ],
-)  # fmt: skip
-def test_satisfied_needs_a_sure_search_and_a_margin(capacity: float, doubt: str, state: str, passed: bool | None) -> None:
-    made = CheckResult("linear", 1.0, capacity, "m/s2", "clause", doubt=doubt)
-    assert (made.state, made.passed) == (state, passed)
-    assert made.words.startswith(f"linear check {state}: {capacity:g} m/s2 borne, 1 m/s2 asked for, ratio {capacity:g}")
-    assert ("no search" in made.words) is (state == "not decided" and bool(doubt))
-
-
-def test_without_a_basis_nothing_is_satisfied() -> None:
-    made = code_check(parse_table(CheckTable, {"spectrum": "EC8", "ag": 0.1}, "limit.check"), wall(), Path())
-    assert {one.state for one in made.verdicts} == {"not decided"}

@@ -13,7 +13,7 @@ from models import box, ground
 
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, searched, with_more_starts
 from masonry_cd.analysis.limit.search import CAP, Search
-from masonry_cd.app.limit_case import limit_case
+from masonry_cd.limit.case import limit_case
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 from structures.files import blockfile
@@ -64,6 +64,6 @@ def test_of_two_walls_that_no_start_joins_the_slenderer_one_is_found_as_a_part(t
         'structure = {kind = "file", path = "blocks.json"}\nmaterial = {density = 2000.0, friction = 0.6}\n'
         'limit = {push = "x", starts = 2}\n[[loads]]\nkind = "point"\nblock = "thick"\nforce = [0.0, 1.0, 0.0]\n'
     )
-    found = limit_case(path).analysis.least
+    found = limit_case(path).whole.analysis.least
     assert found is not None and found.starts >= 3
     assert found.optimum.factor == pytest.approx(0.48 / 3.0, rel=1e-3)

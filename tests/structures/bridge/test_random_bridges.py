@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import structures
-from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.limit.case import limit_case
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.geometry import mass_properties
@@ -76,8 +76,8 @@ def test_thick_arches_on_low_piers_stand(seed: int) -> None:
     structure["abutments"] = [{"width": 4.0}]
     vehicle = {"kind": "vehicle", "axles": [1e3], "position": 1.0}
     scene = {"structure": structure, "material": {"density": 2200.0, "friction": 0.7}, "loads": [vehicle]}
-    case = case_of(parse_scene(dump_toml({**scene, "limit": {"live": [0], "starts": 0}}), Path("random.toml")))
-    assert case.analysis.stands
+    case = limit_case(parse_scene(dump_toml({**scene, "limit": {"live": [0], "starts": 0}}), Path("random.toml")))
+    assert case.whole.analysis.stands
 
 
 def test_a_pointed_arch_of_many_rings_has_no_more_voussoirs_by_default_than_its_apex_takes() -> None:

@@ -6,37 +6,65 @@ EN 1998-3:2005 has no method for mechanisms of rigid bodies; how a mechanism bec
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from masonry_cd.analysis.code_check.code import Code
 from masonry_cd.analysis.code_check.floors import part_acceleration
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity
+from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Quantity, Working, capacity_rows, linear, put_capacity
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import CheckResult
+from masonry_cd.analysis.code_check.verdicts import LINEAR
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "EN 1998-1:2004, 4.3.5.2, with EN 1998-3:2005"
 BY_ITALY = "Circolare 7/2019"
-AT = Clauses(f"{BY_ITALY} [C8.7.1.1]", f"{BY_ITALY} [C8.7.1.5]", "EN 1998-3, table 3.1", f"{BY_ITALY} [C8.7.1.3]", f"{BY_ITALY} [C8.7.1.4]")
 PART = "EN 1998-1, 4.3.5.2"
+TABLE = capacity_rows(
+    f"{BY_ITALY} [C8.7.1.1]", f"{BY_ITALY} [C8.7.1.5]", "EN 1998-3, table 3.1", f"{BY_ITALY} [C8.7.1.3]", f"{BY_ITALY} [C8.7.1.4]"
+) | {
+    "z": Quantity("m", PART, "height at which the mechanism is held, above the foundation"),
+    "H": Quantity("m", PART, "height of the building"),
+    "z/H": Quantity("", PART, "height of the mechanism over that of the building", "z / H"),
+    "Ta": Quantity("s", PART, "period of the part"),
+    "T1": Quantity("s", PART, "period of the building"),
+    "Ta/T1": Quantity("", PART, "period of the part over that of the building", "Ta / T1"),
+    "Sa g": Quantity("m/s2", PART, "acceleration of the part", "ag S max(1, 3 (1 + z/H) / (1 + (1 - Ta/T1)^2) - 0.5)"),
+    "qa": Quantity("", "EN 1998-1, 4.3.5.4", "behaviour factor of the part"),
+    "a asked": Quantity("m/s2", PART, "acceleration over qa, the importance factor of the part being 1", "Sa g / qa"),
+}
 
 
 def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
     """Check a mechanism by accelerations; there is no check by displacements."""
-    steps = capacity(oscillator, table.confidence_factor, AT)
-    own = table.element_period or 0.0
-    ratio = own / table.building_period if table.building_period else 0.0
-    raised = part_acceleration(ground.peak, table.share, ratio) if table.height else ground.peak
-    asked = raised / table.behaviour_factor
-    steps.append(Step("ag S", ground.peak, "m/s2", ground.clause, "peak acceleration of the ground"))
+    made = Working(ground.rows, TABLE)
+    starts = put_capacity(made, oscillator, table.confidence_factor)
+    ground.put(made)
+    there, formula = ground.peak, "ag S"
     if table.height:
-        steps.append(Step("z/H", table.share, "", PART, "height of the mechanism over that of the building"))
-        steps.append(Step("Ta/T1", ratio, "", PART, "period of the part over that of the building"))
-    steps.append(Step("Sa g", raised, "m/s2", PART, "acceleration of the part"))
-    steps.append(Step("qa", table.behaviour_factor, "", "EN 1998-1, 4.3.5.4", "behaviour factor of the part"))
-    steps.append(Step("a asked", asked, "m/s2", PART, "acceleration over qa, the importance factor of the part being 1"))
+        assert table.building_height is not None and table.building_period is not None
+        made.part = BUILDING
+        made.put("z", table.height)
+        made.put("H", table.building_height)
+        share = made.put("z/H", table.share)
+        own = made.put("Ta", table.element_period or 0.0)
+        ratio = made.put("Ta/T1", own / made.put("T1", table.building_period))
+        there, formula = part_acceleration(ground.peak, share, ratio), ""
+    made.part = LINEAR
+    made.put("Sa g", there, formula or None)
+    q = made.put("qa", table.behaviour_factor)
+    asked = made.put("a asked", there / q)
     note = "Eurocode 8 of 2004 and 2005 has no check by displacements of such mechanisms"
-    verdict = CheckResult("linear", asked, oscillator.acceleration() / table.confidence_factor, "m/s2", PART)
-    return CodeCheck("EC8", EDITION, "", ground.words, tuple(steps), (verdict,), (note,))
+    verdict = linear(oscillator, asked, starts, PART, q, table.element_period or 0.0)
+    return CodeCheck("EC8", EDITION, "", ground.words, tuple(made.steps), (verdict,), (note,))
 
 
-CODES = {"EC8": Code(check, PART, parts_vibrate="above the ground")}
+def raised(table: CheckTable, ground: Ground, periods: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:
+    """S_a g [m/s2] of parts with some periods at the height of a table, (n,), and the displacement that goes with it [m]."""
+    shares = periods / (table.building_period or 1.0)
+    found = np.array([part_acceleration(ground.peak, table.share, ratio) for ratio in shares.tolist()])
+    return found, found * (periods / (2.0 * math.pi)) ** 2
+
+
+CODES = {"EC8": Code(check, PART, parts_vibrate="above the ground", raised=raised)}

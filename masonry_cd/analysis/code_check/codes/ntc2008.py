@@ -5,74 +5,112 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from masonry_cd.analysis.code_check.code import Code
-from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity, no_end
+from masonry_cd.analysis.code_check.ground import USUAL_DAMPING, Ground
+from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Quantity, Working, capacity_rows, linear, no_end, put_capacity
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import CheckResult
+from masonry_cd.analysis.code_check.verdicts import LINEAR, NON_LINEAR, CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "NTC 2008 with Circolare 617/2009"
 CLAUSE = "C8A.4"
-AT = Clauses(*5 * (CLAUSE,))
 ULTIMATE, SECANT = 0.4, 0.4  # du* over d0*, ds* over du*
+TABLE = capacity_rows(*5 * (CLAUSE,)) | {
+    "z": Quantity("m", CLAUSE, "height at which the mechanism is held, above the foundation"),
+    "H": Quantity("m", CLAUSE, "height of the building"),
+    "T1": Quantity("s", CLAUSE, "period of the building"),
+    "psi(Z)": Quantity("", CLAUSE, "mode at the height of the mechanism", "z / H"),
+    "n": Quantity("", CLAUSE, "storeys"),
+    "gamma": Quantity("", CLAUSE, "participation of the mode"),
+    "Se psi gamma": Quantity("m/s2", CLAUSE, "acceleration at that height", "Se(T1) psi(Z) gamma"),
+    "q": Quantity("", CLAUSE, "behaviour factor"),
+    "a asked": Quantity("m/s2", CLAUSE, "acceleration asked for"),
+    "du*": Quantity("m", CLAUSE, "displacement borne", f"{ULTIMATE:g} d0*"),
+    "ds*": Quantity("m", CLAUSE, "at which the period is read", f"{SECANT:g} du*"),
+    "alpha(ds*)": Quantity("", CLAUSE, "load factor left there, by the capacity curve"),
+    "as*": Quantity("m/s2", CLAUSE, "capacity there", "alpha(ds*) g / (e* CF)"),
+    "Ts": Quantity("s", CLAUSE, "secant period", "2 pi sqrt(ds* / as*)"),
+    "SDe(T)": Quantity("m", CLAUSE, "displacement of the elastic spectrum"),
+    "Ts/T1": Quantity("", CLAUSE, "of both periods", "Ts / T1"),
+    "d raised": Quantity(
+        "m", CLAUSE, "displacement at that height", "SDe(T1) psi(Z) gamma (Ts/T1)^2 / sqrt((1 - Ts/T1)^2 + 0.02 Ts/T1)"
+    ),
+    "d asked": Quantity("m", CLAUSE, "displacement asked for"),
+}  # fmt: skip
 
 
 def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
     """Check a mechanism at SLD by accelerations, at SLV by accelerations over q and by displacements."""
-    steps, verdicts, notes = capacity(oscillator, table.confidence_factor, AT), [], []
-    asked = _asked(table, ground, steps)
-    borne = oscillator.acceleration() / table.confidence_factor
-    if table.limit_state == "SLD":
-        verdicts.append(CheckResult("linear", asked, borne, "m/s2", CLAUSE))
-    else:
-        steps.append(Step("q", table.behaviour_factor, "", CLAUSE, "behaviour factor"))
-        asked /= table.behaviour_factor
-        steps.append(Step("a asked", asked, "m/s2", CLAUSE, "the acceleration over q"))
-        verdicts.append(CheckResult("linear", asked, borne, "m/s2", CLAUSE))
-        if table.by_displacements and oscillator.falls:
-            verdicts.append(_non_linear(table, oscillator, ground, steps))
-        elif table.by_displacements:
-            notes.append(no_end(oscillator))
-    return CodeCheck("NTC2008", EDITION, table.limit_state, ground.words, tuple(steps), tuple(verdicts), tuple(notes))
+    made, notes = Working(ground.rows, TABLE), []
+    starts = put_capacity(made, oscillator, table.confidence_factor)
+    ground.put(made)
+    asked, formula = _asked(table, ground, made)
+    made.part = LINEAR
+    q = 1.0 if table.limit_state == "SLD" else made.put("q", table.behaviour_factor)
+    asked = made.put("a asked", asked / q, formula if table.limit_state == "SLD" else f"{formula} / q")
+    verdicts = [linear(oscillator, asked, starts, CLAUSE, q)]
+    if table.by_displacements and oscillator.falls:
+        verdicts.append(_non_linear(table, oscillator, ground, made))
+    elif table.by_displacements:
+        notes.append(no_end(oscillator))
+    return CodeCheck("NTC2008", EDITION, table.limit_state, ground.words, tuple(made.steps), tuple(verdicts), tuple(notes))
 
 
-def _asked(table: CheckTable, ground: Ground, steps: list[Step]) -> float:
-    """The acceleration asked for, before q: that of the ground, above it also Se(T1) psi(Z) gamma [m/s2]."""
-    steps.append(Step("ag S", ground.peak, "m/s2", ground.clause, "peak acceleration of the ground"))
+def _asked(table: CheckTable, ground: Ground, made: Working) -> tuple[float, str]:
+    """The acceleration asked for, before q: that of the ground, above it also Se(T1) psi(Z) gamma [m/s2]; and its formula."""
     if not table.height:
-        return ground.peak
-    assert table.building_period is not None
-    there = ground.acceleration(table.building_period)
-    raised = there * table.share * table.gamma
-    steps.append(Step("T1", table.building_period, "s", CLAUSE, "period of the building"))
-    steps.append(Step("Se(T1)", there, "m/s2", CLAUSE, "elastic spectrum at that period"))
-    steps.append(Step("psi(Z)", table.share, "", CLAUSE, "mode at the height of the mechanism, Z / H"))
-    steps.append(Step("gamma", table.gamma, "", CLAUSE, "participation of the mode"))
-    steps.append(Step("Se psi gamma", raised, "m/s2", CLAUSE, "acceleration at that height"))
-    return max(raised, ground.peak)
+        return ground.peak, "ag S"
+    assert table.building_period is not None and table.building_height is not None
+    made.part = BUILDING
+    made.put("z", table.height)
+    made.put("H", table.building_height)
+    first = made.put("T1", table.building_period)
+    there = made.put("Se(T1)", ground.acceleration(first), ground.formula(first, "T1", False), like="Se(T)")
+    share = made.put("psi(Z)", table.share)
+    if table.participation is None:
+        made.put("n", table.storeys or 1)
+    gamma = made.put("gamma", table.gamma, "3 n / (2 n + 1)" if table.participation is None else "")
+    return max(made.put("Se psi gamma", there * share * gamma), ground.peak), "max(Se psi gamma, ag S)"
 
 
-def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, steps: list[Step]) -> CheckResult:
+def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made: Working) -> CheckResult:
     """By the secant period at ds* = 0.4 du*, du* = 0.4 d0*."""
-    ultimate = ULTIMATE * oscillator.last
-    secant = SECANT * ultimate
-    there = oscillator.acceleration(secant) / table.confidence_factor
-    period = 2.0 * math.pi * math.sqrt(secant / there)
-    steps.append(Step("du*", ultimate, "m", CLAUSE, "displacement borne, 0.4 d0*"))
-    steps.append(Step("ds*", secant, "m", CLAUSE, "0.4 du*"))
-    steps.append(Step("as*", there, "m/s2", CLAUSE, "capacity at ds*"))
-    steps.append(Step("Ts", period, "s", CLAUSE, "secant period, 2 pi sqrt(ds* / as*)"))
-    asked = ground.furthest(period, period)
-    steps.append(Step("SDe(Ts)", asked, "m", CLAUSE, "displacement of the elastic spectrum"))
+    made.part = NON_LINEAR
+    ultimate = made.put("du*", ULTIMATE * oscillator.last)
+    secant = made.put("ds*", SECANT * ultimate)
+    made.put("alpha(ds*)", oscillator.load_factor(secant))
+    there = made.put("as*", oscillator.acceleration(secant) / table.confidence_factor)
+    period = made.put("Ts", 2.0 * math.pi * math.sqrt(secant / there))
+    asked, formula = _displaced(ground, made, period, "Ts"), "SDe(Ts)"
     if table.height:
         first = table.building_period or 0.0
-        ratio = period / first
-        raised = ground.furthest(first, first) * table.share * table.gamma * ratio**2 / math.sqrt((1.0 - ratio) ** 2 + 0.02 * ratio)
-        words = "at the height: SDe(T1) psi gamma (Ts/T1)^2 / sqrt((1 - Ts/T1)^2 + 0.02 Ts/T1)"
-        steps.append(Step("d raised", raised, "m", CLAUSE, words))
-        asked = max(asked, raised)
-    return CheckResult("non-linear", asked, ultimate, "m", CLAUSE)
+        ratio = made.put("Ts/T1", period / first)
+        raised = _displaced(ground, made, first, "T1") * table.share * table.gamma * resonance(ratio)
+        asked = max(asked, made.put("d raised", raised))
+        formula = "max(SDe(Ts), d raised)"
+    return CheckResult(NON_LINEAR, made.put("d asked", asked, formula), ultimate, "m", CLAUSE, period=period)
 
 
-CODES = {"NTC2008": Code(check, CLAUSE, ("SLD", "SLV"), ("SLV",), storeys=True)}
+def resonance(ratio: float) -> float:
+    """(Ts/T1)^2 / sqrt((1 - Ts/T1)^2 + 0.02 Ts/T1) of a ratio of periods."""
+    return ratio**2 / math.sqrt((1.0 - ratio) ** 2 + 0.02 * ratio)
+
+
+def raised(table: CheckTable, ground: Ground, periods: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:
+    """Acceleration [m/s2] and displacement [m] asked for at the height of a table, (n,) each."""
+    first, share = table.building_period or 1.0, table.share * table.gamma
+    grown = np.array([resonance(ratio) for ratio in (periods / first).tolist()])
+    there = max(ground.acceleration(first) * share, ground.peak)
+    further = np.maximum(ground.furthest(first, first, damping) * share * grown, ground.spectrum_at(periods, damping)[1])
+    return np.full(len(periods), there), further
+
+
+def _displaced(ground: Ground, made: Working, period: float, of: str) -> float:
+    """SDe at a period whose symbol is ``of`` [m], noted."""
+    asked, formula = ground.displaced(made, (period, period), USUAL_DAMPING, of)
+    return made.put(f"SDe({of})", asked, formula, like="SDe(T)")
+
+
+CODES = {"NTC2008": Code(check, CLAUSE, ("SLD", "SLV"), ("SLV",), storeys=True, raised=raised)}

@@ -5,35 +5,69 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from loads.signal.code_spectrum import damping_factor
 from masonry_cd.analysis.code_check.code import Code
+from masonry_cd.analysis.code_check.floors import ROWS as FLOOR_ROWS
 from masonry_cd.analysis.code_check.floors import Floor
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, capacity, no_end
+from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Quantity, Working, capacity_rows, linear, no_end, put_capacity
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import CheckResult
+from masonry_cd.analysis.code_check.verdicts import LINEAR, NON_LINEAR, CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "NTC 2018 with Circolare 7/2019"
-AT = Clauses("[C8.7.1.1]", "[C8.7.1.5]", "C8.7.1.2.1.3", "[C8.7.1.3]", "[C8.7.1.4]")
 LC1 = 1.35  # FC of the lowest level of knowledge
 LIMITS = {"SLV": (0.4, 1.68, "[C8.7.1.10]", 0.08), "SLC": (0.6, 1.56, "[C8.7.1.11]", 0.10)}  # of d0, factor and clause of T, damping
+FREE = 0.05  # damping of a part that is free to vibrate
+AT_SLD, AT_SLV, BY_DISPLACEMENTS = "C8.7.1.2.1.5", "C8.7.1.2.1.7", "C8.7.1.2.1.8"
+
+
+def _rows(state: str) -> dict[str, Quantity]:
+    """The quantities of the check by displacements at a limit state."""
+    share, factor, clause, _ = LIMITS[state]
+    return {
+        f"d{state}": Quantity("m", "C8.7.1.2.1.6", "displacement borne", f"{share:g} d0*"),
+        f"alpha(d{state})": Quantity("", "[C8.7.1.3]", "load factor left at that displacement, by the capacity curve"),
+        f"a(d{state})": Quantity("m/s2", "[C8.7.1.3]", "capacity at that displacement", f"alpha(d{state}) g / (e* CF)"),
+        f"T{state}": Quantity("s", clause, "equivalent period", f"{factor:g} pi sqrt(d{state} / a(d{state}))"),
+    }
+
+
+TABLE = (
+    capacity_rows("[C8.7.1.1]", "[C8.7.1.5]", "C8.7.1.2.1.3", "[C8.7.1.3]", "[C8.7.1.4]")
+    | FLOOR_ROWS
+    | _rows("SLV")
+    | _rows("SLC")
+    | {
+        "T0": Quantity("s", "[C8.7.1.9]", "period of a part that is free to vibrate"),
+        "Se(T0)": Quantity("m/s2", "[C8.7.1.9]", "asked of a part that is free to vibrate"),
+        "q": Quantity("", AT_SLV, "behaviour factor"),
+        "a asked": Quantity("m/s2", AT_SLV, "acceleration asked for"),
+        "a0* / a": Quantity("", BY_DISPLACEMENTS, "from 1 on the mechanism does not start, which is enough"),
+        "xi": Quantity("", BY_DISPLACEMENTS, "equivalent damping of the mechanism"),
+        "d asked": Quantity("m", BY_DISPLACEMENTS, "displacement asked for at that period"),
+    }
+)
 
 
 def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
     """Check a mechanism."""
-    steps = capacity(oscillator, table.confidence_factor, AT)
-    starts = _asked_at_once(table, ground, steps)
-    verdicts, notes = [], []
-    borne = oscillator.acceleration() / table.confidence_factor
+    made, verdicts, notes = Working(ground.rows, TABLE), [], []
+    starts = put_capacity(made, oscillator, table.confidence_factor)
+    ground.put(made)
+    asked, formula = _asked_at_once(table, ground, made)
     if table.limit_state != "SLC":
-        verdicts.append(_linear(table, starts, borne, steps))
+        verdicts.append(_linear(table, oscillator, made, (asked, formula), starts))
     if table.by_displacements and oscillator.falls:
-        verdicts.append(_non_linear(table, oscillator, ground, borne / starts, steps))
+        made.part = NON_LINEAR
+        unmoved = made.put("a0* / a", starts / asked, f"a0* / {formula}")
+        verdicts.append(_non_linear(table, oscillator, ground, made, unmoved))
     elif table.by_displacements:
         notes.append(no_end(oscillator))
-    return CodeCheck(
-        "NTC2018", EDITION, table.limit_state, ground.words, tuple(steps), tuple(verdicts), tuple(notes), left_open=left_open(table)
-    )
+    facts = (table.limit_state, ground.words, tuple(made.steps), tuple(verdicts), tuple(notes))
+    return CodeCheck("NTC2018", EDITION, *facts, left_open=left_open(table))
 
 
 def left_open(table: CheckTable) -> tuple[str, ...]:
@@ -54,58 +88,74 @@ def left_open(table: CheckTable) -> tuple[str, ...]:
     return tuple(out)
 
 
-def _asked_at_once(table: CheckTable, ground: Ground, steps: list[Step]) -> float:
-    """The acceleration that is asked of a mechanism which must not start [m/s2]."""
-    steps.append(Step("ag S", ground.peak, "m/s2", ground.clause, "peak acceleration of the ground"))
+def _asked_at_once(table: CheckTable, ground: Ground, made: Working) -> tuple[float, str]:
+    """The acceleration that is asked of a mechanism which must not start [m/s2], and its formula."""
     free = table.element_period
     if not table.height:
         if free is None:
-            return ground.peak
-        asked = ground.acceleration(free)
-        steps.append(Step("Se(T0)", asked, "m/s2", "[C8.7.1.9]", f"of a part that is free to vibrate, T0 = {free:g} s"))
-        return asked
+            return ground.peak, "ag S"
+        made.part = LINEAR
+        made.put("T0", free)
+        return made.put("Se(T0)", ground.acceleration(free), ground.formula(free, "T0", False)), "Se(T0)"
     floor = Floor.of(table, ground)
-    steps.append(Step("T1", floor.period, "s", "C7.2.3", "period of the building"))
-    steps.append(Step("Se(T1, xi1)", ground.acceleration(floor.period, floor.damping), "m/s2", "[C7.2.7]", f"xi1 = {floor.damping:g}"))
-    steps.append(Step("gamma1", table.gamma, "", "[C7.2.10]", "participation of its first mode"))
-    steps.append(Step("psi1(z)", table.share, "", "C7.2.3", "mode at the height of the mechanism, z / H"))
-    steps.append(Step("aZ", floor.peak, "m/s2", "[C7.2.7], [C7.2.8]", "peak acceleration at that height"))
+    made.part = BUILDING
+    made.put("z", table.height)
+    made.put("H", table.building_height or 0.0)
+    made.put("T1", floor.period)
+    made.put("xi1", floor.damping)
+    made.put("eta1", damping_factor(floor.damping))
+    there = ground.formula(floor.period, "T1", True).replace("eta", "eta1")
+    made.put("Se(T1, xi1)", ground.acceleration(floor.period, floor.damping), there)
+    if table.participation is None:
+        made.put("n", table.storeys or 1)
+    made.put("gamma1", table.gamma, "3 n / (2 n + 1)" if table.participation is None else "")
+    made.put("psi1(z)", table.share)
+    made.put("aZ", floor.peak)
     if free is None:
-        return max(floor.peak, ground.peak)
-    asked = floor.acceleration(free, 0.05)
-    steps.append(Step("SeZ(T0)", asked, "m/s2", "[C7.2.5], [C7.2.6]", f"of a part that is free to vibrate, T0 = {free:g} s"))
-    return max(asked, ground.peak)
+        return max(floor.peak, ground.peak), "max(aZ, ag S)"
+    made.part = LINEAR
+    made.put("T0", free)
+    made.put("xi", FREE, meaning="damping of the part")
+    return max(floor.put(made, free, FREE, "T0"), ground.peak), "max(SeZ(T0), ag S)"
 
 
-def _linear(table: CheckTable, asked: float, borne: float, steps: list[Step]) -> CheckResult:
+def _linear(table: CheckTable, oscillator: Oscillator, made: Working, asked: tuple[float, str], starts: float) -> CheckResult:
     """By accelerations; at SLV they are divided by q."""
+    made.part = LINEAR
+    (demand, formula), free = asked, table.element_period or 0.0
     if table.limit_state == "SLD":
-        return CheckResult("linear", asked, borne, "m/s2", "C8.7.1.2.1.5")
-    steps.append(Step("q", table.behaviour_factor, "", "C8.7.1.2.1.7", "behaviour factor"))
-    asked /= table.behaviour_factor
-    steps.append(Step("a asked", asked, "m/s2", "C8.7.1.2.1.7", "the acceleration over q"))
-    return CheckResult("linear", asked, borne, "m/s2", "C8.7.1.2.1.7")
+        return linear(oscillator, made.put("a asked", demand, formula), starts, AT_SLD, 1.0, free)
+    q = made.put("q", table.behaviour_factor)
+    return linear(oscillator, made.put("a asked", demand / q, f"{formula} / q"), starts, AT_SLV, q, free)
 
 
-def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, unmoved: float, steps: list[Step]) -> CheckResult:
+def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made: Working, unmoved: float) -> CheckResult:
     """By displacements, at SLV or SLC."""
     state = table.limit_state
-    share, factor, clause, damping = LIMITS[state]
-    ultimate = share * oscillator.last
-    there = oscillator.acceleration(ultimate) / table.confidence_factor
-    period = factor * math.pi * math.sqrt(ultimate / there)
-    steps.append(Step(f"d{state}", ultimate, "m", "C8.7.1.2.1.6", f"displacement borne, {share:g} d0*"))
-    steps.append(Step(f"a(d{state})", there, "m/s2", "[C8.7.1.3]", "capacity at that displacement"))
-    steps.append(Step(f"T{state}", period, "s", clause, f"equivalent period, {factor:g} pi sqrt(d / a)"))
-    steps.append(Step("xi", damping, "", "C8.7.1.2.1.8", "equivalent damping of the mechanism"))
+    share, factor, _, damping = LIMITS[state]
+    borne, of = f"d{state}", f"T{state}"
+    ultimate = made.put(borne, share * oscillator.last)
+    made.put(f"alpha({borne})", oscillator.load_factor(ultimate))
+    there = made.put(f"a({borne})", oscillator.acceleration(ultimate) / table.confidence_factor)
+    period = made.put(of, factor * math.pi * math.sqrt(ultimate / there))
+    made.put("xi", damping)
     if table.height:
-        asked, by = Floor.of(table, ground).displacement(period, damping), "[C8.7.1.12]"
+        asked, formula = Floor.of(table, ground).displaced(made, period, damping, of)
     else:
-        asked, by = ground.furthest(table.element_period or 0.0, period, damping), "C8.7.1.2.1.8"
-    steps.append(Step("d asked", asked, "m", by, "displacement asked for at that period"))
-    return CheckResult("non-linear", asked, ultimate, "m", "C8.7.1.2.1.8", unmoved)
+        asked, formula = ground.displaced(made, (table.element_period or 0.0, period), damping, of)
+    made.put("d asked", asked, formula)
+    return CheckResult(NON_LINEAR, asked, ultimate, "m", BY_DISPLACEMENTS, unmoved, period=period, damping=damping)
+
+
+def raised(table: CheckTable, ground: Ground, periods: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:
+    """Acceleration [m/s2] and displacement [m] asked for at the height of a table, (n,) each."""
+    floor = Floor.of(table, ground)
+    found, displaced = floor.spectrum_at(periods, damping)
+    return np.maximum(found, ground.peak), displaced
 
 
 CODES = {
-    "NTC2018": Code(check, "C7.2.3", ("SLD", "SLV", "SLC"), ("SLV", "SLC"), storeys=True, parts_vibrate="anywhere", left_open=left_open)
+    "NTC2018": Code(
+        check, "C7.2.3", ("SLD", "SLV", "SLC"), ("SLV", "SLC"), storeys=True, parts_vibrate="anywhere", left_open=left_open, raised=raised
+    )
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""masonry_cd.app.limit_case: the limit analysis of a scene, what it writes, and what it refuses."""
+"""masonry_cd.limit.case: the limit analysis of a scene, what it writes, and what it refuses."""
 
 from __future__ import annotations
 
@@ -11,16 +11,19 @@ from pathlib import Path
 import browser
 import numpy as np
 import pytest
+from limit_said import said
 from models import box, ground
 from pictures import pixels
 from typer.testing import CliRunner
 
 from benchmarks.dry_walls import ASSOCIATED, dry_wall
 from masonry_cd.analysis.limit import programme, search
-from masonry_cd.app.limit_case import EVERY, limit_case, lines, summary
-from masonry_cd.app.limit_files import draw, write
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.limit.case import Wanted, limit_case
+from masonry_cd.limit.facts import facts
+from masonry_cd.limit.files import EVERY, write
+from masonry_cd.limit.pictures import draw_whole
 from masonry_cd.mechanics.model.blocks import Block
 from structures.files import blockfile
 from structures.geometry.prism import prism_xz
@@ -106,8 +109,8 @@ def test_a_curve_that_cannot_be_followed_is_refused_by_its_key(tables, fault, tm
 
 def test_without_being_asked_no_curve_is_followed(tmp_path):
     found = limit_case(scene(tmp_path, pillar(), PUSH))
-    assert found.curve is None
-    assert not any("capacity curve" in line for line in lines(found))
+    assert found.whole.curve is None
+    assert not any("capacity curve" in line for line in said(found))
 
 
 TIE = '[[loads]]\nkind = "tie"\nname = "rod"\nblocks = ["a", "ground"]\npoints = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]\n'
@@ -117,9 +120,9 @@ def test_ties_are_reported_written_and_drawn_with_what_they_pull(tmp_path):
     tables = f"{TIE}area = 1e-4\nmodulus = 2e11\nyield_force = 500.0\n[limit]\npush = 'x'\n"
     case = limit_case(scene(tmp_path, pillar(), tables))
     factor = (2000.0 * 9.81 * 0.3 * 0.25 + 500.0 * math.sqrt(0.5) * 1.5) / (2000.0 * 9.81 * 0.3 * 0.75)  # about the edge at x = 0.5
-    assert case.analysis.associated.factor == pytest.approx(factor, rel=1e-6)
-    assert 'tie "rod": 500 N, yields at collapse' in lines(case)
-    assert summary(case)["ties"] == [
+    assert case.whole.analysis.associated.factor == pytest.approx(factor, rel=1e-6)
+    assert 'tie "rod": 500 N, yields at collapse' in said(case)
+    assert facts(case)["ties"] == [
         {
             "tie": "rod",
             "block_a": "a",
@@ -141,8 +144,8 @@ def test_ties_are_reported_written_and_drawn_with_what_they_pull(tmp_path):
 @pytest.mark.parametrize("loads", [PUSH, TILT])
 def test_a_scene_with_a_push_or_a_tilt_needs_no_table(loads, tmp_path):
     found = limit_case(scene(tmp_path, pillar(), loads))
-    assert found.analysis.associated.factor == pytest.approx(1.0 / 3.0, abs=1e-9)
-    angle = summary(found).get("angle_degrees")
+    assert found.whole.analysis.associated.factor == pytest.approx(1.0 / 3.0, abs=1e-9)
+    angle = facts(found).get("angle_degrees")
     assert (angle is None) == (loads is PUSH)
     assert angle is None or angle == pytest.approx(math.degrees(math.atan(1.0 / 3.0)))
 
@@ -152,12 +155,12 @@ def test_a_tilt_turns_gravity_but_no_other_load(tmp_path):
     weight = 2000.0 * 9.81 * 0.5 * 0.4 * 1.5
     load = f'[[loads]]\nkind = "point"\nblock = "a"\nforce = [0, 0, {-weight}]\npoint = [0.25, 0, 1.5]\n'
     found = limit_case(scene(tmp_path, pillar(), load + TILT, mu=2.0))
-    phi = math.atan(found.analysis.associated.factor)
+    phi = math.atan(found.whole.analysis.associated.factor)
     assert (math.cos(phi) + 1.0) * 0.25 == pytest.approx(math.sin(phi) * 0.75, abs=1e-8)
 
 
 def test_where_nothing_slides_both_values_agree(tmp_path):
-    assert any("both agree" in line for line in lines(limit_case(scene(tmp_path, pillar(), PUSH))))
+    assert any("both agree" in line for line in said(limit_case(scene(tmp_path, pillar(), PUSH))))
 
 
 def test_live_loads_are_multiplied_and_others_are_not(tmp_path):
@@ -166,7 +169,7 @@ def test_live_loads_are_multiplied_and_others_are_not(tmp_path):
     )
     found = limit_case(scene(tmp_path, pillar(), points + "[limit]\nlive = [1]\n"))
     weight = 2000.0 * 9.81 * 0.5 * 0.4 * 1.5
-    assert found.analysis.associated.factor == pytest.approx((weight * 0.25 - 100.0 * 1.5) / (1000.0 * 0.75), rel=1e-9)
+    assert found.whole.analysis.associated.factor == pytest.approx((weight * 0.25 - 100.0 * 1.5) / (1000.0 * 0.75), rel=1e-9)
 
 
 def test_a_settlement_is_read_from_the_loads(tmp_path):
@@ -174,21 +177,21 @@ def test_a_settlement_is_read_from_the_loads(tmp_path):
     blocks.append(box("beam", (0, -0.2, 0), (2, 0.2, 0.3)))
     load = '[[loads]]\nkind = "settlement"\nsupports = "right"\ndisplacement = 0.1\nduration = 1.0\n'
     found = limit_case(scene(tmp_path, blocks, load))
-    assert summary(found)["support_force"] == pytest.approx(2000.0 * 9.81 * 2.0 * 0.4 * 0.3 * 0.8 / 1.8, rel=1e-9)
-    assert any("still bear" in line for line in lines(found))
+    assert facts(found)["support_force"] == pytest.approx(2000.0 * 9.81 * 2.0 * 0.4 * 0.3 * 0.8 / 1.8, rel=1e-9)
+    assert any("still bear" in line for line in said(found))
 
 
 def test_what_shakes_is_left_out_and_said(tmp_path):
     shaken = '[[loads]]\nkind = "sinusoidal"\ndirection = "x"\namplitude = 0.1\nfrequency = 2.0\nduration = 1.0\n'
     found = limit_case(scene(tmp_path, pillar(), shaken + "[limit]\npush = 'x'\n"))
-    assert any("loads[0] (sinusoidal): left out" in line for line in lines(found))
+    assert any("loads[0] (sinusoidal): left out" in line for line in said(found))
 
 
 def test_blocks_that_touch_along_a_line_are_counted(tmp_path):
     wedge = Block("b", *prism_xz(np.array([[0.25, 1.5], [0.35, 1.8], [0.15, 1.8]]), -0.2, 0.2), 2000.0)  # on its edge
     found = limit_case(scene(tmp_path, [*pillar(), wedge], PUSH))
-    assert not found.analysis.stands
-    assert any("touch along a line" in line for line in lines(found))
+    assert not found.whole.analysis.stands
+    assert any("touch along a line" in line for line in said(found))
 
 
 def test_what_falls_by_itself_is_named(tmp_path):
@@ -233,26 +236,25 @@ def test_an_unknown_view_is_refused_before_anything_is_written(tmp_path):
 
 def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
     blocks = [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.1, 1.5))]
-    assert not any("before its tolerance" in line for line in lines(limit_case(scene(tmp_path, blocks, PUSH))))
+    assert not any("before its tolerance" in line for line in said(limit_case(scene(tmp_path, blocks, PUSH))))
     monkeypatch.setattr(programme, "MOST", 4)
     found = limit_case(scene(tmp_path, blocks, PUSH))
-    said = [line for line in lines(found) if "before its tolerance (MaxIterations after 4 iterations)" in line]
-    assert any("the load factor" in line for line in said)
-    assert set(said) <= set(summary(found)["notes"])
+    warned = [line for line in facts(found)["notes"] if "before its tolerance (MaxIterations after 4 iterations)" in line]
+    assert any("the load factor" in line for line in warned)
 
 
 def test_a_search_without_an_end_differs_from_none(tmp_path, monkeypatch):
     monkeypatch.setattr(search, "EXACT", -1.0)  # no pair counts
     ended = limit_case(scene(tmp_path, pillar(), PUSH))
-    assert any("of 4 starts none came to an end" in line for line in lines(ended))
-    assert (summary(ended)["least"], summary(ended)["starts"]) == (None, 4)
+    assert any("of 4 starts none came to an end" in line for line in said(ended))
+    assert (facts(ended)["least"], facts(ended)["starts"]) == (None, 4)
     none = limit_case(scene(tmp_path, pillar(), PUSH + "[limit]\nstarts = 0\n"))
-    assert any("not searched for" in line for line in lines(none))
+    assert any("not searched for" in line for line in said(none))
 
 
 def test_a_tilt_beside_a_point_load_is_searched_at_its_last_angle(tmp_path):
     load = '[[loads]]\nkind = "point"\nblock = "a"\nforce = [0, 0, -3000]\npoint = [0.25, 0, 1.5]\n'
-    found = limit_case(scene(tmp_path, pillar(), load + TILT, mu=2.0)).analysis
+    found = limit_case(scene(tmp_path, pillar(), load + TILT, mu=2.0)).whole.analysis
     assert found.least is not None
     assert found.least.optimum.factor == pytest.approx(found.associated.factor, rel=1e-6)
 
@@ -283,8 +285,8 @@ def test_a_check_by_a_code_is_printed_and_written_step_by_step(tmp_path):
 def test_what_does_not_stand_is_not_checked(tmp_path):
     found = limit_case(scene(tmp_path, [*pillar(), box("b", (0.3, -0.2, 1.5), (1.9, 0.2, 2.0))], f"[limit]\npush = 'x'\n{CHECK}"))
     assert found.check is None
-    assert summary(found)["check"] is None
-    assert "limit.check: no check: there is no load factor at which a mechanism would start" in lines(found)
+    assert facts(found)["check"] is None
+    assert "limit.check: no check: there is no load factor at which a mechanism would start" in said(found)
 
 
 POINT = '[[loads]]\nkind = "point"\nblock = "a"\nforce = [1.0, 0, 0]\npoint = [0.25, 0, 1.5]\n'
@@ -324,7 +326,7 @@ def test_the_page_shows_the_check_the_pictures_and_the_certificate(tmp_path):
     ],
 )
 def test_the_command_on_the_page_asks_for_what_is_on_it(table: str, asked: bool, command: str, tmp_path: Path) -> None:
-    write(limit_case(scene(tmp_path, pillar(), f"{PUSH}{table}"), curve=asked), tmp_path / "out", pictures=False)
+    write(limit_case(scene(tmp_path, pillar(), f"{PUSH}{table}"), wanted=Wanted(curve=asked)), tmp_path / "out", pictures=False)
     assert f"<pre>{command}</pre>" in (tmp_path / "out" / "limit.html").read_text()
 
 
@@ -334,7 +336,7 @@ def test_a_wall_that_leans_out_is_not_looked_at_along_its_motion(tmp_path):
     folders = {view: tmp_path / view for view in ("auto", "front", "isometric")}
     for view, folder in folders.items():
         folder.mkdir()
-        draw(case, folder, view)
+        draw_whole(case.whole, case.scene.title, folder, view)
     drawn = {view: pixels(folder / "mechanism.png") for view, folder in folders.items()}
     assert np.array_equal(drawn["auto"], drawn["isometric"])
     assert drawn["auto"].shape != drawn["front"].shape or not np.array_equal(drawn["auto"], drawn["front"])
@@ -366,10 +368,10 @@ def test_what_bears_no_live_load_has_no_factor_in_words(tmp_path):
     blocks = [box("ledge", (-2.0, -0.2, -0.5), (0.0, 0.2, 0.0), fixed=True), box("beam", (-1.0, -0.2, 0.0), (1.0, 0.2, 0.2))]
     load = '[[loads]]\nkind = "point"\nblock = "beam"\nforce = [0, 0, -100.0]\npoint = [1.0, 0, 0.2]\n'
     found = limit_case(scene(tmp_path, blocks, f"{load}[limit]\nlive = [0]\n"))
-    assert found.analysis.stands
-    assert any("no load factor: the structure bears no such load" in line for line in lines(found))
-    assert not any("e-1" in line for line in lines(found) if "certificate" not in line)
-    assert summary(found)["bears_nothing"] is True
+    assert found.whole.analysis.stands
+    assert any("no load factor: the structure bears no such load" in line for line in said(found))
+    assert not any("e-1" in line for line in said(found) if "certificate" not in line)
+    assert facts(found)["bears_nothing"] is True
     write(found, tmp_path / "out", pictures=False)
     assert "<dd>none</dd>" in (tmp_path / "out" / "limit.html").read_text()
 
@@ -378,4 +380,4 @@ def test_a_structure_that_bears_no_push_is_not_checked(tmp_path):
     blocks = [box("ledge", (-2.0, -0.2, -0.5), (0.0, 0.2, 0.0), fixed=True), box("beam", (-1.0, -0.2, 0.0), (1.0, 0.2, 0.2))]
     found = limit_case(scene(tmp_path, blocks, f"[limit]\npush = 'x'\n{CHECK}"))
     assert found.check is None
-    assert any("no load factor" in line for line in lines(found))
+    assert any("no load factor" in line for line in said(found))

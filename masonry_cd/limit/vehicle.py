@@ -69,25 +69,22 @@ class Crossing:
         )
 
 
-def at_worst(scene: Scene, quiet: bool = True) -> tuple[Scene, Crossing | None]:
-    """A scene with the vehicle that its limit analysis multiplies at its worst place; the scene itself where no place is to be found.
+def at_worst(structure: LimitStructure, quiet: bool = True) -> tuple[LimitStructure, Crossing | None]:
+    """A structure with the vehicle that its limit analysis multiplies at its worst place; as it is where no place is to be found.
 
     It says how long the places still take, unless it is ``quiet``.
 
     Raises:
         InputError: anything wrong with the scene.
     """
-    number, middle = _vehicle(scene), somewhere(scene)
+    scene = structure.scene
+    number, middle = _vehicle(scene), structure.of(somewhere(scene))
     if number is None or "position" in scene.loads[number]:
         return middle, None
-    from masonry_cd.app.limit_structure import limit_structure
-
-    structure = limit_structure(middle)
     with scene.locating():
-        found = _crossing(middle, structure, number, quiet)
-    if found is None:
-        return _placed(middle, number, _places(structure, number).low), None
-    return _placed(middle, number, float(found.position[found.worst])), found
+        found = _crossing(middle, number, quiet)
+        place = _places(middle, number).low if found is None else float(found.position[found.worst])
+    return structure.of(_placed(middle.scene, number, place)), found
 
 
 def somewhere(scene: Scene) -> Scene:
@@ -135,7 +132,7 @@ def _places(structure: LimitStructure, number: int) -> Places:
     return kind.places(parse_load(given, where, structure.scene.folder), structure.made.fills, where)
 
 
-def _crossing(scene: Scene, structure: LimitStructure, number: int, quiet: bool) -> Crossing | None:
+def _crossing(structure: LimitStructure, number: int, quiet: bool) -> Crossing | None:
     """The envelope; None of a structure that does not stand, which the analysis then says."""
     from masonry_cd.app.progress import Progress
 
@@ -147,7 +144,7 @@ def _crossing(scene: Scene, structure: LimitStructure, number: int, quiet: bool)
 
     def at(place: float) -> float:
         if place not in known:
-            known[place] = _factor(_placed(scene, number, place), structure)
+            known[place] = _factor(_placed(structure.scene, number, place), structure)
             progress(min(len(known), count))  # those around the least come last, and are few
         return known[place]
 

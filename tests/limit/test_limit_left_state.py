@@ -7,17 +7,18 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from limit_said import said
 from models import box
 from typer.testing import CliRunner
 
-from masonry_cd.app import limit_case as limit_case_module
 from masonry_cd.app.case import prepare
-from masonry_cd.app.limit_case import limit_case, lines
-from masonry_cd.app.limit_from import against_undamaged
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.limit import whole as whole_module
+from masonry_cd.limit.case import limit_case
+from masonry_cd.limit.left_state import against_undamaged
 from structures.files import blockfile
 
 WIDE, HIGH = 0.5, 1.5  # of the pillar [m]
@@ -52,21 +53,21 @@ def test_a_pillar_whose_support_settled_overturns_about_the_edge_that_is_left(le
     """It rests on the inner edge of the left support, 0.1 m from its own corner: the centre of mass and that edge are where the run left
     them."""
     whole = limit_case(scene(left, "whole.toml"))
-    assert whole.analysis.associated.factor == pytest.approx(0.25 / 0.75, rel=1e-6)
+    assert whole.whole.analysis.associated.factor == pytest.approx(0.25 / 0.75, rel=1e-6)
     case = limit_case(scene(left, "left.toml", ', from = "run"'))
-    centre = case.assembly.centre[2]
+    centre = case.whole.assembly.centre[2]
     assert centre[2] < 0.75 and centre[0] > 0.25
-    edge = case.joints.polygon[case.joints.polygon[:, 0].argmin()]
+    edge = case.whole.joints.polygon[case.whole.joints.polygon[:, 0].argmin()]
     assert edge[0] == pytest.approx(0.1, abs=1e-3)
     exact = (centre[0] - edge[0]) / (centre[2] - edge[2])
-    assert case.analysis.associated.factor == pytest.approx(exact, rel=1e-3)
-    note = next(line for line in lines(case) if line.startswith("from run at"))
-    assert f"{case.analysis.governing.factor:.4g} beside 0.3333 as built" in note
+    assert case.whole.analysis.associated.factor == pytest.approx(exact, rel=1e-3)
+    note = next(line for line in said(case) if line.startswith("from run at"))
+    assert f"{case.whole.analysis.governing.factor:.4g} beside 0.3333 as built" in note
 
 
 def test_at_the_beginning_it_is_as_built(left):
     case = limit_case(scene(left, "first.toml", ', from = "run", time = 0.0'))
-    assert case.analysis.associated.factor == pytest.approx(0.25 / 0.75, rel=1e-3)
+    assert case.whole.analysis.associated.factor == pytest.approx(0.25 / 0.75, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -86,7 +87,7 @@ def test_what_is_no_state_of_it_is_refused(left, limit, high, message):
 
 
 def test_a_wrong_folder_is_said_before_anything_is_analysed(left, monkeypatch):
-    monkeypatch.setattr(limit_case_module, "analyse", lambda *_: pytest.fail("analysed first"))
+    monkeypatch.setattr(whole_module, "analyse", lambda *_: pytest.fail("analysed first"))
     with pytest.raises(InputError, match="no such result file"):
         limit_case(scene(left, "bad.toml", ', from = "nowhere"'))
 
@@ -102,6 +103,6 @@ def test_a_wrong_folder_is_said_before_anything_is_analysed(left, monkeypatch):
     ],
 )
 def test_what_has_no_two_factors_says_which_it_lacks(left, now, whole, words):
-    built = limit_case(scene(left, "built.toml")).analysis
+    built = limit_case(scene(left, "built.toml")).whole.analysis
     assert built.least is not None
     assert words in against_undamaged(replace(built, **now), replace(built, **whole))

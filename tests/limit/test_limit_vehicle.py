@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from masonry_cd.app.limit_case import case_of
-from masonry_cd.app.limit_command import looked_at
-from masonry_cd.app.limit_files import write
 from masonry_cd.app.limit_structure import limit_structure
-from masonry_cd.app.limit_vehicle import at_worst
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.limit.case import limit_case
+from masonry_cd.limit.files import write
+from masonry_cd.limit.vehicle import at_worst
 
 COUNT = 10
 TEXT = """
@@ -100,18 +99,21 @@ def by_hand(given: Scene) -> float:
 @pytest.mark.parametrize("place", [1.2, 1.6, 2.6])
 def test_least_factor_is_that_of_the_four_hinge_mechanism_by_hand(place: float) -> None:
     given = scene(f"loads[0].position={place}")
-    case = case_of(given)
-    assert case.collapse.mechanism.count("hinge") == 4
-    assert case.analysis.associated.factor == pytest.approx(by_hand(given), rel=1e-6)
+    case = limit_case(given)
+    assert case.whole.collapse.mechanism.count("hinge") == 4
+    assert case.whole.analysis.associated.factor == pytest.approx(by_hand(given), rel=1e-6)
 
 
 def test_fill_that_resists_bears_more_and_more_of_it_bears_more_still() -> None:
-    factors = [case_of(scene(f"structure.fill.passive={m}", "limit.starts=0")).analysis.associated.factor for m in (0.0, 1.0 / 3.0, 1.0)]
+    shares = (0.0, 1.0 / 3.0, 1.0)
+    factors = [limit_case(scene(f"structure.fill.passive={m}", "limit.starts=0")).whole.analysis.associated.factor for m in shares]
     assert factors[0] < factors[1] < factors[2]
-    share = case_of(scene("structure.fill.passive=1.0", "structure.fill.passive_shaken=0.0", "limit.starts=0"))
-    assert share.analysis.associated.factor == pytest.approx(factors[2])
+    share = limit_case(scene("structure.fill.passive=1.0", "structure.fill.passive_shaken=0.0", "limit.starts=0"))
+    assert share.whole.analysis.associated.factor == pytest.approx(factors[2])
     pushed = [
-        case_of(scene("structure.fill.passive=1.0", f"structure.fill.passive_shaken={m}", "limit={push='x'}")).analysis.associated.factor
+        limit_case(
+            scene("structure.fill.passive=1.0", f"structure.fill.passive_shaken={m}", "limit={push='x'}")
+        ).whole.analysis.associated.factor
         for m in (0.0, 0.3)
     ]
     assert pushed[0] < pushed[1]  # a push has the share of an earthquake
@@ -119,14 +121,14 @@ def test_fill_that_resists_bears_more_and_more_of_it_bears_more_still() -> None:
 
 def test_the_worst_place_is_found_and_no_place_is_worse(tmp_path: Path) -> None:
     text = TEXT.replace("position = 1.6\n", "")
-    case = case_of(scene("limit.starts=0", "limit.positions=20", text=text))
+    case = limit_case(scene("limit.starts=0", "limit.positions=20", text=text))
     found = case.crossing
     assert found is not None
     least, place = found.factor[found.worst], found.position[found.worst]
-    assert case.analysis.associated.factor == pytest.approx(least, rel=1e-9)
+    assert case.whole.analysis.associated.factor == pytest.approx(least, rel=1e-9)
     for other in (1.0, 1.6, 3.3, 5.1):
-        assert case_of(scene(f"loads[0].position={other}", "limit.starts=0")).analysis.associated.factor >= least * (1.0 - 1e-3)
-    mirrored = case_of(scene(f"loads[0].position={6.55 - place}", "limit.starts=0")).analysis.associated.factor
+        assert limit_case(scene(f"loads[0].position={other}", "limit.starts=0")).whole.analysis.associated.factor >= least * (1.0 - 1e-3)
+    mirrored = limit_case(scene(f"loads[0].position={6.55 - place}", "limit.starts=0")).whole.analysis.associated.factor
     assert mirrored == pytest.approx(least, rel=1e-6)  # the bridge is its own mirror image
     write(case, tmp_path, pictures=False)
     rows = (tmp_path / "crossing.csv").read_text().splitlines()
@@ -137,18 +139,17 @@ def test_the_worst_place_is_found_and_no_place_is_worse(tmp_path: Path) -> None:
 
 def test_a_vehicle_alone_needs_no_pattern_and_one_that_stands_beside_a_push_is_constant() -> None:
     text = TEXT[: TEXT.index("[limit]")] + "[run]\ndt = 1e-3\nduration = 1.0\n"
-    whole, _ = looked_at(scene(text=text))
-    assert whole is not None
-    assert whole.loads.kind == "live"
-    pushed = case_of(scene("loads[0].axles=[50e3]", "limit={push='x'}"))
-    bare = case_of(scene("loads[0].axles=[1.0]", "limit={push='x'}"))
-    assert pushed.analysis.associated.factor != pytest.approx(bare.analysis.associated.factor, rel=1e-3)
+    whole = limit_case(scene(text=text)).whole
+    assert whole is not None and whole.loads.kind == "live"
+    pushed = limit_case(scene("loads[0].axles=[50e3]", "limit={push='x'}"))
+    bare = limit_case(scene("loads[0].axles=[1.0]", "limit={push='x'}"))
+    assert pushed.whole.analysis.associated.factor != pytest.approx(bare.whole.analysis.associated.factor, rel=1e-3)
 
 
 def test_two_vehicles_have_no_one_worst_place() -> None:
     text = TEXT.replace("position = 1.6\n", "") + '[[loads]]\nkind = "vehicle"\nname = "single"\n'
     with pytest.raises(InputError, match="worst place of one vehicle"):
-        case_of(scene("limit.live=[0,1]", text=text))
+        limit_case(scene("limit.live=[0,1]", text=text))
 
 
 def test_the_places_of_a_vehicle_say_how_long_they_still_take(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -156,7 +157,7 @@ def test_the_places_of_a_vehicle_say_how_long_they_still_take(capsys, monkeypatc
     from masonry_cd.app import progress
 
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
-    asked = scene("limit.positions=3", text=TEXT.replace("position = 1.6\n", ""))
+    asked = limit_structure(scene("limit.positions=3", text=TEXT.replace("position = 1.6\n", "")))
     at_worst(asked, quiet=False)
     assert "place of the vehicle 2 of 3 (67 %)" in capsys.readouterr().err
     at_worst(asked)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The search for the least factor without dilation as a scene asks for it, and what may be said after it."""
+"""How far the least factor without dilation is searched for, as a scene asks for it, and what follows from a search."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from masonry_cd.analysis.code_check.verdicts import SearchNumbers
 from masonry_cd.analysis.limit.analysis import Analysis, Options
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.problem import plane_of
-from masonry_cd.analysis.limit.search import AGREE
+from masonry_cd.analysis.limit.search import AGREE, LeastFound
 from masonry_cd.foundation.quantities import in_words
-from masonry_cd.mechanics.model.blocks import Assembly
-from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
-    from masonry_cd.app.limit_table import LimitTable
+    from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis
+    from masonry_cd.app.limit_structure import LimitStructure
     from masonry_cd.app.static_loads import StaticLoads
 
 STARTS = 4  # of the search in a plane; for a check in space at most, until starts agree: two from each end of what normal forces may be
@@ -32,21 +31,23 @@ class Ways:
     analysis: Options
     curve: Options  # of the points of a capacity curve
     most: int  # starts to which the search of the analysis goes on until some agree
+    begins_at_parts: bool  # whether it begins at mechanisms of parts that practice looks at as well
 
 
-def ways(assembly: Assembly, joints: Joints, loads: StaticLoads, asked: LimitTable, seed: int) -> Ways:
-    """How to solve as a table ``[limit]`` asks for it.
+def ways(structure: LimitStructure, loads: StaticLoads) -> Ways:
+    """How to solve as the table ``[limit]`` of a structure asks for it.
 
     In space each start is expensive: unasked a search is made for a check only, of a structure that is not large, and ends where starts
     agree; no curve is followed by it.
     """
-    planar = plane_of(assembly, loads.at()) is not None
+    asked, seed = structure.asked, structure.scene.run.seed
+    planar = plane_of(structure.assembly, loads.at()) is not None
     usual = asked.starts if asked.starts is not None else STARTS if planar else 0
     options = Options(usual, seed)
     if asked.starts is not None or planar or asked.check is None:
-        return Ways(options, options, usual)
-    small = interfaces(assembly, joints, None).count <= SEARCHED
-    return Ways(replace(options, starts=FIRST if small else 0), options, STARTS if small else 0)
+        return Ways(options, options, usual, not planar and usual > 1)
+    small = interfaces(structure.assembly, structure.joints, None).count <= SEARCHED
+    return Ways(replace(options, starts=FIRST if small else 0), options, STARTS if small else 0, small)
 
 
 def search_words(analysis: Analysis) -> str:
@@ -88,13 +89,26 @@ def doubt(analysis: Analysis) -> str:
 
     The static value of the associated programme does not count: it is no lower bound where joints slide without dilation.
     """
-    least = analysis.least
-    if least is not None and least.agreed:
-        return ""
     if not analysis.starts:
         large = analysis.problem.axis is None and analysis.problem.points.count > SEARCHED
         size = f" of more than {SEARCHED:,} contact points" if large else ""
         return f"the least factor without dilation is not searched for unasked{size}: {ASK}"
+    return _unsure(analysis.least, f"of {analysis.starts} starts of the search for the least factor none came to an end")
+
+
+def doubt_of(part: ElementAnalysis, effort: Effort) -> str:
+    """Why no demand counts as met by a part after its search, in words; empty where one may."""
+    if part.remarks:
+        return part.remarks[0]
+    if part.least is None and part.points > effort.most_points:
+        return f"the free least mechanism is not searched for in a part of more than {effort.most_points:,} contact points: {ASK}"
+    return _unsure(part.least, "no start of the search for the free least mechanism came to an end")
+
+
+def _unsure(least: LeastFound | None, no_end: str) -> str:
+    """Why the outcome of a search that was made is not sure; empty where enough of its starts agree."""
     if least is None:
-        return f"of {analysis.starts} starts of the search for the least factor none came to an end: raise limit.starts"
+        return f"{no_end}: raise limit.starts"
+    if least.agreed:
+        return ""
     return f"{least.agreeing} of {least.starts} starts came to the least factor found, {AGREE} have to agree: raise limit.starts"

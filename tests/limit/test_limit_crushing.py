@@ -9,12 +9,13 @@ from pathlib import Path
 
 import pytest
 from click.testing import Result
+from limit_said import said
 from models import box, ground
 from typer.testing import CliRunner
 
-from masonry_cd.app.limit_case import limit_case, lines
-from masonry_cd.app.limit_files import write
 from masonry_cd.cli.app import app
+from masonry_cd.limit.case import limit_case
+from masonry_cd.limit.files import write
 from structures.files import blockfile
 
 WEIGHT = 2000.0 * 9.81 * 1.5  # pressure under the pillar [Pa]
@@ -33,9 +34,9 @@ def scene(folder: Path, strength: str, tables: str = "[limit]\npush = 'x'\n") ->
 
 def test_joints_that_crush_are_said_and_written(tmp_path):
     case = limit_case(scene(tmp_path, '"117.72 kPa"'))
-    assert case.analysis.associated.factor == pytest.approx(0.5 / 1.5 * (1.0 - WEIGHT / 117.72e3), rel=1e-6)
-    assert any(line.startswith("mechanism: 1 of 1 blocks") and line.endswith("; 1 of them crush") for line in lines(case))
-    assert any("the factor is an upper value" in line for line in lines(case))
+    assert case.whole.analysis.associated.factor == pytest.approx(0.5 / 1.5 * (1.0 - WEIGHT / 117.72e3), rel=1e-6)
+    assert any(line.startswith("mechanism: 1 of 1 blocks") and line.endswith("; 1 of them crush") for line in said(case))
+    assert any("the factor is an upper value" in line for line in said(case))
     write(case, tmp_path / "out", pictures=False)
     assert json.loads((tmp_path / "out" / "limit.json").read_text())["mechanism"]["joints_crushing"] == 1
     with (tmp_path / "out" / "joints.csv").open() as file:
@@ -47,7 +48,7 @@ def test_joints_without_a_strength_do_not(tmp_path):
     path = scene(tmp_path, "1e7")
     path.write_text(path.read_text().replace("compressive_strength = 1e7", "cohesion = 0.0"))
     case = limit_case(path)
-    assert not any("crush" in line for line in lines(case)) and not case.collapse.mechanism.crushing.any()
+    assert not any("crush" in line for line in said(case)) and not case.whole.collapse.mechanism.crushing.any()
 
 
 @pytest.mark.parametrize(
@@ -70,7 +71,7 @@ def macro_elements(folder: Path, strength: str) -> Result:
 def test_macro_elements_crush_as_the_whole_does(tmp_path):
     """b/h (1 - N/(f b t)) of the pillar, as a part and as the whole, whose search has begun at the part."""
     assert macro_elements(tmp_path, "2e5").exit_code == 0
-    parts = json.loads((tmp_path / "out" / "macro_elements.json").read_text())["mechanisms"]
+    parts = json.loads((tmp_path / "out" / "limit.json").read_text())["mechanisms"]
     whole = json.loads((tmp_path / "out" / "limit.json").read_text())["least"]["factor"]
     exact = 0.5 / 1.5 * (1.0 - WEIGHT / 2e5)
     along_x = min(row["alpha0"] for row in parts if row["push"] == "x")
@@ -95,12 +96,12 @@ def test_the_joints_that_crush_under_a_load_later_than_the_dead_one_are_named(tm
         '[[loads]]\nkind = "point"\nblock = "east"\nforce = [0.0, 0.0, -1e3]\npoint = [0.75, 0.0, 0.25]\n[limit]\nlive = [0]\n'
     )
     case = limit_case(path)
-    east, west = case.crushed
+    east, west = case.whole.crushed
     assert (east.block_a, east.block_b, east.share) == ("ground", "east", pytest.approx(1.0, rel=1e-3))
     assert (west.block_a, west.block_b) == ("ground", "west")
-    off = abs(case.collapse.force_point[west.joint, 0] + 0.75)
+    off = abs(case.whole.collapse.force_point[west.joint, 0] + 0.75)
     assert off == pytest.approx(0.25 * (1.0 - west.share), rel=1e-3)  # b/2 (1 - N/(f b t)): it is on the surface of its domain
-    (line,) = (one for one in lines(case) if one.startswith("crushing: "))
+    (line,) = (one for one in said(case) if one.startswith("crushing: "))
     assert line.startswith(
         'crushing: 2 joints at the strength at this factor: "ground" - "east" (base-block, 60 kPa) over 100 % of its area, '
     )
@@ -109,11 +110,11 @@ def test_the_joints_that_crush_under_a_load_later_than_the_dead_one_are_named(tm
     assert "2 joints at the strength at this factor" in (tmp_path / "out" / "limit.html").read_text()
 
 
-@pytest.mark.parametrize(("times", "said"), [(1.1, True), (1.5, False)])
-def test_a_strength_of_which_the_dead_loads_leave_little_is_said_with_its_joint(times, said, tmp_path):
+@pytest.mark.parametrize(("times", "little"), [(1.1, True), (1.5, False)])
+def test_a_strength_of_which_the_dead_loads_leave_little_is_said_with_its_joint(times, little, tmp_path):
     case = limit_case(scene(tmp_path, str(times * WEIGHT)))
-    found = [line for line in lines(case) if line.startswith("the dead loads leave little of the strength")]
-    assert bool(found) is said and (case.left is not None) is said
-    if case.left is not None:
-        assert case.left.factor == pytest.approx(times, rel=1e-6)
+    found = [line for line in said(case) if line.startswith("the dead loads leave little of the strength")]
+    assert bool(found) is little and (case.whole.spare is not None) is little
+    if case.whole.spare is not None:
+        assert case.whole.spare.factor == pytest.approx(times, rel=1e-6)
         assert 'at 1.1 times of them joints crush: "ground" - "a" ' in found[0] and found[0].endswith("over 100 % of its area")

@@ -7,14 +7,15 @@ import json
 from pathlib import Path
 
 import pytest
+from limit_said import said
 from models import box, ground
 from typer.testing import CliRunner
 
-from masonry_cd.app.limit_case import limit_case, lines
-from masonry_cd.app.limit_files import write
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.limit.case import limit_case
+from masonry_cd.limit.files import write
 from masonry_cd.mechanics.model.blocks import Block
 from structures.files import blockfile
 
@@ -42,18 +43,18 @@ def test_a_load_that_no_mechanism_yields_to_is_a_result(tmp_path):
 def test_joints_that_crush_make_it_finite(tmp_path):
     weight = 2000.0 * 9.81 * 1.5
     found = limit_case(scene(tmp_path, "[limit]\npush = '-z'\n", f", joints = {{compressive_strength = {3.0 * weight}}}"))
-    assert not found.analysis.unlimited and found.analysis.associated.factor == pytest.approx(2.0, rel=1e-6)
+    assert not found.whole.analysis.unlimited and found.whole.analysis.associated.factor == pytest.approx(2.0, rel=1e-6)
 
 
 def test_a_curve_of_it_is_none(tmp_path):
     case = limit_case(scene(tmp_path, "[limit]\npush = '-z'\n[limit.curve]\n"))
-    assert case.curve is None and any("no finite load factor" in line for line in lines(case))
+    assert case.whole.curve is None and any("no finite load factor" in line for line in said(case))
 
 
 def test_a_scene_with_limit_needs_no_run(tmp_path):
     path = scene(tmp_path, "[limit]\npush = 'x'\n")
     assert read_scene(path).static
-    assert limit_case(path).analysis.associated.factor == pytest.approx(0.5 / 1.5, rel=1e-9)
+    assert limit_case(path).whole.analysis.associated.factor == pytest.approx(0.5 / 1.5, rel=1e-9)
 
 
 @pytest.mark.parametrize(("tables", "message"), [("[limit]\npush = 'x'\n", "a run needs dt and duration"), ("", "run: missing")])
@@ -74,11 +75,11 @@ def test_a_wall_wedged_between_rigid_cheeks_leans_out_alone(courses, tmp_path):
     check = '[limit.check]\nspectrum = "EC8"\nag = 4.0\ndisplacements = false\n'
     path = scene(tmp_path, f"[limit]\npush = '-x'\n{check}", blocks=[ground(5.0), *slab, *cheeks])
     case = limit_case(path)
-    assert case.analysis.unlimited and not case.analysis.endless
-    assert case.analysis.least is not None and case.analysis.least.optimum.factor == pytest.approx(0.5 / 3.0, rel=1e-3)
+    assert case.whole.analysis.unlimited and not case.whole.analysis.endless
+    assert case.whole.analysis.least is not None and case.whole.analysis.least.optimum.factor == pytest.approx(0.5 / 3.0, rel=1e-3)
     assert case.verdict is not None and case.verdict.state == "NOT satisfied" and case.verdict.search is not None
     assert case.verdict.search.associated is None
-    words = lines(case)
+    words = said(case)
     assert any("no finite associated load factor" in line for line in words) and any("is the least found" in line for line in words)
     write(case, tmp_path / "out", pictures=False)
     made = json.loads((tmp_path / "out" / "limit.json").read_text())

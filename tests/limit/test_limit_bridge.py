@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.limit.case import limit_case
 
 SPAN = {"span": 5.0, "rise": 1.5, "thickness": 0.45, "voussoirs": 9}
 
@@ -23,7 +23,7 @@ def factor(load: dict[str, Any], friction: Any, span: dict[str, Any] = SPAN, **k
         "loads": [load],
         "limit": {"live": [0], "starts": 0},
     }
-    analysis = case_of(parse_scene(dump_toml(scene), Path("bridge.toml"))).analysis
+    analysis = limit_case(parse_scene(dump_toml(scene), Path("bridge.toml"))).whole.analysis
     assert analysis.stands
     return analysis.associated.factor
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""masonry_cd.app.limit_macro: macro-elements of a scene, what is written of them, what is refused, and the one verdict."""
+"""masonry_cd.limit.parts: macro-elements of a scene, what is written of them, what is refused, and the one verdict."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ import json
 from pathlib import Path
 
 import pytest
+from limit_said import said
 from models import GRAVITY, box, ground
 from test_limit_case import scene
 from typer.testing import CliRunner
 
-from masonry_cd.app.limit_case import limit_case
-from masonry_cd.app.limit_macro import MacroCase, least_rows, lines, macro_case
-from masonry_cd.app.macro_files import write_macro
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
+from masonry_cd.limit.case import LimitCase, Wanted, limit_case
+from masonry_cd.limit.checked import MechanismRow, least_of
+from masonry_cd.limit.files import write
 from masonry_cd.mechanics.model.blocks import Block
 
 SLAB = '[[limit.mechanism]]\nblocks = ["slab"]\ndirection = "-x"\nmechanisms = ["overturning"]\n'
@@ -30,10 +31,20 @@ def slabs() -> list[Block]:
     return [ground(8.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0)), box("low", (3.0, -1.0, 0.0), (4.0, 1.0, 0.5))]
 
 
-def found(folder: Path, ratio: float, more: str = SLAB, check: str = "") -> MacroCase:
+def parts_of(path: Path) -> LimitCase:
+    """The chosen parts of a scene, on one process."""
+    return limit_case(path, wanted=Wanted(whole=False, jobs=1))
+
+
+def least_rows(case: LimitCase) -> list[MechanismRow]:
+    """The gravest mechanism of each part and push."""
+    return [each.row for each in least_of(case.mechanisms)]
+
+
+def found(folder: Path, ratio: float, more: str = SLAB, check: str = "") -> LimitCase:
     """The macro-elements of the slabs, for a demand that the slab meets by a ratio."""
     asked = f'[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / ratio}\ndisplacements = false\n{check}'
-    return macro_case(read_scene(scene(folder, slabs(), f"{asked}{more}", mu=0.6)), False, jobs=1)
+    return parts_of(scene(folder, slabs(), f"{asked}{more}", mu=0.6))
 
 
 @pytest.mark.parametrize(("ratio", "state"), [(0.98, "NOT satisfied"), (1.03, "not decided"), (1.08, "satisfied")])
@@ -41,11 +52,11 @@ def test_the_least_ratio_decides(ratio: float, state: str, tmp_path: Path) -> No
     case = found(tmp_path, ratio, SLAB + SLAB.replace('"slab"', '"low"'))
     assert case.verdict is not None
     assert (case.verdict.state, case.verdict.ratio) == (state, pytest.approx(ratio, rel=1e-3))
-    first, *others = least_rows(case.rows)
+    first, *others = least_rows(case)
     assert first.element == "slab" and first.mechanism.endswith("overturning")
     assert first.alpha0 == pytest.approx(1.0 / 6.0, rel=1e-3) and first.fraction == pytest.approx(1.0, rel=1e-3)
     assert [row.element for row in others] == ["low"] and all(row.ratio > first.ratio for row in others if row.ratio and first.ratio)
-    assert case.verdict.words in lines(case)
+    assert any(case.verdict.reason in line for line in said(case))
 
 
 def test_a_part_above_the_ground_is_asked_for_the_motion_there(tmp_path: Path) -> None:
@@ -56,8 +67,8 @@ def test_a_part_above_the_ground_is_asked_for_the_motion_there(tmp_path: Path) -
     rows = []
     for more in ("", building):
         check = f'[limit.check]\nspectrum = "EC8"\nag = 0.2\ndisplacements = false\n{more}'
-        case = macro_case(read_scene(scene(tmp_path, blocks, f"{check}{table}", mu=0.8)), False, jobs=1)
-        rows.append(least_rows(case.rows)[0])
+        case = parts_of(scene(tmp_path, blocks, f"{check}{table}", mu=0.8))
+        rows.append(least_rows(case)[0])
         assert rows[-1].height == pytest.approx(1.0)
     low, high = rows
     assert low.state == "not decided" and "held 1 m above the ground" in low.undecided
@@ -96,9 +107,9 @@ def test_the_whole_and_its_parts_on_one_bed_are_asked_for_the_same(
     path, folder = scene(tmp_path, [roof, box("slab", (0.0, -1.0, bed), (0.5, 1.0, bed + 3.0))], tables, mu=0.6), tmp_path / "out"
     done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder), "--no-picture"])
     assert done.exit_code == 0, done.output
-    whole, parts = (json.loads((folder / name).read_text()) for name in ("limit.json", "macro_elements.json"))
-    (row, *_), level = parts["mechanisms"], whole["check"]["level"]
-    asked = whole["check"]["verdicts"][0]["demand"]
+    made = json.loads((folder / "limit.json").read_text())
+    row, level = next(row for row in made["mechanisms"] if row["element"] == "slab"), made["check"]["level"]
+    asked = made["check"]["verdicts"][0]["demand"]
     assert row["demand"] == pytest.approx(asked) and asked == pytest.approx(ASKED[raised], rel=1e-3)
     assert (level["line"], level["height"], row["height"]) == pytest.approx((bed, height, height))
     assert any(f"{height:g} m above the foundation" in line for line in done.output.splitlines())
@@ -112,7 +123,7 @@ def test_a_mechanism_above_the_ground_is_not_satisfied_by_the_motion_of_the_grou
         check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = 0.2\ndisplacements = false\n{building}'
         case = limit_case(scene(tmp_path, blocks, check, mu=0.8))
         assert case.verdict is not None and case.verdict.state == state
-        assert ("limit.check." in case.verdict.reason) == (state == "not decided")
+        assert ("limit.check." in case.verdict.because) == (state == "not decided")
 
 
 def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path: Path) -> None:
@@ -120,15 +131,15 @@ def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path
     path, folder = scene(tmp_path, slabs(), f"{check}{SLAB}", mu=0.6), tmp_path / "out"
     done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder)])
     assert done.exit_code == 0, done.output
-    parts, whole = (json.loads((folder / name).read_text()) for name in ("macro_elements.json", "limit.json"))
-    assert parts["verdict"] == whole["verdict"] and parts["verdict"]["words"] in done.output
-    with (folder / "macro_elements.csv").open() as file:
+    made = json.loads((folder / "limit.json").read_text())
+    assert made["verdict"]["reason"] in done.output
+    with (folder / "mechanisms.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert rows[0]["element"] == "slab" and float(rows[0]["ratio"]) == pytest.approx(1.5, rel=1e-3)
-    assert [path.name for path in (folder / "macro_elements").glob("[!.]*")] == ["01_slab.png"]
-    page = (folder / "macro_elements.html").read_text()
-    assert page.count("data:image/png") == 1 and "[C8.7.1.2]" in page and f">{parts['verdict']['state']}</span>" in page
-    assert html.unescape(page).count(parts["verdict"]["reason"]) == 1 and ">1.50<" in page
+    assert [path.name for path in (folder / "parts").glob("[!.]*")] == ["01_slab.png"]
+    page = (folder / "limit.html").read_text()
+    assert page.count("data:image/png") == 3 and "[C8.7.1.2]" in page and f">{made['verdict']['state']}</span>" in page
+    assert html.unescape(page).count(made["verdict"]["reason"]) == 1 and ">1.50<" in page
 
 
 REFUSED = {
@@ -165,7 +176,7 @@ def test_the_damage_of_a_run_stands_beside_macro_elements_only(tmp_path: Path) -
     assert blocks["kind"] == "file"
     done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--run", str(tmp_path), "--no-picture"])
     assert done.exit_code == 0, done.output
-    assert "damage in the run" in (tmp_path / "out" / "macro_elements.html").read_text()
+    assert "damage in the run" in (tmp_path / "out" / "limit.html").read_text()
 
 
 def test_a_part_is_checked_by_displacements_as_the_whole_is(tmp_path: Path) -> None:
@@ -173,20 +184,20 @@ def test_a_part_is_checked_by_displacements_as_the_whole_is(tmp_path: Path) -> N
     check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 0.9}\nground = "D"\n'
     blocks = [ground(8.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0))]
     path = scene(tmp_path, blocks, check + SLAB, mu=0.6)
-    part, whole = macro_case(read_scene(path), False, jobs=1), limit_case(path)
-    row, (linear, other) = part.rows[0], whole.check.verdicts if whole.check else (None, None)
+    part, whole = parts_of(path), limit_case(path)
+    row, (linear, other) = part.mechanisms[0].row, whole.check.verdicts if whole.check else (None, None)
     assert linear is not None and other is not None and part.verdict is not None and whole.verdict is not None
     assert row.last == pytest.approx(0.25, rel=1e-3) and row.displacement == pytest.approx(0.1, rel=1e-3)
     assert row.displacement_demand == pytest.approx(other.demand, rel=1e-2) and row.demand == pytest.approx(linear.demand)
     assert (part.verdict.state, part.verdict.check) == (whole.verdict.state, whole.verdict.check)
     assert part.verdict.ratio == pytest.approx(whole.verdict.ratio, rel=1e-2) and row.ratio == part.verdict.ratio
     folder = tmp_path / "out"
-    write_macro(part, folder, pictures=False)
-    with (folder / "macro_elements.csv").open() as file:
+    write(part, folder, pictures=False)
+    with (folder / "mechanisms.csv").open() as file:
         first, *others = csv.DictReader(file)
     assert float(first["d0_m"]) == pytest.approx(0.25, rel=1e-3) and first["check"] == row.check
     assert all(not other["d0_m"] and "smaller a0*" in other["no_check_by_displacements"] for other in others)
-    page = (folder / "macro_elements.html").read_text()
+    page = (folder / "limit.html").read_text()
     assert "d0* [mm]" in page and "does not last to collapse" in page
 
 
@@ -196,8 +207,6 @@ def test_a_part_at_a_height_is_asked_for_the_displacement_of_its_floor(tmp_path:
     building = "height = 1.0\nbuilding_height = 2.0\nbuilding_period = 1.4\nstoreys = 1\n"
     asked = []
     for more in ("", building):
-        case = macro_case(
-            read_scene(scene(tmp_path, blocks, f'[limit.check]\nspectrum = "EC8"\nag = 1.0\n{more}{table}', mu=0.8)), False, jobs=1
-        )
-        asked.append(case.rows[0].displacement_demand)
+        case = parts_of(scene(tmp_path, blocks, f'[limit.check]\nspectrum = "EC8"\nag = 1.0\n{more}{table}', mu=0.8))
+        asked.append(case.mechanisms[0].row.displacement_demand)
     assert asked[0] is not None and asked[1] is not None and asked[1] > 1.2 * asked[0]  # in resonance with the building

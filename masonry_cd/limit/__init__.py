@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Limit analysis of a scene: its load factor and mechanisms, those of its parts, and their check by a code.
+
+The whole of a structure is the part that holds everything, so that one :class:`~masonry_cd.limit.case.LimitCase` has the mechanisms of the
+whole and of all parts in one table, and one verdict.
+
+case.py        a scene becomes a LimitCase
+whole.py       the whole under the load that the scene multiplies
+parts.py       macro-elements: which are asked for, and their analysis
+checked.py     each mechanism with its check by a code, and the verdict of the gravest
+search.py      how far the least factor is searched for
+left_state.py  the blocks where a run left them
+vehicle.py     the worst place of a vehicle
+curve.py       the capacity curve
+words.py       the analysis in words
+facts.py       limit.json
+files.py       tables, pictures and page
+command.py     masonry-cd limit
+
+The mathematics is in :mod:`masonry_cd.analysis.limit`, the clauses of codes in :mod:`masonry_cd.analysis.code_check`, the keys of the scene
+in :mod:`masonry_cd.app.limit_table`.
+"""

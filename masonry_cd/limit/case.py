@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The limit analysis of a scene: the whole under its load, its parts with all else held, and the one verdict on all of them."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from masonry_cd.analysis.code_check.check import with_borne
+from masonry_cd.analysis.code_check.ground import Ground, ground_of
+from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Verdict, judged, refused, worst
+from masonry_cd.analysis.limit.macro import ElementAnalysis
+from masonry_cd.app.doubts import check_doubts, doubts
+from masonry_cd.app.limit_structure import LimitStructure, limit_structure
+from masonry_cd.app.modelled import masses
+from masonry_cd.app.scene import Scene, read_scene
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.limit.assumed import Without, without_assumptions
+from masonry_cd.limit.checked import Checked, PartLooked, checked, gravest, in_full
+from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
+from masonry_cd.limit.search import doubt_of, search_numbers, ways
+from masonry_cd.limit.vehicle import Crossing, at_worst
+from masonry_cd.limit.whole import WholeAnalysis, analyse_whole, as_part
+from masonry_cd.mechanics.contact.find_joints import built_gap, loose_contacts
+from masonry_cd.mechanics.model.joint_laws import held
+from masonry_cd.mechanics.solvers.options import cores
+
+if TYPE_CHECKING:
+    from masonry_cd.analysis.code_check.steps import CodeCheck
+    from masonry_cd.analysis.code_check.table import CheckTable
+    from masonry_cd.analysis.limit.analysis import Analysis
+    from masonry_cd.app.static_loads import StaticLoads
+
+LEVEL = 1e-9
+PATTERNS = ("push", "tilt", "live")  # keys of [limit] that multiply something
+GAP = 1e-8  # share of the width of a structure from which on gaps of its joints are reported
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is looked at beside what the scene asks for.
+
+    Attributes:
+        parts: the macro-elements of the structure's kind, beside those of ``[[limit.mechanism]]``.
+        curve: the mechanism of the whole, followed also where the scene has no table ``[limit.curve]``.
+        whole: look at the whole as well where the scene multiplies a load.
+        jobs: processes for the parts; as many as there are cores by default.
+        quiet: do not say how long it still takes.
+    """
+
+    parts: bool = False
+    curve: bool = False
+    whole: bool = True
+    jobs: int | None = None
+    quiet: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class LimitCase:
+    """A scene and its limit analysis."""
+
+    structure: LimitStructure  # with the scene
+    wanted: Wanted
+    whole: WholeAnalysis | None  # None where the scene multiplies nothing and parts alone are looked at
+    crossing: Crossing | None  # of a vehicle whose worst place was looked for
+    parts: tuple[ElementAnalysis, ...]  # macro-elements, one for each and each push
+    mechanisms: tuple[Checked, ...]  # of the whole and of all parts, the gravest first
+    decides: Checked | None  # the mechanism with the verdict; None without a check
+    verdict: Verdict | None  # the one that all outputs show; None where no check is asked for
+    without: tuple[Without, ...]  # the factor of the whole without each thing that is assumed of it
+    notes: tuple[str, ...]  # what must not be overlooked
+    modelled: tuple[str, ...]  # masses, ties, floors and fill, in words
+    seconds: float
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that is analysed."""
+        return self.structure.scene
+
+    @cached_property
+    def ground(self) -> Ground | None:
+        """The motion of the ground that a check asks for; None without one."""
+        asked = self.structure.asked.check
+        return None if asked is None else ground_of(asked, self.scene.folder)
+
+    @cached_property
+    def check(self) -> CodeCheck | None:
+        """The check of the mechanism that decides, value by value, with the acceleration of the ground that it just bears."""
+        decides, asked = self.decides, self.structure.asked.check
+        if decides is None or decides.level is None or asked is None or self.ground is None:
+            return None
+        tied = self.whole is not None and len(self.whole.loads.bars.strength) > 0
+        return with_borne(in_full(decides, self.mechanisms, tied), asked, decides.level, decides.one.oscillator, self.ground)
+
+
+def limit_case(source: Scene | Path | str, changes: Sequence[str] = (), wanted: Wanted | None = None) -> LimitCase:
+    """Analyse a scene.
+
+    Args:
+        source: a scene, or its file.
+        changes: of its keys, ``key=value``, where it is a file.
+        wanted: what is looked at beside what it asks for.
+
+    Raises:
+        InputError: anything wrong with the scene, or a limit analysis without an answer.
+    """
+    begin, wanted = time.perf_counter(), wanted or Wanted()
+    scene = source if isinstance(source, Scene) else read_scene(source, changes)
+    with_parts = wanted.parts or bool(scene.limit.get("mechanism"))
+    structure, crossing = limit_structure(scene), None
+    if whole_too := wanted.whole and (not with_parts or has_pattern(scene)):
+        structure, crossing = at_worst(structure, wanted.quiet)
+    with scene.locating():
+        parts, notes = _parts(structure, wanted) if with_parts else ([], [])
+        whole, of_whole = _whole(structure, parts, wanted) if whole_too else (None, [])
+        asked, assembly = structure.asked.check, structure.assembly if whole is None else whole.assembly
+        rows = checked([*of_whole, *parts], asked, scene.folder, assembly)
+        decides = gravest(rows)
+        without = () if whole is None else without_assumptions(whole)
+        verdict = None if asked is None else _verdict(decides, whole, without)
+        loads = structure.loads_of_parts() if whole is None else whole.loads
+    on_whole = [] if whole is None else _notes_on(whole, asked)
+    notes = [*on_whole, *notes, *_notes_on_structure(structure), *loads.notes]
+    modelled, seconds = (masses(assembly), *structure.made.notes), time.perf_counter() - begin
+    elements = tuple(one.part for one in parts)
+    return LimitCase(structure, wanted, whole, crossing, elements, rows, decides, verdict, without, tuple(notes), modelled, seconds)
+
+
+def _parts(structure: LimitStructure, wanted: Wanted) -> tuple[list[PartLooked], list[str]]:
+    """The macro-elements that a scene asks for, each under its pushes, and what is to be said of them.
+
+    Raises:
+        InputError: what a check of parts does not know, or a table that names no part.
+    """
+    asked, scene = structure.asked, structure.scene
+    heights_along_z("limit: what looks at macro-elements", scene.run.gravity)
+    if asked.begin is not None:
+        raise InputError("limit.from", "macro-elements are those of the structure as built")
+    if asked.check is not None and asked.check.limit_state == "SLC":
+        raise InputError(
+            "limit.check.limit_state", "SLC is checked by displacements only, and of macro-elements the least mechanism alone is followed"
+        )
+    pushes, effort = asked_for(structure, wanted.parts), effort_of(asked, scene.run.seed)
+    whole = whole_of(structure, structure.loads_of_parts())
+    found = [PartLooked.of(one, doubt_of(one, effort)) for one in analysed(whole, pushes, effort, wanted.jobs or cores(), wanted.quiet)]
+    notes = in_pieces(list(dict.fromkeys(element for element, _ in pushes)), structure.joints)
+    return found, [*notes, *(f"{one.part.element.name}: {remark}" for one in found for remark in one.part.remarks)]
+
+
+def _whole(structure: LimitStructure, parts: Sequence[PartLooked], wanted: Wanted) -> tuple[WholeAnalysis, list[PartLooked]]:
+    """The whole under the load of its scene, and what is known of its mechanisms: its own, and without ``parts`` those of rigid bodies of
+    its parts that may go along the push.
+
+    Raises:
+        InputError: loads that do not suit what is asked for, or no answer.
+    """
+    loads, asked = structure.loads(), structure.asked
+    how = ways(structure, loads)
+    if asked.check is not None:
+        _refuse_check(loads, structure.scene.run.gravity)
+    overturns = structure.upright and loads.direction is not None and loads.direction[2] == 0.0
+    along_push: list[ElementAnalysis] = []
+    if overturns and not parts and asked.begin is None and (asked.check is not None or (loads.kind == "push" and how.begins_at_parts)):
+        effort = replace(effort_of(asked, structure.scene.run.seed), starts=0, most_points=0)
+        pushes = along(structure, loads.direction or ())
+        along_push = list(analysed(whole_of(structure, loads), pushes, effort, wanted.jobs or cores(), wanted.quiet))
+    begun_at = [each.part for each in parts] or (along_push if how.begins_at_parts else [])
+    known = [one.mechanisms[0] for one in begun_at if one.mechanisms]
+    whole = analyse_whole(structure, loads, how, known, wanted.curve)
+    if not overturns or not whole.has_factor or whole.analysis.bears_nothing:
+        return whole, []
+    own = as_part(whole, structure)
+    return whole, [own, *(replace(own, part=one) for one in along_push if asked.check is not None)]
+
+
+def has_pattern(scene: Scene) -> bool:
+    """Whether a scene names what a limit analysis of the whole multiplies."""
+    if any(scene.limit.get(name) for name in PATTERNS):
+        return True
+    from loads.static import patterns
+
+    with scene.locating():
+        return any(patterns(scene.loads, scene.folder))
+
+
+def heights_along_z(where: str, gravity: Sequence[float]) -> None:
+    """Refuse gravity along which heights do not count.
+
+    Raises:
+        InputError: names the key.
+    """
+    if not any(gravity):
+        raise InputError(where, "needs gravity, but run.gravity is zero")
+    if gravity[2] > 0.0 or math.hypot(*gravity[:2]) > LEVEL * math.hypot(*gravity):
+        raise InputError(where, "needs run.gravity along -z, along which heights count")
+
+
+def _refuse_check(loads: StaticLoads, gravity: Sequence[float]) -> None:
+    """Refuse a check of loads whose factor is not that of a horizontal push.
+
+    Raises:
+        InputError: names the key.
+    """
+    if loads.kind not in ("push", "tilt"):
+        raise InputError("limit.check", f"needs a push or a tilt, not {loads.words}")
+    if loads.kind == "tilt" and not loads.only_gravity:
+        raise InputError("limit.check", "needs a push where point loads or ties act: they do not turn with a tilt")
+    across = abs(float(np.sum(np.asarray(loads.direction) * np.asarray(gravity))))
+    if across > LEVEL * math.hypot(*gravity):
+        raise InputError("limit.check", "the push must be level, at right angles to gravity")
+    heights_along_z("limit.check", gravity)
+
+
+def _verdict(decides: Checked | None, whole: WholeAnalysis | None, without: Sequence[Without]) -> Verdict:
+    """The verdict of the gravest mechanism, and on a whole that has no load factor at which a mechanism would start.
+
+    It names the load factors of the whole without what is assumed of it.
+    """
+    found = [] if decides is None else [decides.verdict()]
+    found = [replace(one, reason="; ".join([one.reason, *(each.line for each in without)])) for one in found]
+    if whole is not None and not (whole.has_factor and not whole.analysis.bears_nothing):
+        found.append(_unchecked(whole.analysis))
+    return worst(found) or judged((), Basis(), ("no part has a mechanism below the largest factor that is looked for",))
+
+
+def _unchecked(analysis: Analysis) -> Verdict:
+    """The verdict on a structure that has no load factor at which a mechanism would start."""
+    if not analysis.stands:
+        return refused(f"the structure does not stand under its dead loads, it bears {100.0 * max(analysis.standing, 0.0):.3g} % of them")
+    if analysis.endless:
+        return judged((), Basis(numbers=search_numbers(analysis)), ("no finite load factor was found", NO_SEARCH))
+    return refused("the structure bears no such load, the least of it sets it in motion", search_numbers(analysis))
+
+
+def _notes_on(whole: WholeAnalysis, asked: CheckTable | None) -> list[str]:
+    """What is to be said of the analysis of the whole."""
+    notes = [whole.left] if whole.left else []
+    if asked is not None and (not whole.has_factor or whole.analysis.bears_nothing):
+        notes.append("limit.check: no check: there is no load factor at which a mechanism would start")
+    return [*notes, *whole.analysis.remarks]
+
+
+def _notes_on_structure(structure: LimitStructure) -> list[str]:
+    """Values that are likely in another unit, contacts and gaps that count as none, laws that limit analysis does not know."""
+    assembly, scene, check = structure.assembly, structure.scene, structure.asked.check
+    notes = doubts(scene, assembly, structure.joints)
+    if check is not None and check.record is not None:
+        notes += check_doubts(scene, check.record)
+    if loose := loose_contacts(assembly):
+        notes.append(f"{loose} pairs of blocks touch along a line or in a point only: these contacts bear nothing here")
+    gap = built_gap(assembly)
+    if gap > GAP * assembly.width:
+        notes.append(f"joints as built have gaps or overlaps of up to {gap:.2g} m, which count as none")
+    return notes + [law.in_limit for law in held(assembly.laws) if law.in_limit]

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command ``masonry-cd limit``: from a scene to its limit analysis, and its files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from masonry_cd.app.folders import free_folder
+from masonry_cd.app.result import Result
+from masonry_cd.app.scene import Scene
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.limit.case import LimitCase, Wanted, limit_case
+from masonry_cd.limit.words import lines
+
+
+@dataclass(frozen=True)
+class Files:
+    """Where the files of an analysis go.
+
+    Attributes:
+        folder: for them, made if need be.
+        force: overwrite those that are there.
+        pictures: draw them.
+        view: of the pictures.
+        run: folder of a run, whose damage stands beside the parts.
+    """
+
+    folder: Path
+    force: bool = False
+    pictures: bool = True
+    view: str = "auto"
+    run: Path | None = None
+
+
+def limit(scene: Scene, wanted: Wanted, files: Files | None = None) -> Result[LimitCase]:
+    """Analyse a scene and write what was found.
+
+    Args:
+        scene: what is analysed.
+        wanted: what is looked at beside what it asks for.
+        files: where it is written; nowhere by default.
+
+    Raises:
+        InputError: anything wrong with the scene or the folders.
+    """
+    if files is not None:
+        _refuse_files(scene, wanted, files)
+    case = limit_case(scene, wanted=wanted)
+    written: list[Path] = []
+    if files is not None:
+        from masonry_cd.limit.files import write
+
+        written = write(case, files.folder, files.pictures, files.view, files.run)
+    return Result(case, lines(case), case.notes, written)
+
+
+def _refuse_files(scene: Scene, wanted: Wanted, files: Files) -> None:
+    """Refuse folders and views before anything is computed.
+
+    Raises:
+        InputError: names the option.
+    """
+    from masonry_cd.limit.files import EVERY
+    from reports.drawing.parts import view_named
+
+    free_folder(files.folder, EVERY, files.force)
+    if files.pictures and files.view != "auto":
+        view_named(files.view)
+    if files.run is None:
+        return
+    if not (wanted.parts or scene.limit.get("mechanism")):
+        raise InputError("--run", "stands beside macro-elements only; give --macro-elements")
+    if not (files.run / "damage.csv").exists():
+        raise InputError("--run", f"{files.run} has no damage.csv; a run writes it where [report] damage = true")

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pictures of ``masonry-cd limit``: mechanism and thrust of the whole, its capacity curve, the gravest mechanism of each part."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from masonry_cd.analysis.limit.analysis import Collapse
+from masonry_cd.analysis.limit.macro import FREE, PartMechanism
+from masonry_cd.analysis.limit.mechanism import Mechanism
+from masonry_cd.analysis.limit.part import BED
+from masonry_cd.foundation.quantities import force
+from masonry_cd.limit.checked import least_of
+from masonry_cd.limit.curve import draw_curve
+from masonry_cd.limit.whole import THE_WHOLE
+from masonry_cd.mechanics.model.joints import Joints
+from reports.drawing.figure import Sheet
+from reports.limit.picture import Subject, mechanism_scene, thrust_scene
+
+if TYPE_CHECKING:
+    from masonry_cd.limit.case import LimitCase
+    from masonry_cd.limit.whole import WholeAnalysis
+
+PARTS = "parts"  # folder of the pictures of parts
+
+
+def draw_whole(whole: WholeAnalysis, title: str, folder: Path, view: str = "auto") -> list[Path]:
+    """Draw the mechanism of the whole, the forces of a structure that stands, and its capacity curve where one was followed, into a folder.
+
+    Raises:
+        InputError: an unknown view, no off-screen OpenGL.
+    """
+    what, words = Subject(whole.collapse, whole.assembly.blocks, whole.joints, whole.ties), _facts(whole)
+    Sheet.drawn(mechanism_scene(what, f"{title}: mechanism", words, view)).save(folder / "mechanism.png")
+    if not whole.analysis.stands:
+        return [folder / "mechanism.png"]
+    Sheet.drawn(thrust_scene(what, f"{title}: forces at collapse", words, view)).save(folder / "thrust.png")
+    curve = [draw_curve(whole.curve, whole.assembly.names, folder, (title, whole.loads.words), view)] if whole.curve else []
+    return [folder / "mechanism.png", folder / "thrust.png", *curve]
+
+
+def draw_spectra(case: LimitCase, folder: Path) -> list[Path]:
+    """Draw the spectra of the check that decides, with what is asked for and what is borne, into a folder; nothing without a check.
+
+    Raises:
+        InputError: matplotlib is not installed.
+    """
+    check, asked, ground = case.check, case.structure.asked.check, case.ground
+    if check is None or asked is None or ground is None or case.decides is None:
+        return []
+    from masonry_cd.analysis.code_check.spectra import spectra
+    from reports.limit.spectrum_picture import spectrum_picture
+
+    row, gravity = case.decides.row, case.decides.one.oscillator.gravity
+    words = f"{row.element}, push {row.push}: {row.mechanism} · {check.edition}{f', {check.limit_state}' if check.limit_state else ''}"
+    made = spectra(check, asked, ground, gravity)
+    return [spectrum_picture(made, folder / "spectrum.png", f"{case.scene.title}: check by a code", words)]
+
+
+def draw_parts(case: LimitCase, folder: Path, view: str = "auto") -> dict[Path, str]:
+    """Draw the gravest mechanism of each part that was looked at by itself into a folder, each PNG with what it shows.
+
+    Raises:
+        InputError: an unknown view, no off-screen OpenGL.
+    """
+    drawn: dict[Path, str] = {}
+    seen: set[str] = set()
+    for each in least_of(case.mechanisms) if case.parts else []:
+        row, one = each.row, each.one
+        if row.element in seen or row.element == THE_WHOLE or one.found is None:
+            continue
+        seen.add(row.element)
+        path = folder / f"{len(seen):02d}_{re.sub('[^a-z0-9]+', '_', row.element.lower()).strip('_')}.png"
+        words = f"push {row.push} · {_named(row.mechanism)} · α0 {row.alpha0:.4g}"
+        Sheet.drawn(mechanism_scene(_subject(case, one), f"{case.scene.title}: {row.element}", words, view)).save(path)
+        drawn[path] = each.words
+    return drawn
+
+
+def _facts(whole: WholeAnalysis) -> str:
+    """The line below the title of a picture."""
+    analysis = whole.analysis
+    if not analysis.stands:
+        return "does not stand under its dead loads"
+    if analysis.endless:
+        return f"{whole.loads.words}: no finite load factor; the forces are those under the dead loads"
+    if analysis.problem.moves_support:
+        return f"{whole.loads.words}: the supports still bear {force(-analysis.associated.factor * analysis.problem.weight)}"
+    if analysis.bears_nothing:
+        return f"{whole.loads.words}: no load factor, the least of this load sets it in motion"
+    least = f" · least found without dilation {analysis.least.optimum.factor:.4g}, drawn" if analysis.least else ""
+    upper = "no finite associated load factor" if analysis.unlimited else f"load factor {analysis.associated.factor:.4g} (associated)"
+    return f"{whole.loads.words} · {upper}{least}"
+
+
+def _named(mechanism: str) -> str:
+    """A mechanism without the counts of its joints, of which a picture shows some only and counts those."""
+    return FREE if mechanism.startswith(FREE) else mechanism
+
+
+def _under(case: LimitCase, moves: Mechanism) -> np.ndarray:
+    """Blocks at rest under joints at work, whose hinges and slips would not be seen without them."""
+    joints = case.structure.joints
+    works, up = moves.state > 0, joints.normal[:, 2]
+    lower = np.where(up > BED, joints.block_a, np.where(up < -BED, joints.block_b, -1))
+    upper = joints.block_a + joints.block_b - lower
+    some = np.flatnonzero(works & (lower >= 0))
+    return np.unique(lower[some][moves.moving[upper[some]] & ~moves.moving[lower[some]]])
+
+
+def _subject(case: LimitCase, one: PartMechanism) -> Subject:
+    """The blocks of a part, those that move with it and those on which they stand, in their mechanism; what else is held would hide them.
+
+    Without forces.
+    """
+    assert one.found is not None
+    moves, joints = one.found.mechanism, case.structure.joints
+    shown = np.union1d(np.union1d(one.element.blocks, np.flatnonzero(moves.moving)), _under(case, moves))
+    number = np.full(case.structure.assembly.count, -1)
+    number[shown] = np.arange(len(shown))
+    between = np.flatnonzero((number[joints.block_a] >= 0) & (number[joints.block_b] >= 0))
+    corners = [np.arange(joints.polygon_start[j], joints.polygon_start[j + 1]) for j in between]
+    some = Joints(
+        number[joints.block_a[between]], number[joints.block_b[between]], joints.area[between], joints.normal[between],
+        np.cumsum([0, *map(len, corners)]), joints.polygon[np.concatenate([*corners, np.zeros(0, dtype=np.int64)])],
+    )  # fmt: skip
+    of_joints = ("opening", "least_opening", "sliding", "rotation", "hinge", "state", "closing")
+    part = replace(
+        moves, velocity=moves.velocity[shown], speed=moves.speed[shown], **{name: getattr(moves, name)[between] for name in of_joints}
+    )
+    nothing = np.zeros(some.count)
+    collapse = Collapse(part, nothing, nothing, np.full((some.count, 3), np.nan), np.zeros(0), np.full(some.count, np.nan))
+    return Subject(collapse, [case.structure.assembly.blocks[b] for b in shown], some)
