@@ -23,6 +23,7 @@ def limit(
         bool, typer.Option("--macro-elements", help="Look at each part of the structure with all else held.")
     ] = False,
     run: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of a run, whose damage the table of parts then has.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on where an analysis with macro-elements was stopped.")] = False,
     force: Force = False,
     trust: Trust = False,
     quiet: Quiet = False,
@@ -51,9 +52,11 @@ def limit(
       masonry-cd limit church.toml -o out/parts --macro-elements
     """
     from masonry_cd.app.scene import read_scene
+    from masonry_cd.cli.shared import exclude
     from masonry_cd.limit.case import Wanted
     from masonry_cd.limit.command import Files
     from masonry_cd.limit.command import limit as command
 
+    exclude(("--resume", resume), ("--force", force))
     wanted = Wanted(macro_elements, curve, quiet=quiet)
-    return command(read_scene(scene, set_ or ()), wanted, Files(output, force, picture, view, run))
+    return command(read_scene(scene, set_ or ()), wanted, Files(output, force, resume, picture, view, run))

@@ -17,7 +17,8 @@ import typer
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.result import Result
 
-CONTINUED = {"run": ("--resume",), "study": (), "assess": ()}  # commands that continue what was interrupted, and by which option
+# commands that continue what was interrupted, and by which option
+CONTINUED = {"run": ("--resume",), "limit": ("--resume",), "study": (), "assess": ()}
 
 
 def printed(command: Callable[..., Result[Any]]) -> Callable[..., None]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ import numpy as np
 
 from masonry_cd.analysis.code_check.check import with_borne
 from masonry_cd.analysis.code_check.ground import Ground, ground_of
+from masonry_cd.analysis.code_check.level import foundation_of
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Verdict, judged, refused, worst
 from masonry_cd.analysis.limit.macro import ElementAnalysis
 from masonry_cd.app.doubts import check_doubts, doubts
@@ -24,6 +25,7 @@ from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.assumed import Without, without_assumptions
 from masonry_cd.limit.checked import Checked, PartLooked, checked, gravest, in_full
+from masonry_cd.limit.kept import Kept
 from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
 from masonry_cd.limit.search import doubt_of, search_numbers, ways
 from masonry_cd.limit.vehicle import Crossing, at_worst
@@ -100,13 +102,19 @@ class LimitCase:
         return with_borne(in_full(decides, self.mechanisms, tied), asked, decides.level, decides.one.oscillator, self.ground)
 
 
-def limit_case(source: Scene | Path | str, changes: Sequence[str] = (), wanted: Wanted | None = None) -> LimitCase:
+def limit_case(
+    source: Scene | Path | str,
+    changes: Sequence[str] = (),
+    wanted: Wanted | None = None,
+    keep: Callable[[LimitStructure], Kept] | None = None,
+) -> LimitCase:
     """Analyse a scene.
 
     Args:
         source: a scene, or its file.
         changes: of its keys, ``key=value``, where it is a file.
         wanted: what is looked at beside what it asks for.
+        keep: opens what keeps the parts that are done with; they are not kept by default.
 
     Raises:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
@@ -118,7 +126,10 @@ def limit_case(source: Scene | Path | str, changes: Sequence[str] = (), wanted: 
     if whole_too := wanted.whole and (not with_parts or has_pattern(scene)):
         structure, crossing = at_worst(structure, wanted.quiet)
     with scene.locating():
-        parts, notes = _parts(structure, wanted) if with_parts else ([], [])
+        if structure.asked.check is not None:  # refused before anything is computed
+            foundation_of(structure.asked.check, structure.assembly)
+            ground_of(structure.asked.check, scene.folder)
+        parts, notes = _parts(structure, wanted, keep) if with_parts else ([], [])
         whole, of_whole = _whole(structure, parts, wanted) if whole_too else (None, [])
         asked, assembly = structure.asked.check, structure.assembly if whole is None else whole.assembly
         rows = checked([*of_whole, *parts], asked, scene.folder, assembly)
@@ -133,7 +144,7 @@ def limit_case(source: Scene | Path | str, changes: Sequence[str] = (), wanted: 
     return LimitCase(structure, wanted, whole, crossing, elements, rows, decides, verdict, without, tuple(notes), modelled, seconds)
 
 
-def _parts(structure: LimitStructure, wanted: Wanted) -> tuple[list[PartLooked], list[str]]:
+def _parts(structure: LimitStructure, wanted: Wanted, keep: Callable[[LimitStructure], Kept] | None) -> tuple[list[PartLooked], list[str]]:
     """The macro-elements that a scene asks for, each under its pushes, and what is to be said of them.
 
     Raises:
@@ -149,7 +160,12 @@ def _parts(structure: LimitStructure, wanted: Wanted) -> tuple[list[PartLooked],
         )
     pushes, effort = asked_for(structure, wanted.parts), effort_of(asked, scene.run.seed)
     whole = whole_of(structure, structure.loads_of_parts())
-    found = [PartLooked.of(one, doubt_of(one, effort)) for one in analysed(whole, pushes, effort, wanted.jobs or cores(), wanted.quiet)]
+    kept = None if keep is None else keep(structure)
+    found: list[PartLooked] = []
+    for one in analysed(whole, pushes, effort, (wanted.jobs or cores(), wanted.quiet), kept):
+        found.append(PartLooked.of(one, doubt_of(one, effort)))
+        if kept is not None:
+            kept.add(one, checked(found, asked.check, scene.folder, structure.assembly))
     notes = in_pieces(list(dict.fromkeys(element for element, _ in pushes)), structure.joints)
     return found, [*notes, *(f"{one.part.element.name}: {remark}" for one in found for remark in one.part.remarks)]
 
@@ -170,7 +186,7 @@ def _whole(structure: LimitStructure, parts: Sequence[PartLooked], wanted: Wante
     if overturns and not parts and asked.begin is None and (asked.check is not None or (loads.kind == "push" and how.begins_at_parts)):
         effort = replace(effort_of(asked, structure.scene.run.seed), starts=0, most_points=0)
         pushes = along(structure, loads.direction or ())
-        along_push = list(analysed(whole_of(structure, loads), pushes, effort, wanted.jobs or cores(), wanted.quiet))
+        along_push = list(analysed(whole_of(structure, loads), pushes, effort, (wanted.jobs or cores(), wanted.quiet)))
     begun_at = [each.part for each in parts] or (along_push if how.begins_at_parts else [])
     known = [one.mechanisms[0] for one in begun_at if one.mechanisms]
     whole = analyse_whole(structure, loads, how, known, wanted.curve)

@@ -11,6 +11,7 @@ from masonry_cd.app.result import Result
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import LimitCase, Wanted, limit_case
+from masonry_cd.limit.kept import NAME, Kept
 from masonry_cd.limit.words import lines
 
 
@@ -21,6 +22,7 @@ class Files:
     Attributes:
         folder: for them, made if need be.
         force: overwrite those that are there.
+        resume: go on where an analysis of this scene was stopped in this folder, with the parts that it was done with.
         pictures: draw them.
         view: of the pictures.
         run: folder of a run, whose damage stands beside the parts.
@@ -28,6 +30,7 @@ class Files:
 
     folder: Path
     force: bool = False
+    resume: bool = False
     pictures: bool = True
     view: str = "auto"
     run: Path | None = None
@@ -46,12 +49,15 @@ def limit(scene: Scene, wanted: Wanted, files: Files | None = None) -> Result[Li
     """
     if files is not None:
         _refuse_files(scene, wanted, files)
-    case = limit_case(scene, wanted=wanted)
-    written: list[Path] = []
-    if files is not None:
-        from masonry_cd.limit.files import write
+    if files is None:
+        case = limit_case(scene, wanted=wanted)
+        return Result(case, lines(case), case.notes)
+    from masonry_cd.limit.files import write
 
-        written = write(case, files.folder, files.pictures, files.view, files.run)
+    folder, resume = files.folder, files.resume
+    case = limit_case(scene, wanted=wanted, keep=lambda structure: Kept.begun(folder, structure, resume))
+    written = write(case, folder, files.pictures, files.view, files.run)
+    (folder / NAME).unlink(missing_ok=True)
     return Result(case, lines(case), case.notes, written)
 
 
@@ -64,7 +70,7 @@ def _refuse_files(scene: Scene, wanted: Wanted, files: Files) -> None:
     from masonry_cd.limit.files import EVERY
     from reports.drawing.parts import view_named
 
-    free_folder(files.folder, EVERY, files.force)
+    free_folder(files.folder, EVERY, files.force or files.resume)
     if files.pictures and files.view != "auto":
         view_named(files.view)
     if files.run is None:

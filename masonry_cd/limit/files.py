@@ -11,6 +11,7 @@ from masonry_cd.foundation import own_files
 from masonry_cd.foundation.json_files import write_json
 from masonry_cd.limit.curve import curve_lines, write_curve
 from masonry_cd.limit.facts import facts
+from masonry_cd.limit.kept import NAME
 from masonry_cd.limit.vehicle import write_crossing
 from masonry_cd.limit.words import found_lines, held_parts
 from reports.limit.page import LimitPage, damage_by_group, write_limit_page
@@ -40,7 +41,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
 
     damage = {} if run is None else _damage(case, run)
     own_files.begin(folder, EVERY)
-    own_files.remove(folder, EVERY)
+    own_files.remove(folder, (name for name in EVERY if name != NAME))
     own_files.begin(folder / PARTS, ("*.png",))
     own_files.remove(folder / PARTS, ("*.png",))
     found, check, whole = facts(case), case.check, case.whole

@@ -32,6 +32,7 @@ from structures.macro_elements.element import AROUND, HORIZONTAL_BENDING, OVERTU
 if TYPE_CHECKING:
     from masonry_cd.app.limit_structure import LimitStructure
     from masonry_cd.app.static_loads import StaticLoads
+    from masonry_cd.limit.kept import Kept
 
 STARTS = 2  # of the free search within a part, beside those at the mechanisms of practice
 SEARCHED = 2_500  # contact points of a part up to which it is made unasked: some 10 s of processor time for a push
@@ -80,21 +81,30 @@ def named_in(structure: LimitStructure) -> list[MacroElement]:
     return macro_elements(structure.made.blocks, groups if kind is None else kind.parts)
 
 
-def analysed(whole: Whole, pushes: Sequence[Push], effort: Effort, jobs: int, quiet: bool) -> Iterator[ElementAnalysis]:
-    """Analyse parts, in their order, on so many processes that share the structure; how long they still take is said unless it is quiet.
+def analysed(
+    whole: Whole, pushes: Sequence[Push], effort: Effort, how: tuple[int, bool], kept: Kept | None = None
+) -> Iterator[ElementAnalysis]:
+    """Analyse parts, in their order.
+
+    Args:
+        whole: their structure.
+        pushes: the parts, each with where to.
+        effort: how much is looked for.
+        how: on so many processes that share the structure, and whether it is not said how long they still take.
+        kept: the parts that are done already.
 
     Raises:
         InputError: joints of a part that crush under the dead loads alone.
     """
     whole.prepare()
-    several = jobs > 1 and len(pushes) > 1
+    (jobs, quiet), known = how, [None if kept is None else kept.of(push) for push in pushes]
+    several = jobs > 1 and known.count(None) > 1
     with workers(jobs, system.INHERITS, _share, whole, effort) if several else nullcontext() as pool:
-        runs = [pool.submit(_one, each) for each in pushes] if pool else []
-        made = (run.result() for run in runs) if pool else (analyse_element(whole, element, way, effort) for element, way in pushes)
+        runs = {k: pool.submit(_one, pushes[k]) for k, one in enumerate(known) if one is None} if pool else {}
         with Progress(len(pushes), quiet, what="push of a part") as progress:
-            for count, one in enumerate(made, start=1):
-                yield one
-                progress(count)
+            for k, one in enumerate(known):
+                yield one or (runs[k].result() if runs else analyse_element(whole, *pushes[k], effort))
+                progress(k + 1)
 
 
 _SHARED: list[Any] = []  # structure and effort, in each process of a pool

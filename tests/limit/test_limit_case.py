@@ -68,7 +68,7 @@ def test_the_command_writes_what_it_finds(tmp_path):
     weight = sum(float(row["normal_force_n"]) for row in joints if row["block_a"] == "ground" or row["block_b"] == "ground")
     assert weight == pytest.approx(9.81 * 2000.0 * 0.2 * 0.4 * 0.175 * 38.5, rel=0.2)
     missing = {name for name in EVERY if not (folder / name).exists() and not name.startswith(("capacity", "crossing"))}
-    assert missing == {"check.json", "check.csv", "ties.csv"}  # no check, no tie
+    assert missing == {"check.json", "check.csv", "spectrum.png", "ties.csv", "parts.kept"}  # no check, no tie, and it is done
     drawn = pixels(folder / "mechanism.png")
     assert (drawn == [0xD5, 0x5E, 0x00]).all(axis=2).sum() > 100  # hinges are marked
     again = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder)])
@@ -310,7 +310,7 @@ def test_the_page_shows_the_check_the_pictures_and_the_certificate(tmp_path):
     path, folder = scene(tmp_path, pillar(), f"title = '<Pillar>'\n[limit]\npush = 'x'\n{CHECK}"), tmp_path / "out"
     write(limit_case(path), folder)
     page = (folder / "limit.html").read_text()
-    assert page.count("data:image/png;base64,") == 2
+    assert page.count("data:image/png;base64,") == 3  # with the spectrum of the check
     assert "&lt;Pillar&gt;" in page and "<Pillar>" not in page
     assert "//" not in page.partition("<body>")[2].replace("data:image/png;base64,", "").split("<img")[0]  # no address
     for words in ("Check by a code", '<span class="verdict good">satisfied</span> linear check: 2.422 m', "[C8.7.1.5]", "Kinematic value"):

@@ -138,7 +138,7 @@ def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path
     assert rows[0]["element"] == "slab" and float(rows[0]["ratio"]) == pytest.approx(1.5, rel=1e-3)
     assert [path.name for path in (folder / "parts").glob("[!.]*")] == ["01_slab.png"]
     page = (folder / "limit.html").read_text()
-    assert page.count("data:image/png") == 3 and "[C8.7.1.2]" in page and f">{made['verdict']['state']}</span>" in page
+    assert page.count("data:image/png") == 4 and "[C8.7.1.2]" in page and f">{made['verdict']['state']}</span>" in page
     assert html.unescape(page).count(made["verdict"]["reason"]) == 1 and ">1.50<" in page
 
 

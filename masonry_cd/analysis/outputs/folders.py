@@ -20,6 +20,7 @@ FOLDERS: dict[str, dict[str, str]] = {
     "limit": {
         "limit.json": "verdict, factors, mechanisms, check and certificate",
         "mechanisms.csv": "every mechanism of the whole and of its parts with its check, the gravest first",
+        "parts.kept": "parts that an analysis which was stopped is done with, from which --resume goes on",
         "blocks.csv": "the velocity of every block in the mechanism",
         "joints.csv": "every joint: how it moves, and its force at collapse",
         "ties.csv": "what every tie pulls at collapse",

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts that an analysis has done with, kept in its folder, so that one that was stopped goes on where it ended.
+
+``parts.kept`` has a record for each part and push: its length, and the pickled analysis behind a stamp of scene, blocks and version. A part
+of another stamp is analysed again, and the last record is left out where a kill cut it short. Only our own values and arrays are read.
+mechanisms.csv grows beside it. Once all is written, parts.kept goes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import pickle
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from masonry_cd.analysis.limit.macro import ElementAnalysis
+from masonry_cd.foundation import own_files
+
+if TYPE_CHECKING:
+    from masonry_cd.app.limit_structure import LimitStructure
+    from masonry_cd.limit.checked import Checked
+    from structures.macro_elements import MacroElement
+
+NAME = "parts.kept"
+LENGTH = 8  # bytes of the length of a record
+READ = {  # what a record may consist of, by its module
+    "masonry_cd.analysis.limit.macro": {"ElementAnalysis", "PartMechanism"},
+    "masonry_cd.analysis.limit.candidates": {"Candidate"},
+    "masonry_cd.analysis.limit.mechanism": {"Mechanism"},
+    "masonry_cd.analysis.limit.oscillator": {"Oscillator"},
+    "masonry_cd.analysis.limit.search": {"LeastFound"},
+    "masonry_cd.analysis.limit.solution": {"Optimum"},
+    "structures.macro_elements.element": {"MacroElement"},
+    "numpy": {"ndarray", "dtype"},
+    "numpy._core.multiarray": {"_reconstruct", "scalar"},
+    "numpy.core.multiarray": {"_reconstruct", "scalar"},
+    "numpy._core.numeric": {"_frombuffer"},
+    "numpy.core.numeric": {"_frombuffer"},
+}
+
+
+@dataclass
+class Kept:
+    """The parts of an analysis that are done, in a folder."""
+
+    folder: Path
+    stamp: bytes
+    known: dict[tuple[str, tuple[float, ...]], ElementAnalysis] = field(default_factory=dict)
+
+    @classmethod
+    def begun(cls, folder: Path, structure: LimitStructure, resume: bool) -> Kept:
+        """The parts kept in a folder where an analysis is to be resumed; none of a new one."""
+        made = cls(folder, _stamp(structure))
+        file = folder / NAME
+        for record in _records(file) if resume else ():
+            if record.startswith(made.stamp):
+                part = _Reader(io.BytesIO(record[len(made.stamp) :])).load()
+                made.known[part.element.name, tuple(part.direction.tolist())] = part
+        own_files.begin(folder, (NAME,))
+        own_files.note(file, growing=True)
+        file.write_bytes(b"")
+        return made
+
+    def of(self, push: tuple[MacroElement, Sequence[float]]) -> ElementAnalysis | None:
+        """The analysis of a part under a push, where it is kept."""
+        element, way = push
+        return self.known.get((element.name, tuple(map(float, way))))
+
+    def add(self, part: ElementAnalysis, rows: Sequence[Checked]) -> None:
+        """Keep a part, and write the table of all mechanisms so far."""
+        from reports.limit.tables import write_mechanisms
+
+        record = self.stamp + pickle.dumps(part, protocol=4)
+        with (self.folder / NAME).open("ab") as file:
+            file.write(len(record).to_bytes(LENGTH, "big") + record)
+        write_mechanisms([asdict(each.row) for each in rows], self.folder)
+
+
+class _Reader(pickle.Unpickler):
+    """Reads records that consist of our own values and arrays, and of nothing else."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        """A class of READ.
+
+        Raises:
+            UnpicklingError: any other.
+        """
+        if name not in READ.get(module, ()):
+            raise pickle.UnpicklingError(f"{module}.{name} has no place in {NAME}")
+        return super().find_class(module, name)
+
+
+def _records(file: Path) -> list[bytes]:
+    """The whole records of a file; none where it is not there."""
+    data, found, at = file.read_bytes() if file.exists() else b"", [], 0
+    while at + LENGTH <= len(data):
+        end = at + LENGTH + int.from_bytes(data[at : at + LENGTH], "big")
+        if end > len(data):
+            break
+        found.append(data[at + LENGTH : end])
+        at = end
+    return found
+
+
+def _stamp(structure: LimitStructure) -> bytes:
+    """A digest of all that the analysis of a part follows from: the text of the scene, the blocks, the version."""
+    from masonry_cd import __version__
+
+    sha = hashlib.sha256(f"{__version__}\n{structure.scene.text}".encode())
+    for block in structure.assembly.blocks:
+        sha.update(np.ascontiguousarray(block.vertices).tobytes())
+    return sha.digest()

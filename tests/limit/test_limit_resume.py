@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""limit.kept: an analysis of parts that was stopped goes on with those that it was done with, to the same numbers."""
+
+from __future__ import annotations
+
+import csv
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_limit_case import scene
+from test_limit_parts import SLAB, slabs
+from typer.testing import CliRunner
+
+from masonry_cd.app.limit_structure import limit_structure
+from masonry_cd.app.scene import read_scene
+from masonry_cd.cli.app import app
+from masonry_cd.limit import parts
+from masonry_cd.limit.kept import NAME, Kept
+
+TABLES = '[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = 2.0\n' + SLAB + SLAB.replace('"slab"', '"low"')
+
+
+def command(path: Path, folder: Path, *options: str) -> Any:
+    return CliRunner().invoke(app, ["limit", str(path), "-o", str(folder), "--no-picture", "-q", *options])
+
+
+def facts(folder: Path) -> dict[str, Any]:
+    made = json.loads((folder / "limit.json").read_text())
+    return {key: made[key] for key in ("mechanisms", "verdict", "least", "associated", "parts")}
+
+
+def test_what_was_stopped_after_a_part_goes_on_to_the_same_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = scene(tmp_path, slabs(), TABLES, mu=0.6)
+    assert command(path, tmp_path / "whole").exit_code == 0
+    calls: list[str] = []
+    analyse = parts.analyse_element
+
+    def counted(whole, element, way, effort):
+        if len(calls) == 1 and not (tmp_path / "go").exists():
+            raise KeyboardInterrupt
+        calls.append(element.name)
+        return analyse(whole, element, way, effort)
+
+    monkeypatch.setattr(parts, "analyse_element", counted)
+    monkeypatch.setattr("masonry_cd.limit.case.cores", lambda: 1)
+    folder = tmp_path / "stopped"
+    assert command(path, folder).exit_code == 130
+    with (folder / "mechanisms.csv").open() as file:
+        assert {row["element"] for row in csv.DictReader(file)} == {"slab"}  # the table has grown so far
+    (tmp_path / "go").touch()
+    assert command(path, folder, "--resume").exit_code == 0
+    assert calls == ["slab", "low"] and facts(folder) == facts(tmp_path / "whole")
+    assert not (folder / NAME).exists()
+
+
+def test_a_record_that_is_cut_short_or_of_another_scene_is_analysed_again(tmp_path: Path) -> None:
+    structure = limit_structure(read_scene(scene(tmp_path, slabs(), TABLES, mu=0.6)))
+    (push, _), folder = parts.asked_for(structure, False), tmp_path / "out"
+    (one,) = parts.analysed(parts.whole_of(structure, structure.loads_of_parts()), [push], parts.effort_of(structure.asked, 0), (1, True))
+    Kept.begun(folder, structure, False).add(one, [])
+    whole = (folder / NAME).read_bytes()
+    assert Kept.begun(folder, structure, True).of(push) is not None
+    (folder / NAME).write_bytes(whole[:-1])
+    assert Kept.begun(folder, structure, True).of(push) is None
+    (folder / NAME).write_bytes(whole)
+    (tmp_path / "other").mkdir()
+    other = limit_structure(read_scene(scene(tmp_path / "other", slabs(), TABLES, mu=0.5)))
+    assert Kept.begun(folder, other, True).of(push) is None
+
+
+def test_a_record_runs_no_code(tmp_path: Path) -> None:
+    structure = limit_structure(read_scene(scene(tmp_path, slabs(), TABLES, mu=0.6)))
+    folder = tmp_path / "out"
+    record = Kept.begun(folder, structure, False).stamp + pickle.dumps(print)
+    (folder / NAME).write_bytes(len(record).to_bytes(8, "big") + record)
+    with pytest.raises(pickle.UnpicklingError, match="print"):
+        Kept.begun(folder, structure, True)
