@@ -45,6 +45,7 @@ class Progress:
         what: str = "step",
     ) -> None:
         self.total, self.done = total, 0
+        self._grows = False  # whether more may come than are known: then nothing is said of the time left
         self._tick, self._what = tick, what
         self._stream = stream or sys.stderr
         self._bar = _bar(self._stream) if is_drawn(self._stream) and not quiet else None
@@ -67,6 +68,11 @@ class Progress:
             self._last = now
             self._show(now - self._begin)
 
+    def more(self, begun: int, ended: int) -> None:
+        """Count so many that have begun beside those known before, and so many that have ended."""
+        self.total, self._grows = self.total + begun, True
+        self(self.done + ended)
+
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self._bar:
             self._show(time.perf_counter() - self._begin)
@@ -79,9 +85,12 @@ class Progress:
 
     def _draw(self, elapsed: float) -> None:
         seconds = elapsed / max(1, self.done) * (self.total - self.done)  # as if all cost alike
-        left = "until all blocks are still" if self.done > self.total else f"{in_words(seconds)} left"
+        left = "" if self._grows else "until all blocks are still" if self.done > self.total else f"{in_words(seconds)} left"
         if self._bar:
             self._bar.update(self._task, total=max(self.total, self.done), completed=self.done, left=left, refresh=True)
+            return
+        if self._grows:
+            print(f"{self._what}: {self.done} of {self.total} begun have ended, {in_words(elapsed)} so far", file=self._stream, flush=True)
             return
         share = f" ({100 * self.done / self.total:.0f} %)" if self.done <= self.total else ""
         steps = f"{self._what} {self.done} of {self.total}"

@@ -117,8 +117,8 @@ class LimitAnalysis(Sealed):
 
     @property
     def check(self) -> DataFrame | None:
-        """The check by a code of the mechanism that decides, value by value: symbol, value, unit, clause, meaning; ``attrs["verdicts"]``
-        say what is satisfied, not satisfied or not decided.
+        """The check by a code of the mechanism that decides, value by value: symbol, value, unit, clause, meaning, formula, part of the
+        check, and ``line``, the formula with its numbers; ``attrs["verdicts"]`` say what is satisfied, not satisfied or not decided.
 
         None without a table ``[limit.check]``, and where the structure does not stand.
         """
@@ -130,7 +130,8 @@ class LimitAnalysis(Sealed):
 
     @property
     def verdict(self) -> dict[str, Any] | None:
-        """The one verdict of the check: ``state``, ``ratio``, ``demand``, ``capacity``, ``margin``, ``mechanism``, ``search``, ``words``.
+        """The one verdict of the check: ``state``, its ``confidence`` and ``because``, ``ratio``, ``demand``, ``capacity``, ``margin``,
+        ``mechanism``, ``search``, ``words``.
 
         None without a table ``[limit.check]``.
         """

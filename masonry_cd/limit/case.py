@@ -16,11 +16,13 @@ import numpy as np
 from masonry_cd.analysis.code_check.check import with_borne
 from masonry_cd.analysis.code_check.ground import Ground, ground_of
 from masonry_cd.analysis.code_check.level import foundation_of
-from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Basis, Verdict, judged, refused, worst
+from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Verdict, refused, undecided, worst
 from masonry_cd.analysis.limit.macro import ElementAnalysis
+from masonry_cd.analysis.limit.search import watched
 from masonry_cd.app.doubts import check_doubts, doubts
 from masonry_cd.app.limit_structure import LimitStructure, limit_structure
 from masonry_cd.app.modelled import masses
+from masonry_cd.app.progress import Progress
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.assumed import Without, without_assumptions
@@ -189,7 +191,8 @@ def _whole(structure: LimitStructure, parts: Sequence[PartLooked], wanted: Wante
         along_push = list(analysed(whole_of(structure, loads), pushes, effort, (wanted.jobs or cores(), wanted.quiet)))
     begun_at = [each.part for each in parts] or (along_push if how.begins_at_parts else [])
     known = [one.mechanisms[0] for one in begun_at if one.mechanisms]
-    whole = analyse_whole(structure, loads, how, known, wanted.curve)
+    with Progress(0, wanted.quiet, what="descent to the least factor") as progress, watched(progress.more):
+        whole = analyse_whole(structure, loads, how, known, wanted.curve)
     if not overturns or not whole.has_factor or whole.analysis.bears_nothing:
         return whole, []
     own = as_part(whole, structure)
@@ -243,7 +246,7 @@ def _verdict(decides: Checked | None, whole: WholeAnalysis | None, without: Sequ
     found = [replace(one, reason="; ".join([one.reason, *(each.line for each in without)])) for one in found]
     if whole is not None and not (whole.has_factor and not whole.analysis.bears_nothing):
         found.append(_unchecked(whole.analysis))
-    return worst(found) or judged((), Basis(), ("no part has a mechanism below the largest factor that is looked for",))
+    return worst(found) or undecided("no part has a mechanism below the largest factor that is looked for")
 
 
 def _unchecked(analysis: Analysis) -> Verdict:
@@ -251,7 +254,7 @@ def _unchecked(analysis: Analysis) -> Verdict:
     if not analysis.stands:
         return refused(f"the structure does not stand under its dead loads, it bears {100.0 * max(analysis.standing, 0.0):.3g} % of them")
     if analysis.endless:
-        return judged((), Basis(numbers=search_numbers(analysis)), ("no finite load factor was found", NO_SEARCH))
+        return undecided(f"no finite load factor was found; {NO_SEARCH}", search_numbers(analysis))
     return refused("the structure bears no such load, the least of it sets it in motion", search_numbers(analysis))
 
 

@@ -2,8 +2,8 @@
 """Mechanisms with their check by a code: those of the whole and of its parts in one table, and the verdict of the gravest.
 
 Each is checked at the level of its own lowest line. What counts as "satisfied" follows only where the search for the least mechanism of its
-part is sure. Single stones that slide by themselves, as on top of a wall, are no mechanism of the wall: they end the table, and decide
-where nothing else fails.
+part is sure. Stones of one course that slide by themselves, as on top of a wall, are no mechanism of the wall: they end the table, and
+decide where nothing else fails.
 """
 
 from __future__ import annotations
@@ -21,17 +21,14 @@ from masonry_cd.analysis.code_check.ground import Ground, ground_of
 from masonry_cd.analysis.code_check.level import Level, foundation_of, level_of
 from masonry_cd.analysis.code_check.verdicts import (
     NON_LINEAR,
-    SATISFIED,
     WORST_FIRST,
     Basis,
     CheckResult,
-    Looked,
+    MechanismRow,
     SearchNumbers,
     Verdict,
     held_words,
     how_grave,
-    searched_words,
-    sides_in_words,
     verdict_of,
 )
 from masonry_cd.analysis.limit.candidates import ASSOCIATED
@@ -48,33 +45,6 @@ TIES_ASK = (
     "ties make a mechanism start later and stiffer: by displacements, and under the spectrum of a floor, its shorter period may be asked "
     "for more than without them"
 )
-
-
-@dataclass(frozen=True)
-class MechanismRow:
-    """A mechanism, as the tables have it."""
-
-    element: str
-    kind: str
-    push: str
-    mechanism: str
-    found: str  # how
-    height: float  # of the line at which it is held, above the foundation [m]
-    moving_blocks: int
-    alpha0: float
-    fraction: float  # e* as taken
-    acceleration: float  # a0*, over the confidence factor where there is a check [m/s2]
-    demand: float | None  # [m/s2]
-    ratio: float | None  # capacity over demand of the check that decides
-    state: str  # of it; empty without a check
-    doubt: str  # why e* = 1 is taken, if it is
-    undecided: str  # why the state is doubtful, in words; empty where it is not
-    check: str = ""  # linear, by accelerations, or non-linear, by displacements: the one that decides
-    last: float | None = None  # d0*, where the factor vanishes [m]; None where it is not known
-    displacement: float | None = None  # borne, the share of d0* of the limit state [m]
-    displacement_demand: float | None = None  # [m]
-    displacement_ratio: float | None = None
-    no_displacement: str = ""  # why there is no check by displacements, where one is asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,12 +117,6 @@ class Checked:
         """By which the table is in order: the ratio of the check that decides, or a0* [m/s2] without one."""
         return self.one.oscillator.acceleration() if self.check is None else self.decides.ratio
 
-    @cached_property
-    def named(self) -> Looked:
-        """The mechanism as a verdict names it."""
-        row = self.row
-        return Looked(row.found, row.moving_blocks, row.alpha0, row.fraction, row.acceleration, row.doubt, row.height)
-
     @property
     def words(self) -> str:
         """The mechanism in a line."""
@@ -169,13 +133,7 @@ class Checked:
     def verdict(self) -> Verdict:
         """The verdict that this mechanism gives."""
         assert self.check is not None
-        row, decides, numbers = self.row, self.decides, self.looked.numbers
-        reason = f"{row.element}, push {row.push}, {row.mechanism}: {decides.check} check, "
-        reason += sides_in_words(decides.capacity, decides.demand, decides.unit)
-        reason += f", alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}{held_words(row.height)}{searched_words(numbers)}"
-        better = [each for each in self.check.verdicts if each.state == SATISFIED and decides.state != SATISFIED]
-        alone = [f"the {better[0].check} check alone is satisfied"] if better else []
-        return verdict_of(decides, reason, "; ".join(filter(None, [decides.because, *alone])), self.named, numbers)
+        return verdict_of(self.check.verdicts, self.row, self.looked.numbers)
 
 
 def checked(parts: Sequence[PartLooked], table: CheckTable | None, folder: Path, assembly: Assembly) -> tuple[Checked, ...]:
@@ -222,7 +180,7 @@ def least_of(rows: Sequence[Checked]) -> list[Checked]:
 
 
 def gravest(rows: Sequence[Checked]) -> Checked | None:
-    """The mechanism that decides: of the worst state the least ratio, single stones only where all others are in a better one.
+    """The mechanism that decides: of the worst state the least ratio, stones that slide only where all others are in a better one.
 
     None without a check.
     """
@@ -236,8 +194,8 @@ def in_full(each: Checked, rows: Sequence[Checked], tied: bool) -> CodeCheck:
     Where the structure is ``tied``, it says that ties may ask for more.
     """
     assert each.check is not None
-    others = [other.named for other in rows if other.looked is each.looked and other is not each]
-    basis = Basis(each.looked.search, each.doubt, (each.named, *others), each.looked.numbers)
+    others = [other.row for other in rows if other.looked is each.looked and other is not each]
+    basis = Basis(each.looked.search, each.doubt, (each.row, *others), each.looked.numbers)
     asks = tied and (len(each.check.verdicts) > 1 or (each.level is not None and bool(each.level.counted)))
     return replace(each.check, basis=basis, notes=(*each.check.notes, *([TIES_ASK] if asks else [])))
 

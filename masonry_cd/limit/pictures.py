@@ -12,8 +12,7 @@ import numpy as np
 
 from masonry_cd.analysis.limit.analysis import Collapse
 from masonry_cd.analysis.limit.macro import FREE, PartMechanism
-from masonry_cd.analysis.limit.mechanism import Mechanism
-from masonry_cd.analysis.limit.part import BED
+from masonry_cd.analysis.limit.mechanism import BED, Mechanism
 from masonry_cd.foundation.quantities import force
 from masonry_cd.limit.checked import least_of
 from masonry_cd.limit.curve import draw_curve

@@ -127,8 +127,7 @@ def _looked(basis: Mapping[str, Any]) -> list[list[str]]:
 
 def _steps(check: Mapping[str, Any]) -> list[list[str]]:
     """The values of a check in their order, those that follow from others with the formula and its numbers."""
-    worked = {line.partition(" = ")[0]: line.partition(" = ")[2] for lines in check["worked"].values() for line in lines}
-    return [[step["symbol"], _value(step), worked.get(step["symbol"], ""), step["clause"], step["meaning"]] for step in check["steps"]]
+    return [[step["symbol"], _value(step), step["line"].partition(" = ")[2], step["clause"], step["meaning"]] for step in check["steps"]]
 
 
 def _value(step: Mapping[str, Any]) -> str:

@@ -72,7 +72,7 @@ def _panel(axes: Any, spectrum: Spectrum) -> None:
 
 
 def _point(axes: Any, at: tuple[float, float], look: tuple[str, str], words: str, up: float) -> None:
-    """A point in a colour and with a marker, and its value so many points of type above it."""
+    """A point in a colour and with a marker, and words at its side, moved up by some points of type."""
     colour, marker = look
     axes.plot(*at, marker, color=colour, markersize=8, markeredgecolor="white", zorder=5, clip_on=False)
     right = at[0] < 0.7 * axes.get_xlim()[1]

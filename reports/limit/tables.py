@@ -82,12 +82,12 @@ def write_limit_ties(ties: Sequence[LimitTie], folder: Path) -> list[Path]:
     return [folder / TIES_CSV]
 
 
-STEPS = ("symbol", "value", "unit", "clause", "meaning")
+STEPS = ("symbol", "value", "unit", "clause", "meaning", "line")
 
 
 def write_check(check: Mapping[str, Any], path: Path) -> None:
     """Write the ``steps`` of a check, below them its ``verdicts``."""
     rows = [[f"{step[key]:.6g}" if key == "value" else step[key] for key in STEPS] for step in check["steps"]]
     for one in check["verdicts"]:
-        rows.append([f"{one['check']} check", one["state"], "", one["clause"], one["words"]])
+        rows.append([f"{one['check']} check", one["state"], "", one["clause"], one["words"], ""])
     write_csv(path, STEPS, rows)

@@ -141,3 +141,12 @@ def test_lengths_below_a_nanometre_are_not_given_digits():
     assert [length(value) for value in (0.0, 2.76e-13, -3e-12, 1e-9, 9.996e-10, 44.9e-9, 1.66e-3, 2.0, 459.0, 5800.0)] == [
         "0 m", "under 1 nm", "under 1 nm", "1 nm", "1 nm", "44.9 nm", "1.66 mm", "2 m", "459 m", "5.8 km",
     ]  # fmt: skip
+
+
+def test_of_work_that_grows_no_time_is_promised(monkeypatch):
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
+    stream = io.StringIO()
+    with Progress(0, stream=stream, what="descent") as searched:
+        searched.more(3, 0)
+        searched.more(0, 1)
+    assert "descent: 1 of 3 begun have ended" in stream.getvalue() and "left" not in stream.getvalue()

@@ -163,4 +163,4 @@ def test_the_mechanism_that_is_followed_is_the_one_that_is_checked(tmp_path: Pat
     """The curve of the whole is of slab and cheeks, the associated mechanism: the slab alone falls with its centre over the edge."""
     check = checked(tmp_path, 0.5, displacements=True).check
     assert check is not None and [one.check for one in check.verdicts] == ["linear", "non-linear"]
-    assert {step.symbol: step.value for step in check.steps}["d0*"] == pytest.approx(0.25, rel=1e-3)
+    assert {step.symbol: step.value for step in check.steps}["d0*"] == pytest.approx(0.25, rel=3e-3)

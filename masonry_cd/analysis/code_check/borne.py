@@ -49,7 +49,7 @@ class Borne:
         return f"{self.check} check: just borne is PGA_C = {self.borne:.4g} m/s2, {share}"
 
     def numbers(self) -> dict[str, Any]:
-        """What check.json holds of it."""
+        """The numbers of it in check.json."""
         return asdict(self) | {"share": self.share, "words": self.words}
 
 

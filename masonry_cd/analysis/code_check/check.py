@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from masonry_cd.analysis.code_check.borne import Borne, just_borne
@@ -13,6 +14,9 @@ from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Step
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.code_check.verdicts import Basis
 from masonry_cd.analysis.limit.oscillator import Oscillator
+
+ZETA = "NTC 2018, 8.3"
+BORNE = "acceleration that is just borne"  # a part of the check
 
 
 def code_check(table: CheckTable, oscillator: Oscillator, folder: Path, basis: Basis | None = None) -> CodeCheck:
@@ -28,8 +32,7 @@ def code_check(table: CheckTable, oscillator: Oscillator, folder: Path, basis: B
         InputError: a record that cannot be read.
     """
     ground = ground_of(table, folder)
-    made = replace(_checked(table, oscillator, ground), borne=_borne(table, oscillator, ground))
-    return made.resting_on(basis or Basis())
+    return _with_borne(_checked(table, oscillator, ground), table, oscillator, ground).resting_on(basis or Basis())
 
 
 def check_at(table: CheckTable, level: Level, oscillator: Oscillator, ground: Ground, basis: Basis) -> CodeCheck:
@@ -42,7 +45,7 @@ def check_at(table: CheckTable, level: Level, oscillator: Oscillator, ground: Gr
 
 def with_borne(made: CodeCheck, table: CheckTable, level: Level, oscillator: Oscillator, ground: Ground) -> CodeCheck:
     """A check with the acceleration of the ground that each of its verdicts just meets: a search of some twenty checks."""
-    return replace(made, borne=_borne(table.at(level.counted), oscillator, ground))
+    return _with_borne(made, table.at(level.counted), oscillator, ground)
 
 
 def _checked(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
@@ -51,11 +54,22 @@ def _checked(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeC
     return made
 
 
-def _borne(table: CheckTable, oscillator: Oscillator, ground: Ground) -> tuple[Borne, ...]:
-    """What each verdict of a check just meets."""
+def _with_borne(made: CodeCheck, table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
+    """A check with the acceleration of the ground that each of its verdicts just meets, and the steps that say so."""
 
     def met(ag: float, k: int) -> float:
         return _checked(table, oscillator, ground.scaled(ag)).verdicts[k].met
 
-    verdicts = _checked(table, oscillator, ground).verdicts
-    return tuple(just_borne(one.check, lambda ag, k=k: met(ag, k), ground.ag) for k, one in enumerate(verdicts))  # type: ignore[misc]
+    found = [just_borne(one.check, partial(met, k=k), ground.ag) for k, one in enumerate(made.verdicts)]
+    return replace(made, borne=tuple(found), steps=(*made.steps, *(step for one in found for step in _steps(one))))
+
+
+def _steps(one: Borne) -> list[Step]:
+    """PGA_C, PGA_D and zeta_E of a check; none where every ag is borne."""
+    if one.borne is None or one.share is None:
+        return []
+    return [
+        Step("PGA_D", one.asked, "m/s2", ZETA, "peak acceleration on rock that is asked for; of a record its own", part=BORNE),
+        Step("PGA_C", one.borne, "m/s2", ZETA, f"that of the motion which the {one.check} check just bears", part=BORNE),
+        Step("zeta_E", one.share, "", ZETA, "of both", "PGA_C / PGA_D", BORNE),
+    ]

@@ -19,7 +19,7 @@ from masonry_cd.analysis.code_check.verdicts import LINEAR, Basis, CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.quantities import counted
 
-GROUND, MECHANISM, BUILDING = "motion of the ground", "mechanism", "building"  # parts of a check, beside its linear and non-linear ones
+GROUND, MECHANISM, BUILDING = "motion of the ground", "mechanism", "building"  # parts of a check besides linear and non-linear
 IN_FULL = 1e4  # from which on a number is written without a power of ten
 PRODUCT = re.compile(r"(?<=[\w)]) (?=[\w(])")  # a space between two factors
 
@@ -130,6 +130,7 @@ class CodeCheck:
         out = asdict(self) | {"worked": self.worked}
         out["verdicts"] = [one.numbers() for one in self.verdicts]
         out["borne"] = [one.numbers() for one in self.borne]
+        out["steps"] = [asdict(step) | {"line": line} for step, line in zip(self.steps, with_numbers(self.steps), strict=True)]
         return out
 
     def lines(self) -> list[str]:

@@ -40,16 +40,30 @@ class SearchNumbers:
 
 
 @dataclass(frozen=True)
-class Looked:
-    """A mechanism that was looked at, and the acceleration at which it starts."""
+class MechanismRow:
+    """A mechanism, as the tables have it."""
 
+    element: str
+    kind: str
+    push: str
+    mechanism: str
     found: str  # how
+    height: float  # of the line at which it is held, above the foundation [m]
     moving_blocks: int
     alpha0: float
     fraction: float  # e* as taken
-    acceleration: float  # a0*, over the confidence factor [m/s2]
+    acceleration: float  # a0*, over the confidence factor where there is a check [m/s2]
+    demand: float | None  # [m/s2]
+    ratio: float | None  # capacity over demand of the check that decides
+    state: str  # of it; empty without a check
     doubt: str  # why e* = 1 is taken, if it is
-    height: float  # of the line at which it is held, above the foundation [m]
+    undecided: str  # why the state is doubtful, in words; empty where it is not
+    check: str = ""  # linear, by accelerations, or non-linear, by displacements: the one that decides
+    last: float | None = None  # d0*, where the factor vanishes [m]; None where it is not known
+    displacement: float | None = None  # borne, the share of d0* of the limit state [m]
+    displacement_demand: float | None = None  # [m]
+    displacement_ratio: float | None = None
+    no_displacement: str = ""  # why there is no check by displacements, where one is asked for
 
 
 @dataclass(frozen=True)
@@ -58,7 +72,7 @@ class Basis:
 
     search: str = ""  # starts, agreement and spread, in words
     doubt: str = NO_SEARCH  # why "satisfied" does not follow, in words; empty where it may
-    looked: tuple[Looked, ...] = ()  # the one that is checked first
+    looked: tuple[MechanismRow, ...] = ()  # the one that is checked first
     numbers: SearchNumbers | None = None  # of the search
 
 
@@ -91,7 +105,7 @@ class CheckResult:
 
     @property
     def because(self) -> str:
-        """Why the state is doubtful, in words; empty where it is not."""
+        """Why the state is doubtful; empty where it is not."""
         if self.state == NOT_DECIDED:
             return self.doubt or LITTLE
         if self.state == NOT_SATISFIED and self.met >= self.fraction:
@@ -123,7 +137,7 @@ class CheckResult:
         return f"{self.check} check {self.state}: {sides}{end} ({self.clause})"
 
     def numbers(self) -> dict[str, Any]:
-        """What check.json holds of it."""
+        """The numbers of it in check.json."""
         more = {"confidence": confidence(self.state, self.because), "because": self.because}
         return asdict(self) | {"state": self.state, "passed": self.passed, "ratio": self.ratio, "words": self.words} | more
 
@@ -134,14 +148,14 @@ class Verdict:
 
     state: str  # the result: satisfied, NOT satisfied or not decided
     reason: str  # what decides it, with its numbers
-    because: str = ""  # why it is doubtful, in words; empty where it is not
+    because: str = ""  # why it is doubtful; empty where it is not
     check: str = ""  # linear or non-linear: the check that decides; empty where none was needed
     demand: float | None = None
     capacity: float | None = None
     unit: str = ""
     ratio: float | None = None  # capacity over demand
     margin: float | None = None  # share of the capacity that is kept for "satisfied"
-    mechanism: Looked | None = None  # that decides
+    mechanism: MechanismRow | None = None  # that decides
     search: SearchNumbers | None = None
 
     @property
@@ -151,7 +165,7 @@ class Verdict:
 
     @property
     def sure(self) -> str:
-        """How sure it is, in words."""
+        """The confidence, with its reason."""
         return ": ".join(filter(None, [self.confidence, self.because]))
 
     @property
@@ -160,7 +174,7 @@ class Verdict:
         return f"verdict: {self.state}: {self.reason}; {self.sure}"
 
     def numbers(self) -> dict[str, Any]:
-        """What limit.json holds of it."""
+        """The numbers of it in limit.json."""
         return asdict(self) | {"confidence": self.confidence, "passed": PASSED[self.state], "words": self.words}
 
 
@@ -187,30 +201,33 @@ def refused(reason: str, search: SearchNumbers | None = None) -> Verdict:
 
 
 def how_grave(one: CheckResult) -> tuple[int, float]:
-    """By which the gravest of some checks is found: their state, then how far the demand is met."""
+    """The order of checks, the gravest first: by their state, then by how far the demand is met."""
     return WORST_FIRST.index(one.state), one.met
 
 
-def judged(verdicts: Sequence[CheckResult], basis: Basis, notes: Sequence[str] = ()) -> Verdict:
-    """The verdict of some checks: that of the least; of none, why there is none."""
-    if not verdicts:
-        return Verdict(NOT_DECIDED, "; ".join(notes), margin=MARGIN, search=basis.numbers)
+def undecided(reason: str, search: SearchNumbers | None = None) -> Verdict:
+    """The verdict where there is no check."""
+    return Verdict(NOT_DECIDED, reason, margin=MARGIN, search=search)
+
+
+def verdict_of(verdicts: Sequence[CheckResult], row: MechanismRow | None = None, found: SearchNumbers | None = None) -> Verdict:
+    """The verdict of the checks of a mechanism, that of the gravest.
+
+    Args:
+        verdicts: one or more.
+        row: the mechanism.
+        found: the search that it comes from.
+    """
     least = min(verdicts, key=how_grave)
-    looked = basis.looked[0] if basis.looked else None
-    found = basis.numbers
-    of = f", {looked.found}, alpha0 {looked.alpha0:.4g}, e* {looked.fraction:.3g}{held_words(looked.height)}" if looked else ""
-    reason = f"{least.check} check, {sides_in_words(least.capacity, least.demand, least.unit)}{of}{searched_words(found)}"
-    because = least.because
+    reason = f"{least.check} check, {sides_in_words(least.capacity, least.demand, least.unit)}"
+    if row is not None:
+        of = f"alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}{held_words(row.height)}"
+        reason = f"{row.element}, push {row.push}, {row.mechanism}: {reason}, {of}"
     better = [one for one in verdicts if one.state == SATISFIED and least.state != SATISFIED]
-    if better:
-        because = "; ".join(filter(None, [because, f"the {better[0].check} check alone is satisfied"]))
-    return verdict_of(least, reason, because, looked, found)
-
-
-def verdict_of(least: CheckResult, reason: str, because: str, looked: Looked | None, found: SearchNumbers | None) -> Verdict:
-    """The verdict that a check, the gravest, comes to."""
+    alone = [f"the {better[0].check} check alone is satisfied"] if better else []
+    because = "; ".join(filter(None, [least.because, *alone]))
     sides = (least.check, least.demand, least.capacity, least.unit, least.ratio)
-    return Verdict(least.state, reason, because, *sides, MARGIN, looked, found)
+    return Verdict(least.state, f"{reason}{searched_words(found)}", because, *sides, MARGIN, row, found)
 
 
 def searched_words(found: SearchNumbers | None) -> str:

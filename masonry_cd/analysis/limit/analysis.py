@@ -200,12 +200,14 @@ def _scale(problem: LimitProblem) -> float:
     return max(float(np.linalg.norm(problem.dead)), 1e-300) / float(np.linalg.norm(problem.live))
 
 
-def searched(problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0) -> LeastFound | None:
-    """The least factor without dilation that so many starts come to, those before the ``first`` left out.
+def searched(
+    problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0, known: LeastFound | None = None
+) -> LeastFound | None:
+    """The least factor without dilation that so many starts come to, those before the ``first`` left out, which found what is ``known``.
 
     None of none, and where none came to an end.
     """
-    return least_factor(problem, associated, starts, seed, first) if starts > first else None
+    return least_factor(problem, associated, starts, seed, first, known) if starts > first else None
 
 
 def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, made: int, most: int, seed: int) -> Analysis:
@@ -222,7 +224,7 @@ def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, mad
     for number in range(made, most):
         if analysis.least is not None and analysis.least.agreed:
             break
-        more = searched(analysis.problem, analysis.associated.optimum, number + 1, seed, number)
+        more = searched(analysis.problem, analysis.associated.optimum, number + 1, seed, number, analysis.least)
         least = merged(analysis.least, more, analysis.starts + 1)
         moves = None if least is None else mechanism(analysis.problem, assembly, joints, least.optimum.velocity)
         analysis = replace(analysis, least=least, least_mechanism=moves, starts=analysis.starts + 1)

@@ -73,7 +73,7 @@ def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options:
     bare = problem.without_ties()
     try:
         best, _ = largest_factor(bare)
-        least = searched(bare, best, options.starts, options.seed)
+        least = searched(bare, best, options.starts, options.seed, known=analysis.least)  # what starts above it, starts higher with ties
     except (InputError, Unbounded) as failure:
         return analysis, Untied((), f"without its ties no load factor is found, and no mechanism: {failure}")
     untied = Untied(tuple(_named(UNTIED, best, least)))

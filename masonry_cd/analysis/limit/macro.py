@@ -58,7 +58,7 @@ class PartMechanism:
     height: float  # z at which it is held [m]
     velocity: np.ndarray  # in the unknowns of the part's blocks
     found: Candidate | None  # of the gravest mechanisms of a part and a push only: a large structure has a megabyte of joints
-    stones: bool = False  # whether single stones slide by themselves: no mechanism of the part
+    stones: bool = False  # whether stones of one course slide by themselves: no mechanism of the part
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,10 +209,10 @@ def _worded(each: Restriction, part: Part, velocity: np.ndarray) -> str:
 
 
 def named(moves: Mechanism, whole: Whole, free: np.ndarray) -> tuple[str, bool]:
-    """The name of a mechanism that was found block by block, and whether it is one of single stones among the ``free`` (B,) that slide."""
+    """The name of a mechanism that was found block by block, and whether it is one of a few of the ``free`` (B,) stones that slide."""
     count = moves.stones(whole.joints)
     if 0 < count < free.sum():
-        return f"{counted(count, 'single stone')} that slide{'s' if count == 1 else ''}", True
+        return f"{counted(count, 'stone')} of one course that slide{'s' if count == 1 else ''}", True
     return f"{FREE}: {_counts(moves)}{_crushed(moves, whole)}", False
 
 

@@ -20,6 +20,7 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 STILL = 1e-4  # share of the largest velocity below which nothing moves
+BED = 0.5  # vertical component of a joint's normal from which on one block rests on the other
 STATES = ("still", "hinge", "slide", "hinge and slide", "open")
 
 
@@ -48,12 +49,12 @@ class Mechanism:
         return self.closing > STILL
 
     def stones(self, joints: Joints) -> int:
-        """How many blocks slide by themselves on blocks at rest; none where anything else is at work, or two that move touch."""
+        """How many blocks of one course slide by themselves, none of which turns; none of another mechanism."""
         moving, works = self.moving, self.state > 0
-        together = moving[joints.block_a] & moving[joints.block_b]
-        if together.any() or not works.any() or (self.state[works] != STATES.index("slide")).any():
-            return 0
-        return int(moving.sum())
+        stacked = moving[joints.block_a] & moving[joints.block_b] & (np.abs(joints.normal[:, 2]) > BED)
+        slides = np.isin(self.state[works], [STATES.index("slide"), STATES.index("open")])
+        turns = self.rotation[works] > STILL
+        return int(moving.sum()) if works.any() and slides.all() and not turns.any() and not stacked.any() else 0
 
     def count(self, state: str) -> int:
         """How many joints are in a state."""

@@ -28,12 +28,12 @@ from scipy.spatial import ConvexHull
 
 from masonry_cd.analysis.limit.crushing import crushable
 from masonry_cd.analysis.limit.interfaces import Interfaces, interfaces
+from masonry_cd.analysis.limit.mechanism import BED
 from masonry_cd.analysis.limit.problem import Arms, Bars, LimitProblem, Loads, PointMasses, plane_of, problem_at
 from masonry_cd.analysis.limit.rigid_groups import some_points
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
 
-BED = 0.5  # vertical component of a joint's normal from which on one block rests on the other
 INTERLOCK = 0.8  # of the friction of the beds: 0.4 n (n + 1) over the 0.5 n (n + 1) that overburden by courses adds up to
 WITHIN = 1e-6  # [m]
 

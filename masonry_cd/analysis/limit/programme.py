@@ -31,6 +31,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, hstack, identity, vstack
+from scipy.sparse.linalg import norm
 
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
@@ -95,7 +96,12 @@ class Programme:
         if status not in ENDED:
             raise Unbounded(f"Clarabel: {status}")
         facts = int(answer.iterations), f"Clarabel ({status})", "" if status == "Solved" else status
-        return self._optimum(np.array(answer.x), np.array(answer.z), facts)
+        return self._optimum(np.array(answer.x) / self.measure, np.array(answer.z), facts)
+
+    @property
+    def measure(self) -> float:
+        """The size of velocities for a solver, near one as forces are: w_1 . v is |w_1|, or less where prices are high."""
+        return float(norm(self.matrix[0])) / max(float(np.abs(self.right).max()), 1.0)
 
     def _by_simplex(self) -> Optimum:
         """By HiGHS: the least right . z with matrix^T z = -cost and z >= 0 but in the first row."""
@@ -122,9 +128,11 @@ class Programme:
         settings.max_iter = MOST
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
         settings.iterative_refinement_enable = refined
+        settings.direct_solve_method, settings.max_threads = "faer", 1  # supernodal; one thread: the same bits everywhere
         lines, size = len(self.right) - 1 - 3 * self.cones, len(self.cost)
         cones = [clarabel.ZeroConeT(1), clarabel.NonnegativeConeT(lines), *[clarabel.SecondOrderConeT(3)] * self.cones]
-        return clarabel.DefaultSolver(csc_matrix((size, size)), self.cost, self.matrix, self.right, cones, settings).solve()
+        right = self.measure * self.right
+        return clarabel.DefaultSolver(csc_matrix((size, size)), self.cost, self.matrix, right, cones, settings).solve()
 
     def _optimum(self, x: np.ndarray, z: np.ndarray, facts: tuple[int, str, str]) -> Optimum:
         """Forces and velocities from unknowns and multipliers."""

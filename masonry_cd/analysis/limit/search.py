@@ -16,6 +16,10 @@ with M_k that grow from round to round, fastest at the few points that have most
 mechanism asks of them, so that a descent does not end where it began. Where it sticks before g is nothing, rounds of strips alone, each
 with the normal forces of the one before, move it on.
 
+In space a stone may turn like a door about an upright edge through which all passes that bears on it. Nothing slides there that is pressed,
+and no load at all starts it; real joints, pressed over an area, do not allow it. So strips of the corners of a joint share a little of their
+width, which leads descents past such mechanisms and is no part of g.
+
 A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is no proof but the agreement
 of starts. The first begins at the associated mechanism, the second at the least normal forces in equilibrium, which press together nothing
 that need not be, others at random normal forces around these, by turns. Cone programmes are solved to a tolerance, so that g in space is
@@ -24,9 +28,13 @@ small and not zero; it is reported.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -34,21 +42,37 @@ from masonry_cd.analysis.limit.mechanism import STILL
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.programme import Programme, programme
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
+from masonry_cd.mechanics.solvers.options import cores
 
 ROUNDS = 24  # of a descent at most
 GROWS, LARGEST = 3.0, 1e3  # M_k, over w_1 . v = 1, begin at one and grow by this factor from round to round, up to that
 WORST, FASTER, MOST = 0.05, 10.0, 1e4  # those of points with more than this share of g grow by so much more, up to that
 LOWER = 2e-3  # share of the factor that a round takes off at least, once a pair is found
-STUCK, CLOSER = 1e-3, 0.8  # a round sticks that moves the factor by no more than this share of it and leaves more than that of g
+STUCK, CLOSER = 3e-3, 0.6  # a round sticks that moves the factor by no more than this share of it and leaves more than that of g
 LOOSENED, STRIPS, AGAIN = 2, 4, 3.0  # times that a descent which sticks is moved on, by so many rounds of strips; the M_k after it
 WORSE = 0.1  # share by which forces may cost more than those of the round before, which would do as well: more is no answer
+SPREAD = 0.1  # share of the width of a joint's strips in space that its corners have in common
+IDLE = 1e-5  # power of the loads, over that of the largest factor that is looked for, up to which they do no work
 EXACT, NEARLY = 1e-7, 1e-3  # g of a pair, over the power of the loads: in a plane, and in space
 NO_POWER = 0.5  # w_1 . v of a programme of strips below which its factor is the cap: it is 1 elsewhere
+BEYOND = 0.4  # share of the least factor known by which a descent lies above it that is given up: e* of a mechanism is seldom below 0.7
+LARGE = 1_000  # contact points from which on descents go on in several threads
 CAP = 10.0  # times the associated factor: the largest that is looked for
 ALIKE = 2e-3  # factors that differ by no more than this share of the least agree
 AGREE = 2  # starts that come to the least factor before it counts as known: one start alone may miss it
 
 Pair = tuple[Optimum, float]  # forces and velocities, and g over the power of the loads
+_SEEN: ContextVar[Callable[[int, int], object]] = ContextVar("_SEEN", default=lambda begun, ended: None)
+
+
+@contextmanager
+def watched(seen: Callable[[int, int], object]) -> Iterator[None]:
+    """Have it known how many more descents begin, and how many have ended, in all searches of the body."""
+    token = _SEEN.set(seen)
+    try:
+        yield
+    finally:
+        _SEEN.reset(token)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,12 +116,21 @@ class _Asked:
     yields: float  # work of the ties that yield
 
 
+@dataclass(frozen=True, eq=False)
+class Begin:
+    """Where a start begins: at a mechanism (unknowns,) with w_1 . v = 1, or at that of normal forces r'_n (P,); nowhere without both."""
+
+    velocity: np.ndarray | None = None
+    normal: np.ndarray | None = None
+
+
 class Search:
     """The descents of a problem, whose programmes are set up once."""
 
-    def __init__(self, problem: LimitProblem, cap: float) -> None:
-        """``cap``: the largest factor that is looked for."""
+    def __init__(self, problem: LimitProblem, cap: float, known: LeastFound | None = None) -> None:
+        """``cap``: the largest factor that is looked for; ``known``: what was found before, far above which descents are given up."""
         self.problem, self.cap = problem, cap
+        self.known = np.inf if known is None else known.optimum.factor
         self.exact = EXACT if problem.axis is not None else NEARLY
 
     @cached_property
@@ -108,27 +141,57 @@ class Search:
     def _cones(self) -> Programme:
         return programme(self.problem, self.problem.dead, self.problem.live, self.cap).for_the_least()
 
-    def least_normal(self) -> np.ndarray:
+    @cached_property
+    def least_normal(self) -> np.ndarray | None:
         """The normal forces r'_n (P,) of least sum that bear the dead loads with any factor, which weighs next to nothing beside them.
 
-        Raises:
-            Unbounded: no factor is borne.
+        None where no factor is borne.
         """
         prices = np.zeros((self.problem.points.count, self.problem.directions))
         prices[:, 0] = LARGEST
-        return normal_forces(self.problem, self._cones.priced(prices).solved(refined=False))
+        try:
+            return normal_forces(self.problem, self._cones.priced(prices).solved(refined=False))
+        except Unbounded:
+            return None
 
     def mechanism_of(self, normal: np.ndarray) -> np.ndarray:
-        """The velocities (unknowns,) with w_1 . v = 1 of least g for forces with normal parts r'_n (P,).
+        """The velocities (unknowns,) with w_1 . v = 1 of least g for forces with normal parts r'_n (P,), but for what strips share.
 
         Raises:
             Unbounded: there is none below the cap.
         """
+        if self.problem.axis is None:
+            joint = self.problem.points.joint
+            mean = np.bincount(joint, normal) / np.maximum(np.bincount(joint), 1)
+            normal = (1.0 - SPREAD) * normal + SPREAD * mean[joint]
         found = self._strips.within(self.problem.mu * normal).solved(refined=False)
         power = float(self.problem.live @ found.velocity)
         if power < NO_POWER:
             raise Unbounded("no mechanism below the largest factor that is looked for")
         return found.velocity / power
+
+    def each(self, descend: Callable[[Any], Pair | None], begins: Sequence[Any]) -> list[Pair]:
+        """The pairs of several descents, in their order, in as many threads as there are cores: solvers leave Python's lock alone."""
+        several = self.problem.points.count >= LARGE and len(begins) > 1
+        if several:
+            _ = self._strips, self._cones
+        seen, found = _SEEN.get(), []
+        seen(len(begins), 0)
+        with ThreadPoolExecutor(cores()) if several else nullcontext() as threads:
+            for end in threads.map(descend, begins) if threads is not None else map(descend, begins):
+                seen(0, 1)
+                found.append(end)
+        return [end for end in found if end is not None]
+
+    def descend_from(self, begin: Begin) -> Pair | None:
+        """The end of a descent from where a start begins; None where that leads to no mechanism."""
+        try:
+            velocity = begin.velocity
+            if velocity is None and begin.normal is not None:
+                velocity = self.mechanism_of(begin.normal)
+            return None if velocity is None else self.descend(velocity)
+        except Unbounded:
+            return None
 
     def descend(self, velocity: np.ndarray, begin: float = 1.0) -> Pair | None:
         """The pair of least factor on the way down from a mechanism (unknowns,) with w_1 . v = 1; None where none has a small g.
@@ -151,12 +214,17 @@ class Search:
         """
         penalty, loosened, least = np.full(self.problem.points.count, begin), 0, np.inf
         factor, gap, before = np.inf, np.inf, None
-        for _ in range(ROUNDS):
+        for number in range(ROUNDS):
             asked = self._asked(velocity)
             found = self._forces(asked, penalty, before)
-            shares = self._gaps(asked, found) / self._power(velocity, found)
+            power = self._power(velocity, found)
+            if power <= IDLE * self.cap:
+                return
+            shares = self._gaps(asked, found) / power
             last, gap = (factor, gap), float(shares.sum())
             factor, normal, before = found.factor, normal_forces(self.problem, found), found
+            if (number or begin >= LARGEST) and factor > self.known + BEYOND * abs(self.known):
+                return
             if gap <= self.exact:
                 yield replace(found, velocity=velocity, method=self._method), gap
                 if factor >= least * (1.0 - LOWER):
@@ -226,8 +294,12 @@ def normal_forces(problem: LimitProblem, found: Optimum) -> np.ndarray:
     return np.maximum(found.force[:, 0] + problem.apex, 0.0)
 
 
-def least_factor(problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0) -> LeastFound | None:
+def least_factor(
+    problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0, known: LeastFound | None = None
+) -> LeastFound | None:
     """The least factor that some starts come to, None where none comes to a pair.
+
+    The second start, which is the quickest and often the best, is made before all others, so that these are given up in time.
 
     Args:
         problem: whose least factor is sought.
@@ -235,29 +307,27 @@ def least_factor(problem: LimitProblem, associated: Optimum, starts: int, seed: 
         starts: how many.
         seed: of the random ones.
         first: number of the first that is made; those before it are left out.
+        known: what these found.
     """
-    search = Search(problem, CAP * max(abs(associated.factor), 1e-3))
-    ends = [search.descend(velocity) for velocity in _begins(search, associated, starts, seed, first)]
-    return _found([end for end in ends if end is not None], starts - first)
+    search = Search(problem, CAP * max(abs(associated.factor), 1e-3), known)
+    begins = list(_begins(search, associated, starts, seed))[first:]
+    quick = search.each(search.descend_from, [begins.pop(1)]) if first == 0 and starts > 1 else []
+    search.known = min([search.known, *(end[0].factor for end in quick)])
+    return _found([*quick, *search.each(search.descend_from, begins)], starts - first)
 
 
-def _begins(search: Search, associated: Optimum, starts: int, seed: int, first: int) -> Iterator[np.ndarray]:
-    """The mechanisms (unknowns,) with w_1 . v = 1 at which starts begin, but of those that have none."""
+def _begins(search: Search, associated: Optimum, starts: int, seed: int) -> Iterator[Begin]:
+    """Where so many starts begin."""
     random, power = np.random.default_rng(seed), float(search.problem.live @ associated.velocity)
     pressed = normal_forces(search.problem, associated)
-    least: np.ndarray | None = None
     for start in range(starts):
-        normal = pressed
-        try:
-            if start % 2:
-                least = search.least_normal() if least is None else least
-                normal = least * (1.0 if start == 1 else random.uniform(0.5, 1.5, len(least)))
-            elif start:
-                normal = pressed * random.random(len(pressed)) + random.exponential(float(pressed.mean()), len(pressed))
-            if start >= first:
-                yield associated.velocity / power if start == 0 and power > NO_POWER else search.mechanism_of(normal)
-        except Unbounded:
-            continue
+        if start % 2:
+            least = search.least_normal
+            yield Begin(normal=None if least is None else least if start == 1 else least * random.uniform(0.5, 1.5, len(least)))
+        elif start == 0:
+            yield Begin(associated.velocity / power) if power > NO_POWER else Begin(normal=pressed)
+        else:
+            yield Begin(normal=pressed * random.random(len(pressed)) + random.exponential(float(pressed.mean()), len(pressed)))
 
 
 def _found(ends: Sequence[Pair], starts: int) -> LeastFound | None:
@@ -295,7 +365,7 @@ class Searched:
     starts: int
 
 
-def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float) -> list[Pair]:
+def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float, known: LeastFound | None = None) -> list[Pair]:
     """The pairs close to known mechanisms, of those that come to one.
 
     Args:
@@ -303,11 +373,11 @@ def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float)
         mechanisms: velocities (unknowns,) that the live loads drive, w_1 . v > 0, under which no joint closes and that no tie holds which
             does not yield; others are passed over. They may be of another problem: the structure without its ties, one of its parts.
         cap: the largest factor that is looked for.
+        known: what was found before.
     """
-    search = Search(problem, cap)
+    search = Search(problem, cap, known)
     begun = [(velocity, float(problem.live @ velocity)) for velocity in mechanisms if not _held(problem, velocity)]
-    ends = [search.descend(velocity / power, LARGEST) for velocity, power in begun if power > 0.0]
-    return [end for end in ends if end is not None]
+    return search.each(partial(search.descend, begin=LARGEST), [velocity / power for velocity, power in begun if power > 0.0])
 
 
 def _held(problem: LimitProblem, velocity: np.ndarray) -> bool:
@@ -323,7 +393,7 @@ def begun_at(problem: LimitProblem, before: Searched, mechanisms: Sequence[np.nd
 
     Descents from mechanisms that are alike come to one end, which is no agreement: those that come to one factor are one start.
     """
-    every, apart = ends_of(problem, mechanisms, cap), list[Pair]()
+    every, apart = ends_of(problem, mechanisms, cap, before.least), list[Pair]()
     for end in sorted(every, key=lambda pair: pair[0].factor):
         if not apart or end[0].factor - apart[-1][0].factor > ALIKE * abs(apart[-1][0].factor):
             apart.append(end)

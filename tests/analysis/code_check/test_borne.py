@@ -14,10 +14,11 @@ STARTS = ALPHA * G / 1.35  # a0* [m/s2]
 
 
 def test_on_the_ground_of_eurocode_8_it_is_q_a0_over_s() -> None:
-    made, _ = checked(code="EC8", spectrum="EC8", ag=1.5, ground="B")
+    made, value = checked(code="EC8", spectrum="EC8", ag=1.5, ground="B")
     (one,) = made.borne
     assert one.borne == pytest.approx(2.0 * STARTS / 1.2, rel=1e-9)
     assert (one.asked, one.share) == (1.5, pytest.approx(made.verdicts[0].ratio, rel=1e-9))
+    assert (value["PGA_C"], value["PGA_D"], value["zeta_E"]) == (one.borne, one.asked, one.share)
 
 
 @pytest.mark.parametrize("more", [{}, BUILDING, BUILDING | {"element_period": 0.3}, {"code": "NTC2008"} | BUILDING])

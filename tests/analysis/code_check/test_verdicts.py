@@ -10,7 +10,7 @@ from test_code_check import wall
 
 from masonry_cd.analysis.code_check.check import code_check
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import LITTLE, Basis, CheckResult, judged, refused, worst
+from masonry_cd.analysis.code_check.verdicts import LITTLE, CheckResult, refused, verdict_of, worst
 from masonry_cd.foundation.errors import parse_table
 
 
@@ -24,7 +24,7 @@ from masonry_cd.foundation.errors import parse_table
 )  # fmt: skip
 def test_satisfied_needs_a_sure_search_and_a_margin(capacity: float, doubt: str, state: str, passed: bool | None, sure: str) -> None:
     made = CheckResult("linear", 1.0, capacity, "m/s2", "clause", doubt=doubt)
-    verdict = judged([made], Basis(doubt=doubt))
+    verdict = verdict_of([made])
     assert (made.state, made.passed) == (state, passed)
     assert (verdict.state, verdict.sure, verdict.numbers()["passed"]) == (state, sure, passed)
     assert made.numbers()["confidence"] == verdict.confidence == sure.partition(":")[0]
@@ -35,16 +35,16 @@ def test_satisfied_needs_a_sure_search_and_a_margin(capacity: float, doubt: str,
 def test_a_share_of_the_mass_taken_on_the_safe_side_leaves_not_satisfied_in_doubt_where_it_decides() -> None:
     """e* = 1 in place of 0.5: a0* is at most twice as large."""
     for capacity, sure in ((0.4, "certain"), (0.6, "doubtful")):
-        verdict = judged([CheckResult("linear", 1.0, capacity, "m/s2", "clause", fraction=0.5)], Basis())
+        verdict = verdict_of([CheckResult("linear", 1.0, capacity, "m/s2", "clause", fraction=0.5)])
         assert (verdict.state, verdict.confidence, "e* = 1" in verdict.because) == ("NOT satisfied", sure, sure == "doubtful")
 
 
 def test_a_check_that_alone_is_satisfied_is_said() -> None:
     linear, displaced = CheckResult("linear", 1.0, 0.5, "m/s2", "a", doubt=""), CheckResult("non-linear", 1.0, 2.0, "m", "b", doubt="")
-    verdict = judged([linear, displaced], Basis(doubt=""))
+    verdict = verdict_of([linear, displaced])
     assert (verdict.state, verdict.check, verdict.confidence) == ("NOT satisfied", "linear", "doubtful")
     assert "non-linear" in verdict.because
-    assert worst([refused("falls"), verdict, judged([displaced], Basis(doubt=""))]) == refused("falls")
+    assert worst([refused("falls"), verdict, verdict_of([displaced])]) == refused("falls")
     assert refused("falls").confidence == "certain"
 
 

@@ -12,7 +12,7 @@ from limit_loads import joined, push_loads
 from models import box, ground
 
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, searched, with_more_starts
-from masonry_cd.analysis.limit.search import CAP, Search
+from masonry_cd.analysis.limit.search import CAP, Search, merged
 from masonry_cd.limit.case import limit_case
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -31,9 +31,11 @@ def wedged(starts: int) -> tuple[Assembly, Joints, Analysis]:
 def test_starts_that_are_left_out_leave_the_others_as_they_are() -> None:
     _, _, analysis = wedged(0)
     every = searched(analysis.problem, analysis.associated.optimum, 4, 7)
-    last = searched(analysis.problem, analysis.associated.optimum, 4, 7, 2)
-    assert every is not None and last is not None
-    assert (every.starts, last.starts) == (4, 2) and every.found[2:] == pytest.approx(last.found, rel=1e-9)
+    two = searched(analysis.problem, analysis.associated.optimum, 2, 7)
+    last = searched(analysis.problem, analysis.associated.optimum, 4, 7, 2, two)
+    both = merged(two, last, 4)
+    assert every is not None and two is not None and both is not None
+    assert (every.starts, two.starts) == (4, 2) and both.found == pytest.approx(every.found, rel=1e-9)
 
 
 def test_a_search_goes_on_until_two_starts_agree_and_no_farther() -> None:
@@ -50,7 +52,7 @@ def test_programmes_that_are_set_up_once_give_what_each_gives_by_itself() -> Non
     problem, cap = analysis.problem, CAP * analysis.associated.factor
     one, alone = Search(problem, cap), Search(problem, cap)
     pressed = one.descend(one.mechanism_of(np.maximum(analysis.associated.optimum.force[:, 0], 0.0)))
-    second, again = one.descend(one.mechanism_of(one.least_normal())), alone.descend(alone.mechanism_of(alone.least_normal()))
+    second, again = one.descend(one.mechanism_of(one.least_normal)), alone.descend(alone.mechanism_of(alone.least_normal))
     assert pressed is not None and second is not None and again is not None
     assert second[0].factor == pytest.approx(again[0].factor, rel=1e-9)
 
