@@ -16,8 +16,8 @@ with M_k that grow from round to round, fastest at the few points that have most
 mechanism asks of them, so that a descent does not end where it began. Where it sticks before g is nothing, rounds of strips alone, each
 with the normal forces of the one before, move it on.
 
-In space a stone may turn like a door about an upright edge through which all passes that bears on it. Nothing slides there that is pressed,
-and no load at all starts it; real joints, pressed over an area, do not allow it. So strips of the corners of a joint share a little of their
+In space a stone may turn like a door about an upright edge through which all passes that bears on it. Nothing that is pressed slides, and
+no load at all starts it; real joints, pressed over an area, do not allow it. So strips of the corners of a joint share a little of their
 width, which leads descents past such mechanisms and is no part of g.
 
 A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is no proof but the agreement
@@ -48,7 +48,7 @@ ROUNDS = 24  # of a descent at most
 GROWS, LARGEST = 3.0, 1e3  # M_k, over w_1 . v = 1, begin at one and grow by this factor from round to round, up to that
 WORST, FASTER, MOST = 0.05, 10.0, 1e4  # those of points with more than this share of g grow by so much more, up to that
 LOWER = 2e-3  # share of the factor that a round takes off at least, once a pair is found
-STUCK, CLOSER = 3e-3, 0.6  # a round sticks that moves the factor by no more than this share of it and leaves more than that of g
+STUCK, CLOSER = 1e-3, 0.8  # a round sticks that moves the factor by no more than this share of it and leaves more than that of g
 LOOSENED, STRIPS, AGAIN = 2, 4, 3.0  # times that a descent which sticks is moved on, by so many rounds of strips; the M_k after it
 WORSE = 0.1  # share by which forces may cost more than those of the round before, which would do as well: more is no answer
 SPREAD = 0.1  # share of the width of a joint's strips in space that its corners have in common
