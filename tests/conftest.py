@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
-from block_files import cuboid
+from block_files import write_plate_scene
 from hypothesis import settings
 from places import SHARED
 from tiers import (  # noqa: F401  hooks of pytest
@@ -45,45 +45,5 @@ def trusting(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def block_on_plate(tmp_path: Path) -> Callable[..., Path]:
-    """Writes a scene of one block on a plate shaken along x, C = 0.2 m/s at 2 Hz for one cycle; keys are replaced by name."""
-
-    def write(**lines: str) -> Path:
-        plate = cuboid((-2.0, -1.0, -0.5), (2.0, 1.0, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}
-        block = cuboid((-0.5, -0.25, 0.0), (0.5, 0.25, 0.4)) | {"name": "block", "group": "block"}
-        (tmp_path / "blocks.json").write_text(json.dumps({"units": "m", "blocks": [plate, block]}))
-        keys = {
-            "title": 'title = "Block on a plate"',
-            "path": 'path = "blocks.json"',
-            "density": "density = 2000.0",
-            "friction": "friction = 0.0",
-            "amplitude": "amplitude = 0.2",
-            "dt": "dt = 1e-3",
-            "duration": "duration = 0.5",
-            "solver": 'solver = "nlgs"',
-            "report": "",
-        } | lines
-        text = """\
-{title}
-[structure]
-kind = "file"
-{path}
-[material]
-{density}
-{friction}
-[[loads]]
-kind = "sinusoidal"
-direction = "x"
-{amplitude}
-frequency = 2.0
-cycles = 1
-[run]
-{dt}
-{duration}
-{solver}
-{report}
-"""
-        scene = tmp_path / "scene.toml"
-        scene.write_text(text.format(**keys))
-        return scene
-
-    return write
+    """Writes a scene of one block on a shaken plate; lines are replaced by the name of their key."""
+    return partial(write_plate_scene, tmp_path)

@@ -15,7 +15,7 @@ from pathlib import Path
 from threading import Event
 
 import numpy as np
-from block_files import cuboid
+from block_files import write_plate_and_block
 
 from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.studies.study.task import Outcome, Task
@@ -76,9 +76,7 @@ NAMES = {"quake_a": ("NS", "EW", "UD"), "quake_b": ("H1", "H2", "UD"), "far_c": 
 
 def write_scene(folder: Path, text: str = SCENE) -> None:
     """The scene and its two blocks."""
-    plate = cuboid((-2.0, -1.0, -0.5), (2.0, 1.0, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}
-    block = cuboid((-0.5, -0.25, 0.0), (0.5, 0.25, 0.4)) | {"name": "block", "group": "block"}
-    (folder / "blocks.json").write_text(json.dumps({"units": "m", "blocks": [plate, block]}))
+    write_plate_and_block(folder)
     (folder / "scene.toml").write_text(text)
 
 

@@ -42,4 +42,4 @@ def exclude(first: tuple[str, object], second: tuple[str, object]) -> None:
     from masonry_cd.foundation.errors import InputError
 
     if first[1] and second[1]:
-        raise InputError(f"{first[0]} and {second[0]} exclude each other", "leave one out")
+        raise InputError(f"{first[0]} and {second[0]}", "they exclude each other; leave one out")

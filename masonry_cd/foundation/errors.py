@@ -223,7 +223,7 @@ def _faults(failure: ValidationError, model: type[BaseModel], table: Mapping[str
             continue
         place, own = _in_table(table, error["loc"], error["type"] == "missing")
         if all(forms.setdefault(at, form) == form for at, form in own.items()):
-            shown = [part for part in error["loc"] if part not in own.values() or "[" not in str(part)]
+            shown = [part for part in error["loc"] if part not in own.values() or not _is_form(str(part))]
             text = _text(error, model)
             if any(text == fault.text for fault in found.values()) and text.startswith(f"{UNKNOWN}; "):
                 text = UNKNOWN  # the keys that are known are listed once
@@ -231,6 +231,11 @@ def _faults(failure: ValidationError, model: type[BaseModel], table: Mapping[str
     innermost = [place for place in found if not any(place == other[: len(place)] for other in found if other != place)]
     first = {_of_array(place): place for place in reversed(innermost)}  # one fault for an array of numbers
     return {place: found[place] for place in innermost if first[_of_array(place)] == place}
+
+
+def _is_form(part: str) -> bool:
+    """Whether a part of a path is pydantic's name of a form of values, ``dict[str,float]`` or ``constrained-float``, and no key."""
+    return "[" in part or part.startswith("constrained-")
 
 
 def _of_array(place: Path) -> Path:

@@ -38,7 +38,7 @@ def frames_at(results: Results, times: Sequence[float]) -> list[int]:
     margin = _margin(have)
     for time in times:
         if not (np.isfinite(time) and have[0] - margin <= time <= have[-1] + margin):
-            raise InputError("", f"time {time:g} s lies outside the run, which has frames from {have[0]:g} to {have[-1]:g} s")
+            raise InputError("time", f"{time:g} s lies outside the run, which has frames from {have[0]:g} to {have[-1]:g} s")
     return [int(np.argmin(np.abs(have - time))) for time in times]
 
 

@@ -21,7 +21,6 @@ from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
-from masonry_cd.studies.accuracy.command import Asked, accuracy
 
 TICKS, TICK, FRAME = 992, 1e-2 / 32, 32
 SCENE = """
@@ -184,9 +183,3 @@ def test_a_push_that_gives_way_is_dated_by_the_steps_as_they_were(tmp_path):
     fixed = run_case(prepare(scene(tmp_path, load, 3.5, "run.dt=2e-3")), tmp_path / "b").load_factor
     assert adaptive.given_way == pytest.approx(fixed.given_way, rel=0.03)
     assert adaptive.end == pytest.approx(fixed.end, rel=1e-3)
-
-
-def test_accuracy_wants_a_number(tmp_path):
-    scene(tmp_path)
-    with pytest.raises(InputError, match="compares fixed time steps"):
-        accuracy(tmp_path / "scene.toml", tmp_path / "out", Asked(), print)

@@ -11,15 +11,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from datasets import contents
 from forked import ended
 from places import ROOT
-from typer.testing import CliRunner
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
@@ -31,10 +30,6 @@ SCENES = {  # what the stepper of each remembers: impacts and islands, bonds and
     "mortar": ("run.duration=0.08", 25),
     "elastic": ("run.duration=0.08", 25),
 }
-
-
-def masonry_cd(*words: object):
-    return CliRunner().invoke(app, [str(word) for word in words])
 
 
 def asked(name: str, out: Path) -> tuple[object, ...]:

@@ -7,13 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 
 SOFT = 'friction = 0.5\ndeformable.block = "uniform"\nyoung = 1e7\npoisson = 0.0\ndamping = 0.2\ndamping_frequency = 50.0'
@@ -58,10 +56,3 @@ def test_a_meshed_block_runs_from_the_scene_file_to_the_page(block_on_plate: Cal
     assert abs(summary.energy.balance_error) < 1e-9
     assert "elastic, meshed" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert [line for line in summary.explanation if "meshes of triangles" in line]
-
-
-def test_a_mesh_that_is_far_too_fine_is_refused_before_the_run(block_on_plate: Callable[..., Path]) -> None:
-    """By a line that names the key, the block and how many nodes there may be."""
-    scene = read_scene(block_on_plate(friction=MESHED.replace("mesh_size = 1.0", "mesh_size = 0.01")))
-    with pytest.raises(InputError, match=r'material.mesh_size: block ".+" gets \d+ nodes with 0.01 m, and 384 are the most'):
-        prepare(scene)

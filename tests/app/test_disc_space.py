@@ -8,16 +8,15 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from typer.testing import CliRunner
+from command_line import masonry_cd
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.disc_space import result_bytes
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 
 
 def invoke(*words: object) -> tuple[int, str]:
-    result = CliRunner().invoke(app, [str(word) for word in words])
+    result = masonry_cd(*words)
     return result.exit_code, result.stderr
 
 

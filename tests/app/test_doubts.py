@@ -131,13 +131,6 @@ def test_a_head_joint_that_gapes_is_named_with_its_blocks(gap: float, said: bool
     assert doubts(parse_scene(TEXT, Path("scene.toml"), ['quiet_checks=["structure"]']), apart, find_joints(apart)) == []
 
 
-@pytest.mark.parametrize(("name", "near"), [("material.densty", ' (did you mean "material.density"?)'), ("loads[0].force", ""), ("", "")])
-def test_a_name_in_quiet_checks_that_is_no_key_of_the_scene_is_refused(name: str, near: str) -> None:
-    with pytest.raises(InputError) as failure:
-        lines("material.density=1.9", f'quiet_checks=["material", "{name}"]')
-    assert str(failure.value) == f'--set quiet_checks=["material", "{name}"]: quiet_checks: "{name}" is no key of the scene{near}'
-
-
 def test_the_key_that_silences_the_record_of_a_shock_is_one_of_the_scene() -> None:
     load = 'loads=[{kind="sequence", shocks=[{components=[{path="a", direction="x"}]}]}]'
     weak = ({"shocks": [{"factor": 1.0, "start": 0.0, "end": 2.0, "components": [{"after": {"pga": 0.02}}]}]},)

@@ -7,11 +7,10 @@ import json
 import re
 
 import pytest
+from command_line import masonry_cd
 from made_run import box
-from typer.testing import CliRunner
 
 from masonry_cd.app.explain import HEAVY, packages_not_loaded
-from masonry_cd.cli.app import app
 from structures.files import blockfile
 
 SCENE = """\
@@ -31,7 +30,7 @@ def explained(tmp_path):
 
     def run(*changes: str) -> tuple[str, dict]:
         words = [word for change in changes for word in ("--set", change)]
-        result = CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out"), "--force", "--explain", *words])
+        result = masonry_cd("run", scene, "-o", tmp_path / "out", "--force", "--explain", *words)
         assert result.exit_code == 0, result.output
         return result.stdout, json.loads((tmp_path / "out" / "summary.json").read_text())
 

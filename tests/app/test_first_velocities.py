@@ -13,7 +13,6 @@ from masonry_cd.app.case import Case, prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import Origin, scene_of
 from masonry_cd.app.scene_text import dump_toml
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.start import drawn_velocities
@@ -76,8 +75,3 @@ def test_a_resumed_run_is_not_set_in_motion_again(tmp_path: Path) -> None:
     summary = run_case(made, tmp_path / "broken", resume=True)
     assert not summary.stopped
     assert np.array_equal(last_position(tmp_path / "broken"), last_position(tmp_path / "unbroken"))
-
-
-def test_a_size_out_of_range_is_refused() -> None:
-    with pytest.raises(InputError, match=r"run\.first_velocities\.size"):
-        case({"size": -1.0})

@@ -2,12 +2,11 @@
 """Rigid runs under base motion say what they leave out; others are left alone."""
 
 import pytest
-from typer.testing import CliRunner
+from command_line import masonry_cd
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.left_out import FEW, elasticity_left_out
 from masonry_cd.app.scene import parse_scene
-from masonry_cd.cli.app import app
 from masonry_cd.io.summary import Summary, read_summary
 
 WALL = 'structure = { kind = "wall", length = 2.0, height = 1.0, thickness = 0.3, course_height = 0.25, unit_length = 0.5 }\n'
@@ -50,7 +49,7 @@ def test_others_are_left_alone(text, tmp_path):
 def test_a_run_says_it_last_and_keeps_it(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(WALL + RIGID + SHAKEN + RUN + "[report]\nhtml = true\n")
-    result = CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out")])
+    result = masonry_cd("run", scene, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.output
     last = [line for line in result.stdout.splitlines() if not line.startswith("written:")][-1]
     summary = read_summary(tmp_path / "out")
@@ -63,7 +62,7 @@ def test_a_run_says_it_last_and_keeps_it(tmp_path):
 def test_a_run_on_masonry_says_what_it_takes(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(WALL + ELASTIC + SHAKEN + RUN)
-    result = CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out")])
+    result = masonry_cd("run", scene, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.output
     assert "masonry: squared stone, density 2243 kg/m3, E 2.85 GPa (2.4 GPa to 3.3 GPa by the table)" in result.stdout
     summary = read_summary(tmp_path / "out")

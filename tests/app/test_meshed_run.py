@@ -12,11 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from block_files import cuboid
+from command_line import masonry_cd
 from datasets import contents
 from places import ROOT
-from typer.testing import CliRunner
 
-from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.contact.faults import ContactFault, TooManyPoints, UnexplainedOverlap
@@ -56,10 +55,6 @@ duration = 1.2
 tolerance = 1e-9
 """
 JOINTS = "[material.joints.even-cut]\nnormal_stiffness = 1e8"
-
-
-def masonry_cd(*words: object):
-    return CliRunner().invoke(app, [str(word) for word in words])
 
 
 def run(scene: Path, out: Path, *keys: str, material: tuple[str, ...] = MESHED, more: tuple[str, ...] = ("-q",)):
@@ -148,27 +143,6 @@ def test_a_run_that_was_stopped_ends_with_the_bits_of_one_that_was_not(
     assert any(name.endswith("gradient") for name in whole)
     assert material == UNIFORM or {"meshes/elements", "meshes/displacement", "meshes/stress"} <= {name.lstrip("/") for name in whole}
     assert whole == parts
-
-
-@pytest.mark.parametrize(
-    ("keys", "line"),
-    [
-        (("deformable=tetrahedra", "young=5e9"), 'material: deformable = "tetrahedra" needs mesh_size beside it'),
-        ((*MESHED, "mesh_size=0"), "material.mesh_size: should be between 1e-06 and 1e+06, got 0"),
-        ((*MESHED, "mesh_size=fine"), "material.mesh_size: should be a number, got 'fine'"),
-        ((*MESHED, "mesh_size=0.01"), 'material.mesh_size: block "v1" gets 2528 nodes with 0.01 m, and 384 are the most'),
-        (("deformable=uniform", *MESHED[1:]), 'material: mesh_size needs deformable = "tetrahedra" beside it'),
-        (("deformable=tetrahedrons", *MESHED[1:]), 'material.deformable: should be "rigid", "uniform" or "tetrahedra"'),
-        (("deformable=tetrahedra", "mesh_size.vault=1", "young=5e9"), 'material.mesh_size.vault: "vault" is no group of blocks'),
-        (("deformable=tetrahedra", "mesh_size.base=1", "young=5e9"), "material.mesh_size: no value for the group arch"),
-    ],
-)
-def test_what_makes_no_mesh_is_one_line_exit_code_2_and_no_folder(tmp_path: Path, keys: tuple[str, ...], line: str) -> None:
-    result = run(BITS / "tilt.toml", tmp_path / "out", material=keys)
-    assert result.exit_code == 2
-    assert line in result.stderr
-    assert len(result.stderr.splitlines()) == 1
-    assert not (tmp_path / "out").exists()
 
 
 def test_without_gmsh_a_line_says_what_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

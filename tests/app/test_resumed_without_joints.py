@@ -10,11 +10,10 @@ from typing import Any
 import h5py
 import pytest
 from block_files import cuboid
+from command_line import masonry_cd
 from datasets import contents
-from typer.testing import CliRunner
 
 from masonry_cd.app import run_loop
-from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
 
 STEPS, SAVED, KILLED = 60, 37, 45  # the last before the kill, which leaves rows of a frame and of steps beyond the checkpoint
@@ -37,7 +36,7 @@ SCENES = {  # blocks, and direction of gravity
 def run(scene: Path, out: Path, *more: str) -> dict[str, Any]:
     """A run by the command line, with its damage; its summary."""
     words = ["run", str(scene), "-o", str(out), "-q", "--set", "report.damage=true", "--set", "run.until_still=false", *more]
-    result = CliRunner().invoke(app, words)
+    result = masonry_cd(*words)
     assert result.exit_code == 0, result.output
     return json.loads((out / "summary.json").read_text())
 

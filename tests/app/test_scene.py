@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from hostile import refused_at
 
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_text import dump_toml
@@ -127,85 +128,6 @@ def test_toml_written_reads_back_the_same():
     assert tomllib.loads(dump_toml(tables)) == tables
 
 
-JOINTS = "[material.joints]\n"
-REFUSED = {  # what is written instead of what, or the head of a table before [[loads]]: the place, and a word of the reason
-    ("dt = 1e-3", "dt = 1e-3\ndurration = 3"): ("scene.toml:19: run.durration", '(did you mean "duration"?)'),
-    ("[run]", "[rnu]"): ("rnu", '(did you mean "run"?)'),
-    ("dt = 1e-3", "dt = -1e-3"): ("scene.toml:18: run.dt", "greater than 0, got -0.001"),
-    ("dt = 1e-3", "dt = 1"): ("run.dt", "0.1"),
-    ("dt = 1e-3", 'dt = "1 mm"'): ("run.dt", "no unit of a time"),
-    ("dt = 1e-3", "dt = nan"): ("run.dt", ""),
-    ("dt = 1e-3", "dt = true"): ("run.dt", "number"),
-    ("duration = 8.0", "duration = 1e-4"): ("run", "shorter than one step"),
-    ("duration = 8.0", "duration = 1e12"): ("run", "at most 2e+07"),
-    ("density = 2200", "density = -2.2"): ("scene.toml:7: material.density", "kg/m3, got -2.2"),
-    ("density = 2200\n", ""): ("material.density", "missing"),
-    ("friction = 0.6", "friction = 35"): ("material.friction", "no angle"),
-    ("friction = 0.6", "friction.arch-base = -1"): ("material.friction", '"arch-base"'),
-    ("friction = 0.6", "friction = 'high'"): ("material.friction", "number"),
-    ('[[loads]]\nkind = "gravity"\n\n[[loads]]', "[loads]"): ("loads", "[[loads]]"),
-    ("crack_map = true", "crack_map = 3"): ("report.crack_map", "boolean"),
-    ("crack_map = true", "crack_map = 'yes'"): ("report.crack_map", "got 'yes'"),
-    ("[run]\ndt", "[run]\nsolver = 'nlgz'\ndt"): ("run.solver", "'pivoting', got 'nlgz'"),
-    ("[run]\ndt", f"[run]\nseed = {2**63}\ndt"): ("run.seed", "9223372036854775807"),
-    ("[run]\ndt", "[run]\nmax_iterations = 1000000001\ndt"): ("run.max_iterations", "1000000000"),
-    ("[run]\ndt", "[run]\ngravity = -9.81\ndt"): ("run.gravity", "three numbers"),
-    ("radius = 10.0", "radius = 10.0 m"): ("scene.toml:4", '(a number with its unit stands in quotes: "30 mm")'),
-    ("radius = 10.0", "radius = 10,0"): ("scene.toml:4", "decimal point"),
-    ("radius = 10.0", "radius = .5"): ("scene.toml:4", "digits on both sides"),
-    ("radius = 10.0", "radius = 10.\nrise = 2"): ("scene.toml:4", "digits on both sides"),
-    ("radius = 10.0", "radius = ten"): ("scene.toml:4", "a text stands in quotes"),
-    ("radius = 10.0", "radius = True"): ("scene.toml:4", "yes and no are written true and false"),
-    ("radius = 10.0", 'path = "C:\\drawings"'): ("scene.toml:4", "a path is written with /"),
-    ("radius = 10.0", "radius = 10.0\nradius = 11.0"): ("scene.toml:5", "overwrite"),
-    (JOINTS, "normal_stifness = 1e9"): (":10: material.joints.default.normal_stifness", '"normal_stiffness"'),
-    ("[material.joints.arch-base]\n", "cohesion = -1.0"): (":11: material.joints.arch-base.cohesion", "0"),
-    ("[material.joints.arch-base]\n", "theta = 0.4"): (":11: material.joints.arch-base.theta", "0.5"),
-    (JOINTS, "tangential_stiffness = 1e9"): ("material.joints.default", "needs normal_stiffness"),
-    (JOINTS, "normal_stiffness = 5e-324"): ("material.joints.default.normal_stiffness", "1"),
-    (JOINTS, "normal_stiffness = 1e9\ndamping_frequency = 5"): ("material.joints.default", "needs damping"),
-    (JOINTS, "damping = 0.05\ndamping_frequency = 5"): ("material.joints.default", "needs normal_stiffness"),
-    (JOINTS, "compressive_strength = 0"): ("material.joints.default.compressive_strength", "0"),
-    (JOINTS, "compressive_strength = inf"): ("material.joints.default.compressive_strength", "finite"),
-    (JOINTS, "tension = 1e5"): ("material.joints.default", "needs normal_stiffness"),
-    (JOINTS, "theta = 0.5\n[material.joints.arch-base]\ntheta = 0.6"): ("material.joints", '"theta"'),
-}
-
-
-@pytest.mark.parametrize("change", REFUSED, ids=lambda change: change[1].replace("\n", " "))
-def test_bad_scenes_are_named_in_one_line(write, change):
-    old, new = change
-    text = GOOD.replace(old, new) if old in GOOD else GOOD.replace("[[loads]]", f"{old}{new}\n\n[[loads]]", 1)
-    with pytest.raises(InputError) as caught:
-        read_scene(write(text))
-    place, reason = REFUSED[change]
-    assert f"{place}: " in str(caught.value) and reason in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("changes", "place", "reason"),
-    [
-        (("run.dtt=1e-3",), "run.dtt", "unknown key"),
-        (("rnu.dt=1e-3",), "rnu", '"run"'),
-        (("run.dt",), "--set run.dt", "key=value"),
-        (("=3",), "--set =3", "key=value"),
-        (("loads[7].amplitude=1",), "--set loads[7].amplitude=1", "there is no loads[7]"),
-        (("loads.amplitude=1",), "--set loads.amplitude=1", "loads[0].amplitude"),
-        (("run.dt=fast",), "run.dt", "got 'fast'"),
-        (("run.dt=1e-3", "run.dt=7"), "--set run.dt=7: run.dt", "0.1"),
-        (('material.friction={x="a"}',), '--set material.friction={x="a"}: material.friction', '"x"'),
-        (("run.dt=1e-3", "material.density=-2"), "--set material.density=-2: material.density", "between"),
-        (("run.duration=1e12",), "scene.toml:17 with --set run.duration=1e12: run", "takes"),
-    ],
-)
-def test_bad_changes_are_named_in_one_line(write, changes, place, reason):
-    with pytest.raises(InputError) as caught:
-        read_scene(write(GOOD), changes)
-    assert f"{place}: " in str(caught.value) and reason in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
 def test_a_mark_of_the_encoding_at_the_head_is_no_error(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(GOOD, encoding="utf-8-sig")
@@ -246,7 +168,7 @@ def test_these_solvers_come_with_the_program():
 
 
 def test_an_error_elsewhere_names_its_line_in_the_file_whatever_was_changed(write):
-    with pytest.raises(InputError, match=r"scene\.toml:18: run\.dt: input should be greater than 0"):
+    with refused_at("run.dt"):
         read_scene(write(GOOD.replace("dt = 1e-3", "dt = -1e-3")), ["run.seed=3"])
     scene = read_scene(write(GOOD), ["run.seed=3", "structure.thickness=-1"])
     assert str(located(scene, "structure.radius", "bad")).endswith("scene.toml:4: structure.radius: bad")

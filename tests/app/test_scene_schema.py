@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from command_line import masonry_cd
 from json_schema import faults
 from places import EXAMPLES, ROOT
-from typer.testing import CliRunner
 
 import loads
 import structures
@@ -22,7 +22,6 @@ from masonry_cd.analysis.damage.grades import read_grades
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_schema import FILE, scene_schema, schema_text
 from masonry_cd.app.scene_text import dump_toml
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -73,8 +72,8 @@ def test_the_file_in_the_package_is_what_is_generated():
 
 @pytest.mark.slow(reason="builds the schema of every table three times")
 def test_the_command_prints_it_or_writes_it(tmp_path):
-    assert CliRunner().invoke(app, ["schema"]).stdout == schema_text()
-    CliRunner().invoke(app, ["schema", "-o", str(tmp_path / "s.json")])
+    assert masonry_cd("schema").stdout == schema_text()
+    masonry_cd("schema", "-o", tmp_path / "s.json")
     assert (tmp_path / "s.json").read_text(encoding="utf-8") == schema_text()
 
 

@@ -6,9 +6,8 @@ import shutil
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from command_line import masonry_cd
 
-from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
 
 SCENE = """\
@@ -41,7 +40,7 @@ duration = 0.1
 
 def run(folder, *words, code=0):
     (folder / "scene.toml").write_text(SCENE)
-    result = CliRunner().invoke(app, ["run", str(folder / "scene.toml"), "-o", str(folder / "out"), "-q", *words])
+    result = masonry_cd("run", folder / "scene.toml", "-o", folder / "out", "-q", *words)
     assert result.exit_code == code, result.output
     return json.loads((folder / "out" / "summary.json").read_text())
 

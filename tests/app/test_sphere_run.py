@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from block_files import cuboid
+from command_line import masonry_cd
 from datasets import contents
-from typer.testing import CliRunner
 
-from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
@@ -65,10 +64,6 @@ initial = 0.0
 rate = 10.0
 """,
 }
-
-
-def masonry_cd(*words: object):
-    return CliRunner().invoke(app, [str(word) for word in words])
 
 
 def scene(folder: Path, load: str, duration: float, material: str = "") -> Path:

@@ -7,13 +7,12 @@ import json
 
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from made_run import at_rest, box, shifted, write_run
 from models import box as cuboid
 from models import ground, stepper, still
-from typer.testing import CliRunner
 
 from masonry_cd.app.time_step_checks import after_run, before_run, dominant_frequency, fastest
-from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped
 from masonry_cd.mechanics.model.blocks import Assembly, Block
@@ -83,7 +82,7 @@ def test_a_block_that_could_pass_through_another_is_named(tmp_path):
 def test_warnings_are_printed_and_kept(block_on_plate, tmp_path):
     scene = block_on_plate(dt="dt = 0.02", amplitude="amplitude = 0.1").read_text().replace("frequency = 2.0", "frequency = 6.0")
     (tmp_path / "scene.toml").write_text(scene)
-    result = CliRunner().invoke(app, ["run", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out"), "-q"])
+    result = masonry_cd("run", tmp_path / "scene.toml", "-o", tmp_path / "out", "-q")
     assert result.exit_code == 0
     kept = json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]
     assert [f"masonry-cd: warning: {line}" for line in kept] == [

@@ -7,9 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
-
-from masonry_cd.cli.app import app
+from command_line import masonry_cd, refusal
 
 TOWER = """
 [structure]
@@ -27,7 +25,7 @@ duration = 0.1
 def energy_line(folder: Path, *words: str) -> tuple[str, float]:
     """The closing line on the energy, and the balance in summary.json, relative."""
     (folder / "tower.toml").write_text(TOWER)
-    result = CliRunner().invoke(app, ["run", str(folder / "tower.toml"), "-o", str(folder / "out"), "--force", *words])
+    result = masonry_cd("run", folder / "tower.toml", "-o", folder / "out", "--force", *words)
     assert result.exit_code == 0, result.output
     line = next(line for line in result.stdout.splitlines() if line.startswith("energy: "))
     return line, json.loads((folder / "out" / "summary.json").read_text())["energy"]["balance_error"]
@@ -54,8 +52,16 @@ def test_a_structure_without_supports_falls_with_a_warning(block_on_plate, tmp_p
     blocks.write_text(blocks.read_text().replace("true", "false"))
     text = scene.read_text()
     scene.write_text(text[: text.index("[[loads]]")] + text[text.index("[run]") :])
-    result = CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out")])
+    result = masonry_cd("run", scene, "-o", tmp_path / "out")
     line = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
     assert result.exit_code == 0, result.output
     assert (f"masonry-cd: warning: {line}; of a file, structure.fixed = " in result.stderr) == warned
     assert any(said.startswith(line) for said in json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]) == warned
+
+
+def test_a_base_that_is_shaken_needs_a_support(block_on_plate, tmp_path: Path) -> None:
+    scene, blocks = block_on_plate(), tmp_path / "blocks.json"
+    blocks.write_text(blocks.read_text().replace("true", "false"))
+    found = refusal(masonry_cd("run", scene, "-o", tmp_path / "out"))
+    assert found.place == str(scene)
+    assert not (tmp_path / "out").exists()

@@ -9,16 +9,15 @@ import sys
 import webbrowser
 
 import pytest
-from typer.testing import CliRunner
+from command_line import masonry_cd
 
-from masonry_cd.cli.app import app
 from reports.study.outputs import PAGE
 
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 
 
 def view(folder):
-    return CliRunner().invoke(app, ["view", str(folder)])
+    return masonry_cd("view", folder)
 
 
 @pytest.fixture

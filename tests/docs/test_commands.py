@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 import typer
+from command_line import masonry_cd
 from doc_pages import DOCS, PAGES, Reader, command_lines, fences, page_name, typed
 from places import ROOT
-from typer.testing import CliRunner
 
 from masonry_cd.app.limit_table import limit_table
 from masonry_cd.cli.app import app
@@ -109,7 +109,7 @@ def test_a_mistake_in_a_scene_ends_in_the_line_of_the_page(scene, right, wrong, 
     text = Path(scene).read_text(encoding="utf-8")
     assert text.count(right) == 1
     Path("mistake.toml").write_text(text.replace(right, wrong), encoding="utf-8")
-    result = CliRunner().invoke(app, ["run", "mistake.toml", "-o", "out/mistake"])
+    result = masonry_cd("run", "mistake.toml", "-o", "out/mistake")
     assert (result.exit_code, result.stderr) == (2, f"masonry-cd: error: {said}\n")
     assert not Path("out/mistake").exists()
 
@@ -117,7 +117,7 @@ def test_a_mistake_in_a_scene_ends_in_the_line_of_the_page(scene, right, wrong, 
 @pytest.mark.parametrize(("words", "said"), ON_THE_LINE)
 def test_a_mistake_on_the_command_line_ends_in_the_line_of_the_page(words, said, beginner: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(beginner)
-    result = CliRunner().invoke(app, shlex.split(words))
+    result = masonry_cd(*shlex.split(words))
     assert (result.exit_code, result.stderr) == (2, f"masonry-cd: error: {said}\n")
 
 

@@ -10,11 +10,10 @@ from operator import attrgetter, methodcaller
 from pathlib import Path
 
 import pytest
+from command_line import masonry_cd
 from places import EXAMPLES, ROOT
-from typer.testing import CliRunner
 
 import masonry_cd as mc
-from masonry_cd.cli.app import app
 from masonry_cd.foundation import extras
 from masonry_cd.foundation.errors import InputError
 
@@ -55,7 +54,7 @@ def test_the_table_is_that_of_the_package() -> None:
 def test_a_command_names_the_extra_that_it_lacks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module, arguments, said) -> None:
     absent(monkeypatch, module)
     command, scene, *others = arguments
-    ended = CliRunner().invoke(app, [command, str(EXAMPLES / scene), *others, "-o", str(tmp_path / "out")])
+    ended = masonry_cd(command, EXAMPLES / scene, *others, "-o", tmp_path / "out")
     assert (ended.exit_code, ended.stdout) == (2, "")
     assert f'{said}, which is not installed: pip install "masonry-cd[{extras.EXTRA_OF[module]}]"' in ended.stderr
     assert ended.stderr.count("\n") == 1
@@ -65,7 +64,7 @@ def test_a_command_names_the_extra_that_it_lacks(tmp_path: Path, monkeypatch: py
 def test_a_run_without_pictures_needs_none_of_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     absent(monkeypatch, *extras.EXTRA_OF)
     short = ["--set", "run.duration=0.01", "--set", "report.crack_map=false", "--set", "report.damage=true"]
-    ended = CliRunner().invoke(app, ["run", str(EXAMPLES / "trilithon.toml"), "-o", str(tmp_path / "out"), "-q", *short])
+    ended = masonry_cd("run", EXAMPLES / "trilithon.toml", "-o", tmp_path / "out", "-q", *short)
     assert ended.exit_code == 0 and "which is not installed" not in ended.stderr
     assert (tmp_path / "out" / "damage.json").exists()
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hostile import refused_at
 
 from loads.readers import Source
 from masonry_cd.analysis.fragility import folder as study_folder
@@ -69,7 +70,7 @@ def test_devices_and_sockets_are_named_as_what_they_are(tmp_path: Path) -> None:
         files.read_bytes(Path("/dev/zero"))
     with socket.socket(socket.AF_UNIX) as open_socket:
         open_socket.bind(str(tmp_path / "s"))
-        with pytest.raises(InputError, match="s: is a socket"):
+        with refused_at("s"):
             files.is_file(tmp_path / "s")
 
 
@@ -93,7 +94,7 @@ def test_a_regular_file_is_read_as_before(tmp_path: Path) -> None:
 def test_a_file_beyond_all_memory_is_refused_before_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "large.txt").write_bytes(b"0123456789")
     monkeypatch.setattr(files, "MOST", 9)
-    with pytest.raises(InputError, match=r"large.txt: of 1e-08 GB, at most 9e-09 GB are read"):
+    with refused_at("large.txt"):
         files.read_bytes(tmp_path / "large.txt")
 
 
@@ -107,5 +108,5 @@ def test_a_member_of_an_npz_whose_header_is_broken_is_named(tmp_path: Path, head
         sound = io.BytesIO()
         np.save(sound, np.zeros(3))
         archive.writestr("q.npy", sound.getvalue())
-    with pytest.raises(InputError, match=r"problem.npz: no .npz file that can be read"):
+    with refused_at("problem.npz"):
         read_problem(tmp_path / "problem.npz")

@@ -12,11 +12,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from command_line import masonry_cd
+from hostile import refused_at
 from places import ROOT
-from typer.testing import CliRunner
 
 import masonry_cd as mc
-from masonry_cd.cli.app import app
 from masonry_cd.foundation import plugins
 from masonry_cd.foundation.trust import VARIABLE, trusted
 from masonry_cd.interface import protocols
@@ -81,7 +81,7 @@ def trusting_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def command(*words: object) -> tuple[int, str]:
     """Run the command line: exit code, and all that it prints."""
-    done = CliRunner().invoke(app, [str(word) for word in words])
+    done = masonry_cd(*words)
     return done.exit_code, done.output
 
 
@@ -176,7 +176,7 @@ def test_a_load_of_the_users_and_trust_from_python(tmp_path: Path) -> None:
     (tmp_path / "own.py").write_text((EXAMPLE / "masonry_cd_stacks" / "surge.py").read_text(encoding="utf-8"))
     scene = mc.scene(ROOT / "examples" / "trilithon.toml", "run.duration=0.02")
     scene = scene.changed(loads=[{"kind": f"{tmp_path / 'own.py'}:SURGE", "amplitude": 0.1, "length": 0.01}])
-    with pytest.raises(mc.InputError, match="pass --trust"):
+    with refused_at("loads[0].kind"):
         mc.Simulation(scene)
     mc.trust()
     try:

@@ -14,21 +14,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from command_line import masonry_cd
+from hostile import refused_at
 from made_run import at_rest, box, write_run
 from places import ROOT
 from two_blocks import shaking, two_blocks
-from typer.testing import CliRunner
 
 import masonry_cd as mc
 from masonry_cd.app.progress import Progress
-from masonry_cd.cli.app import app
 
 pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")  # short, coarse and strong, as wanted here
 
 
 def command(*words: object) -> str:
     """Run the command line; return what it prints."""
-    done = CliRunner().invoke(app, [str(word) for word in words])
+    done = masonry_cd(*words)
     assert done.exit_code == 0, done.output
     return done.output
 
@@ -106,7 +106,7 @@ def test_files_of_ones_own_in_the_folder_are_not_overwritten(tables: dict[str, A
 
 
 def test_nothing_is_written_before_all_is_checked(tables: dict[str, Any], tmp_path: Path) -> None:
-    with pytest.raises(mc.InputError, match=r"^scene: loads\[0\].cycles: "):
+    with refused_at("loads[0].cycles"):
         mc.run(mc.scene(tables, "loads[0].cycles=-1"), tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -143,11 +143,11 @@ def test_the_scene_of_a_run_of_a_file_is_read_where_the_file_lies(tables: dict[s
     assert scene.tables["run"]["duration"] == 0.04
     assert scene.structure.names == ["b0", "b1", "b2"]
     assert scene.changed("run.dt=1e-3").tables["run"]["dt"] == 1e-3
-    with pytest.raises(mc.InputError, match=r"^--set run.dt=0: run.dt: "):
+    with refused_at("run.dt"):
         scene.changed("run.dt=0")
     file.unlink()
     (tmp_path / "own" / "blocks.json").unlink()
-    with pytest.raises(mc.InputError, match=r'result.h5: structure.path: no file "blocks.json" in '):
+    with refused_at("structure.path"):
         _ = mc.open(tmp_path / "out").scene.structure
 
 
@@ -174,7 +174,7 @@ def test_ctrl_c_ends_a_run_that_reads_and_goes_on(interrupted: pytest.MonkeyPatc
 
 def test_a_run_of_the_command_line_goes_on_in_python(interrupted: pytest.MonkeyPatch, tables: dict[str, Any], tmp_path: Path) -> None:
     file = mc.scene(tables).write(tmp_path / "two.toml")
-    stopped = CliRunner().invoke(app, ["run", str(file), "-o", str(tmp_path / "cut"), "-q", "--set", "run.duration=0.08"])
+    stopped = masonry_cd("run", file, "-o", tmp_path / "cut", "-q", "--set", "run.duration=0.08")
     assert stopped.exit_code == 130
     interrupted.undo()
     assert same_bits(mc.resume(str(tmp_path / "cut"), progress=False), mc.run(mc.scene(file, "run.duration=0.08"), progress=False))
@@ -255,7 +255,7 @@ def test_a_warning_says_that_a_run_was_interrupted(interrupted: pytest.MonkeyPat
 
 
 def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(mc.InputError, match=r"result\.h5: no such result file"):
+    with refused_at("result.h5"):
         mc.open(tmp_path)
     with pytest.raises(mc.InputError, match="nothing to resume from"):
         mc.resume(tmp_path)

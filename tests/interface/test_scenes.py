@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hostile import refused_at
 from places import EXAMPLES, ROOT
 
 import masonry_cd as mc
@@ -121,10 +122,10 @@ def test_errors_name_what_the_user_gave(make: Any, place: str) -> None:
 
 def test_errors_of_the_structure_name_the_scene(tables: dict[str, Any]) -> None:
     made = mc.scene(tables | {"structure": {"kind": "arch", "spann": 4.0}})
-    with pytest.raises(mc.InputError, match=r'^scene: structure.spann: unknown key \(did you mean "span"\?\)$'):
+    with refused_at("structure.spann"):
         _ = made.structure
     of_file = mc.scene(ARCH, "structure.voussoirs=1")
-    with pytest.raises(mc.InputError, match=r"^--set structure.voussoirs=1: structure.voussoirs: "):
+    with refused_at("structure.voussoirs"):
         _ = of_file.structure
 
 

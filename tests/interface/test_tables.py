@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hostile import refused_at
 from two_blocks import shaking, two_blocks
 
 import masonry_cd as mc
@@ -79,7 +80,7 @@ def test_blocks_are_where_the_frame_has_them(run: mc.Run) -> None:
         assert np.abs(moved).max() > 1e-4
         assert np.allclose(now[["ux", "uy", "uz"]], moved, rtol=0.0, atol=1e-12)
     assert run.blocks().attrs["time"] == run.time[-1]
-    with pytest.raises(mc.InputError, match=r"time 9 s lies outside the run, which has frames from 0 to 0.2 s"):
+    with refused_at("time"):
         run.blocks(9.0)
 
 
@@ -100,7 +101,7 @@ def test_histories_of_joints(run: mc.Run) -> None:
     assert opening.shape == (len(run.time), len(run.joints))
     assert (opening.max() <= run.joints["max_opening"] * (1 + 1e-12)).all()
     assert set(run.joint_history("normal_force").attrs["units"].values()) == {"N", "s"}
-    with pytest.raises(mc.InputError, match=r'joint_history: "openings" is none \(did you mean "opening"\?\)'):
+    with refused_at("joint_history"):
         run.joint_history("openings")
     with pytest.raises(mc.InputError, match="the run has written no bonded"):
         run.joint_history("bonded")
@@ -119,9 +120,9 @@ def test_crack_maps_are_images_in_the_style_that_is_asked_for(run: mc.Run) -> No
     assert last._repr_png_().startswith(b"\x89PNG")
     assert np.asarray(last).shape[2] == 3
     assert last.size != before.size or (np.asarray(last) != np.asarray(before)).any()
-    with pytest.raises(mc.InputError, match=r"^report\.view: "):
+    with refused_at("report.view"):
         run.plot.crack_map(view="below")
-    with pytest.raises(mc.InputError, match=r"report.scales: unknown key \(did you mean \"scale\"\?\)"):
+    with refused_at("report.scales"):
         run.plot.crack_map(scales=2)
 
 
@@ -132,7 +133,7 @@ def test_plots_are_figures_that_show_themselves(run: mc.Run) -> None:
     assert [line.get_label() for line in upper.lines[:2]] == ["b1", "b2"]
     assert upper.lines[1].get_ydata() == pytest.approx(1000.0 * run.motion("b2")["uy"].to_numpy(), abs=1e-9)
     assert lower.lines[0].get_ydata() == pytest.approx(run.motion("b0")["vy"].to_numpy())
-    with pytest.raises(mc.InputError, match='axis: "q" is none; x, y or z'):
+    with refused_at("axis"):
         run.plot.history(axis="q")
     with pytest.raises(mc.InputError, match='no block is named "b7"'):
         run.plot.history("b7")
@@ -156,7 +157,7 @@ def test_runs_are_compared_by_name(run: mc.Run, tmp_path: Path) -> None:
     assert "<table" in found._repr_html_()
     assert found.plot()._repr_png_().startswith(b"\x89PNG")
     assert {path.name for path in found.write(tmp_path)} == {"comparison.csv", "comparison.md", "comparison.png"}
-    with pytest.raises(mc.InputError, match="compare: name two folders of runs at least"):
+    with refused_at("compare"):
         mc.compare([run])
 
 
@@ -164,7 +165,7 @@ def test_modal_frequencies_come_from_the_scene() -> None:
     made = mc.modal(two_blocks(), young=1e9, method="joints", modes=3)
     assert made["title"] == "Two blocks"
     assert len(made["models"]["joints"]["frequency_hz"]) == 3
-    with pytest.raises(mc.InputError, match=r"^modal.*young"):
+    with refused_at("modal.yung"):
         mc.modal(two_blocks(), yung=1e9)
 
 

@@ -12,12 +12,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from datasets import contents
 from forked import ended
 from places import ROOT
-from typer.testing import CliRunner
 
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import FORMAT
 from masonry_cd.io.results import Results
@@ -34,10 +33,6 @@ def seeds(core: int, most: int) -> list[object]:
     """Of random damage; those beyond the core are slow."""
     more = pytest.mark.slow(reason="one of many kinds of damage, each tried in a process")
     return [seed if seed < core else pytest.param(seed, marks=more) for seed in range(most)]
-
-
-def masonry_cd(*words: object):
-    return CliRunner().invoke(app, [str(word) for word in words])
 
 
 @pytest.fixture(scope="module")

@@ -3,21 +3,23 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import scenes
+from hostile import refused_at
 from places import SHARED
 from scipy import sparse
 
 from masonry_cd.app.commands.solve import solve
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.problem_files import read_problem, write_problem
-from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, natural_map_error
 
 COLLECTED = SHARED / "friction_problems"
 needs_collection = pytest.mark.skipif(not COLLECTED.is_dir(), reason="the collected friction problems are not here")
@@ -64,16 +66,6 @@ def test_a_problem_of_contactbench_has_its_normals_last(tmp_path: Path) -> None:
         read_problem(tmp_path / "q.npz")
 
 
-@pytest.mark.parametrize(("wrong", "line"), [(np.full(3, -1.0), r"C\[0\] is negative"), (np.zeros(5), "C has 5 entries, w has 36")])
-def test_wrong_compliance_is_named(tmp_path: Path, wrong: np.ndarray, line: str) -> None:
-    """Negative or of another length."""
-    write_problem(tmp_path / "p.npz", scenes.tower(3))
-    arrays = dict(np.load(tmp_path / "p.npz"))
-    np.savez(tmp_path / "p.npz", **arrays, C=np.resize(wrong, 36) if len(wrong) == 3 else wrong)
-    with pytest.raises(InputError, match=line):
-        read_problem(tmp_path / "p.npz")
-
-
 def test_planar_problem_there_and_back(tmp_path: Path) -> None:
     """Two rows per contact survive."""
     w = np.diag([2.0, 1.0, 3.0, 1.0])
@@ -110,102 +102,6 @@ def test_published_reactions_are_no_reference() -> None:
     assert solve(file).value["error"] <= 1e-8
 
 
-def broken(tmp_path: Path, **changes: np.ndarray | None) -> Path:
-    """A sound .npz with some arrays replaced or, where None, left out."""
-    write_problem(tmp_path / "sound.npz", scenes.tower(1).to_local())
-    arrays = dict(np.load(tmp_path / "sound.npz")) | changes
-    np.savez(tmp_path / "broken.npz", **{name: array for name, array in arrays.items() if array is not None})
-    return tmp_path / "broken.npz"
-
-
-def test_bad_arrays_are_named(tmp_path: Path) -> None:
-    """NaN, wrong lengths, missing arrays and negative friction are reported in one line with the file and the array."""
-    q = np.load(broken(tmp_path))["q"]
-    w = np.load(broken(tmp_path))["W_data"]
-    bad: list[tuple[dict[str, np.ndarray | None], str]] = [
-        ({"q": np.where(np.arange(len(q)) == 4, np.nan, q)}, r"q\[4\] is not a finite number"),
-        ({"q": q[:-1]}, "q has 11 entries, for 4 contacts"),
-        ({"q": np.tile(q, 2)}, "q has 24 entries"),
-        ({"mu": np.array([0.5, -0.1, 0.5, 0.5])}, r"mu\[1\] is negative"),
-        ({"mu": None}, "mu is missing"),
-        ({"W_data": np.where(np.arange(len(w)) == 0, np.inf, w)}, r"W_data\[0\] is not a finite number"),
-        ({"W_data": -w}, "W is indefinite"),
-        ({"W_data": w[:-1]}, "compressed rows"),
-        ({"W_data": w.astype(str)}, "W_data should hold real numbers, not str"),
-        ({"q": q.astype(complex)}, "q should hold real numbers, not complex128"),
-        ({"q": np.where(np.arange(len(q)) == 2, 1e200, q)}, r"q\[2\] is too large to be squared"),
-        ({"W_indices": np.load(broken(tmp_path))["W_indices"] + 0.5}, r"W_indices\[0\] is no whole number"),
-    ]
-    for changes, message in bad:
-        path = broken(tmp_path, **changes)
-        with pytest.raises(InputError, match=message) as caught:
-            read_problem(path)
-        assert str(path) in str(caught.value)
-        assert "\n" not in str(caught.value)
-
-
-def test_unsymmetric_matrix_is_refused(tmp_path: Path) -> None:
-    """An entry far from its mirror image is no rounding."""
-    local = scenes.tower(1).to_local()
-    dense = local.w.toarray()
-    dense[0, 5] += 0.3 * dense[0, 0]
-    write_problem(tmp_path / "p.npz", LocalProblem(sparse.csr_matrix(dense), local.q, local.mu))
-    with pytest.raises(InputError, match="W is unsymmetric by 3"):
-        read_problem(tmp_path / "p.npz")
-
-
-@pytest.mark.parametrize("wrong", [999, -1])
-def test_indices_out_of_range_are_reported(tmp_path: Path, wrong: int) -> None:
-    """In compressed rows of both formats: never read from beyond an array."""
-    problem = scenes.tower(1).to_local()
-    write_problem(tmp_path / "p.hdf5", problem)
-    with h5py.File(tmp_path / "p.hdf5", "r+") as file:
-        file["fclib_local/W/i"][3] = wrong
-    with pytest.raises(InputError, match="fclib_local/W: indices must be"):
-        read_problem(tmp_path / "p.hdf5")
-    indices = problem.w.indices.copy()
-    indices[3] = wrong
-    with pytest.raises(InputError, match="W is 12 x 1000, q has 12" if wrong > 0 else "do not describe W_data as compressed rows"):
-        read_problem(broken(tmp_path, W_indices=indices))
-
-
-@pytest.mark.parametrize(
-    ("place", "value", "message"),
-    [
-        ("W", np.eye(3), "fclib_local/W/m is missing"),
-        ("W/x", np.array([b"one"]), "fclib_local/W/x should hold real numbers"),
-        ("W/x", None, "fclib_local/W/x is missing"),
-        ("W/nz", np.array([10**6]), "nz counts 1000000 entries"),
-        ("W/m", np.array([12, 12]), "fclib_local/W/m should be one number"),
-        ("vectors", np.zeros(3), "q is missing; it holds nothing"),
-        ("vectors/q", "none", "q should hold real numbers"),
-        ("spacedim", np.array([2]), "spacedim is 2, but its arrays hold 3 rows per contact"),
-    ],
-)
-def test_bad_datasets_are_named(tmp_path: Path, place: str, value: object, message: str) -> None:
-    """Groups for datasets, datasets for groups, text for numbers: one line each, no traceback."""
-    write_problem(tmp_path / "p.hdf5", scenes.tower(1).to_local())
-    with h5py.File(tmp_path / "p.hdf5", "r+") as file:
-        del file[f"fclib_local/{place}"]
-        if value is not None:
-            file[f"fclib_local/{place}"] = value
-    with pytest.raises(InputError, match=message):
-        read_problem(tmp_path / "p.hdf5")
-
-
-def test_unsymmetric_mass_is_refused(tmp_path: Path) -> None:
-    """M of a global problem is checked as W of a local one is."""
-    write_problem(tmp_path / "p.npz", scenes.tower(2))
-    arrays = dict(np.load(tmp_path / "p.npz"))
-    mass = sparse.csr_matrix((arrays["M_data"], arrays["M_indices"], arrays["M_indptr"])).toarray()
-    mass[0, 3] = mass[0, 0]
-    full = sparse.csr_matrix(mass)
-    arrays |= {"M_data": full.data, "M_indices": full.indices, "M_indptr": full.indptr}
-    np.savez(tmp_path / "p.npz", allow_pickle=False, **arrays)
-    with pytest.raises(InputError, match="M is unsymmetric by"):
-        read_problem(tmp_path / "p.npz")
-
-
 def test_files_that_are_no_problems(tmp_path: Path) -> None:
     """No file, no format, no FCLIB group, no HDF5: one line each."""
     (tmp_path / "text.hdf5").write_text("not HDF5")
@@ -235,7 +131,7 @@ def test_solver_and_tolerance_are_checked(tmp_path: Path) -> None:
     """A misspelt solver is answered with a suggestion."""
     with pytest.raises(InputError, match='did you mean "admm"'):
         solve(tmp_path / "p.npz", solver="adm")
-    with pytest.raises(InputError, match="tolerance"):
+    with refused_at("tolerance"):
         solve(tmp_path / "p.npz", tolerance=0.0)
     with pytest.raises(InputError, match=r"SOLUTION\.npz"):
         solve(tmp_path / "p.npz", output=tmp_path)
@@ -283,14 +179,6 @@ def test_global_problem_of_deformable_blocks(tmp_path: Path) -> None:
     assert solve(path).value["error"] <= 1e-8
 
 
-def test_singular_mass_is_reported(tmp_path: Path) -> None:
-    """A node without mass."""
-    mass, h, f = deformable(2, 8)
-    keep = sparse.diags((np.arange(mass.shape[0]) != 5).astype(float))
-    with pytest.raises(InputError, match="M is singular"):
-        read_problem(written_global(tmp_path / "p.hdf5", (keep @ mass @ keep).tocsr(), h, f))
-
-
 def test_one_negative_eigenvalue_is_found(tmp_path: Path) -> None:
     """Symmetric, with a positive diagonal, and indefinite all the same; what rounding may do is let pass."""
     local = scenes.wall(3, 3).to_local()
@@ -306,10 +194,84 @@ def test_one_negative_eigenvalue_is_found(tmp_path: Path) -> None:
             assert read_problem(tmp_path / "p.npz").contacts == local.contacts
 
 
-def damaged(place: str, value: object) -> Callable[[h5py.File], None]:
+def test_damaged_npz_files(tmp_path: Path) -> None:
+    """Each byte of the compressed data, and a header that announces 256 TiB."""
+    write_problem(tmp_path / "p.npz", scenes.tower(3))
+    whole = (tmp_path / "p.npz").read_bytes()
+    for at in range(30, len(whole), 97):
+        (tmp_path / "q.npz").write_bytes(whole[:at] + bytes([whole[at] ^ 0x5A]) + whole[at + 1 :])
+        try:
+            read_problem(tmp_path / "q.npz")
+        except InputError as failure:
+            assert str(failure).startswith(f"{tmp_path}/q.npz: ")
+    head = (
+        np.lib.format.magic(1, 0) + b"\x76\0" + b"{'descr': '<f8', 'fortran_order': False, 'shape': (35184372088832,), }".ljust(117) + b"\n"
+    )
+    with zipfile.ZipFile(tmp_path / "r.npz", "w") as file:
+        file.writestr("mu.npy", head)
+    with refused_at("r.npz"):
+        read_problem(tmp_path / "r.npz")
+
+
+# --- what is wrong in a file ------------------------------------------------------------------------------------------------------------
+
+Arrays = dict[str, np.ndarray]
+
+
+def npz(problem: Callable[[], Problem], change: Callable[[Arrays], Mapping[str, np.ndarray | None]]) -> Callable[[Path], Path]:
+    """A .npz file some of whose arrays are others or, where None, gone."""
+
+    def make(folder: Path) -> Path:
+        write_problem(folder / "p.npz", problem())
+        arrays = dict(np.load(folder / "p.npz"))
+        kept = {name: array for name, array in (arrays | change(arrays)).items() if array is not None}
+        np.savez(folder / "p.npz", allow_pickle=False, **kept)
+        return folder / "p.npz"
+
+    return make
+
+
+def hdf5(problem: Callable[[], Problem], change: Callable[[h5py.File], None]) -> Callable[[Path], Path]:
+    """An FCLIB file that is changed."""
+
+    def make(folder: Path) -> Path:
+        write_problem(folder / "p.hdf5", problem())
+        with h5py.File(folder / "p.hdf5", "r+") as file:
+            change(file)
+        return folder / "p.hdf5"
+
+    return make
+
+
+def local() -> LocalProblem:
+    return scenes.tower(1).to_local()
+
+
+def three() -> FrictionProblem:
+    return scenes.tower(3)
+
+
+def put(array: np.ndarray, place: int, value: float) -> np.ndarray:
+    """A copy with another value at a place."""
+    out = array.copy()
+    out[place] = value
+    return out
+
+
+def at(place: str, value: object = None) -> Callable[[h5py.File], None]:
+    """Another value in place of a dataset, group or link; none where that is None."""
+
     def change(file: h5py.File) -> None:
         del file[place]
-        file[place] = value
+        if value is not None:
+            file[place] = value
+
+    return change
+
+
+def index(value: int) -> Callable[[h5py.File], None]:
+    def change(file: h5py.File) -> None:
+        file["fclib_local/W/i"][3] = value
 
     return change
 
@@ -330,42 +292,66 @@ def announced(file: h5py.File) -> None:
     file["fclib_global/vectors"].create_dataset("f", shape=(10**15,), dtype="f8", chunks=(1000,))
 
 
+def lopsided(arrays: Arrays, name: str, row: int, column: int) -> Arrays:
+    """An entry far from its mirror image, which is no rounding."""
+    dense = sparse.csr_matrix(tuple(arrays[f"{name}_{part}"] for part in ("data", "indices", "indptr"))).toarray()
+    dense[row, column] += 0.3 * dense[row, row]
+    full = sparse.csr_matrix(dense)
+    return {f"{name}_{part}": getattr(full, part) for part in ("data", "indices", "indptr")}
+
+
+def massless(folder: Path) -> Path:
+    """A node of a deformable block without mass."""
+    mass, h, f = deformable(2, 8)
+    keep = sparse.diags((np.arange(mass.shape[0]) != 5).astype(float))
+    return written_global(folder / "p.hdf5", (keep @ mass @ keep).tocsr(), h, f)
+
+
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("make", "named"),
     [
-        (damaged("fclib_global/M/x", h5py.SoftLink("/nowhere")), "p.hdf5: fclib_global/M/x is missing"),
-        (damaged("fclib_global/vectors", h5py.SoftLink("/fclib_global/vectors")), "p.hdf5: no HDF5 file that can be read"),
-        (damaged("fclib_global/M", h5py.SoftLink("/nowhere")), "p.hdf5: no HDF5 file that can be read"),
-        (damaged("fclib_global/M/x", h5py.ExternalLink("/etc/passwd", "/")), "p.hdf5: fclib_global/M/x lies in another file"),
-        (empty, "p.hdf5: fclib_global/H: the offsets in p should not decrease"),
-        (external, "p.hdf5: fclib_global/M/x keeps its data in another file"),
-        (announced, "p.hdf5: announces arrays of 8e+06 GB, at most 16 GB are read"),
+        (npz(local, lambda a: {"q": put(a["q"], 4, np.nan)}), "q[4]"),
+        (npz(local, lambda a: {"q": a["q"][:-1]}), "q"),
+        (npz(local, lambda a: {"q": np.tile(a["q"], 2)}), "q"),
+        (npz(local, lambda a: {"mu": put(a["mu"], 1, -0.1)}), "mu[1]"),
+        (npz(local, lambda _: {"mu": None}), "mu"),
+        (npz(local, lambda a: {"W_data": put(a["W_data"], 0, np.inf)}), "W_data[0]"),
+        (npz(local, lambda a: {"W_data": -a["W_data"]}), "W"),
+        (npz(local, lambda a: {"W_data": a["W_data"][:-1]}), "W_indptr"),
+        (npz(local, lambda a: {"W_data": a["W_data"].astype(str)}), "W_data"),
+        (npz(local, lambda a: {"q": a["q"].astype(complex)}), "q"),
+        (npz(local, lambda a: {"q": put(a["q"], 2, 1e200)}), "q[2]"),
+        (npz(local, lambda a: {"W_indices": a["W_indices"] + 0.5}), "W_indices[0]"),
+        (npz(local, lambda a: {"W_indices": put(a["W_indices"], 3, 999)}), "W"),
+        (npz(local, lambda a: {"W_indices": put(a["W_indices"], 3, -1)}), "W_indptr"),
+        (npz(local, lambda a: lopsided(a, "W", 0, 5)), "W"),
+        (npz(lambda: scenes.tower(2), lambda a: lopsided(a, "M", 0, 3)), "M"),
+        (npz(three, lambda _: {"C": np.full(36, -1.0)}), "C[0]"),
+        (npz(three, lambda _: {"C": np.zeros(5)}), "C"),
+        (hdf5(local, index(999)), "fclib_local/W"),
+        (hdf5(local, index(-1)), "fclib_local/W"),
+        (hdf5(local, at("fclib_local/W", np.eye(3))), "fclib_local/W/m"),
+        (hdf5(local, at("fclib_local/W/x", np.array([b"one"]))), "fclib_local/W/x"),
+        (hdf5(local, at("fclib_local/W/x")), "fclib_local/W/x"),
+        (hdf5(local, at("fclib_local/W/nz", np.array([10**6]))), "fclib_local/W/nz"),
+        (hdf5(local, at("fclib_local/W/m", np.array([12, 12]))), "fclib_local/W/m"),
+        (hdf5(local, at("fclib_local/vectors", np.zeros(3))), "q"),
+        (hdf5(local, at("fclib_local/vectors/q", "none")), "q"),
+        (hdf5(local, at("fclib_local/spacedim", np.array([2]))), "spacedim"),
+        (massless, "M"),
+        (hdf5(three, at("fclib_global/M/x", h5py.SoftLink("/nowhere"))), "fclib_global/M/x"),
+        (hdf5(three, at("fclib_global/vectors", h5py.SoftLink("/fclib_global/vectors"))), "no HDF5 file"),
+        (hdf5(three, at("fclib_global/M", h5py.SoftLink("/nowhere"))), "no HDF5 file"),
+        (hdf5(three, at("fclib_global/M/x", h5py.ExternalLink("/etc/passwd", "/"))), "fclib_global/M/x"),
+        (hdf5(three, empty), "fclib_global/H"),
+        (hdf5(three, external), "fclib_global/M/x"),
+        (hdf5(three, announced), "announces"),
     ],
 )
-def test_links_offsets_other_files_and_sizes_that_are_not_there(tmp_path: Path, change: Callable[[h5py.File], None], message: str) -> None:
-    write_problem(tmp_path / "p.hdf5", scenes.tower(3))
-    with h5py.File(tmp_path / "p.hdf5", "r+") as file:
-        change(file)
-    with pytest.raises(InputError) as failure:
-        read_problem(tmp_path / "p.hdf5")
-    assert str(failure.value).startswith(f"{tmp_path}/{message}")
-    assert str(failure.value).isprintable()
-
-
-def test_damaged_npz_files(tmp_path: Path) -> None:
-    """Each byte of the compressed data, and a header that announces 256 TiB."""
-    write_problem(tmp_path / "p.npz", scenes.tower(3))
-    whole = (tmp_path / "p.npz").read_bytes()
-    for at in range(30, len(whole), 97):
-        (tmp_path / "q.npz").write_bytes(whole[:at] + bytes([whole[at] ^ 0x5A]) + whole[at + 1 :])
-        try:
-            read_problem(tmp_path / "q.npz")
-        except InputError as failure:
-            assert str(failure).startswith(f"{tmp_path}/q.npz: ")
-    head = (
-        np.lib.format.magic(1, 0) + b"\x76\0" + b"{'descr': '<f8', 'fortran_order': False, 'shape': (35184372088832,), }".ljust(117) + b"\n"
-    )
-    with zipfile.ZipFile(tmp_path / "r.npz", "w") as file:
-        file.writestr("mu.npy", head)
-    with pytest.raises(InputError, match=r"r\.npz: no \.npz file that can be read"):
-        read_problem(tmp_path / "r.npz")
+def test_the_file_and_the_array_are_named(tmp_path: Path, make: Callable[[Path], Path], named: str) -> None:
+    path = make(tmp_path)
+    with refused_at(str(path)) as caught:
+        read_problem(path)
+    (fault,) = caught.value.faults
+    assert re.match(rf"{re.escape(named)}\b|{re.escape(named)}[ :]", fault.text), fault.text
+    assert str(fault).isprintable()

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+from hostile import refused_at
 from models import stepper, tower
 from places import ROOT
 
@@ -111,11 +112,11 @@ def test_what_is_no_result_is_named(tmp_path):
     with pytest.raises(InputError, match="no such result file"):
         Results.open(tmp_path / "nothing.h5")
     (tmp_path / "text.h5").write_text("not HDF5")
-    with pytest.raises(InputError, match=r"text\.h5: not a readable HDF5 file"):
+    with refused_at("text.h5"):
         Results.open(tmp_path / "text.h5")
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file["time"] = [0.0]
-    with pytest.raises(InputError, match=r"other\.h5: not the result of a run"):
+    with refused_at("other.h5"):
         Results.open(tmp_path / "other.h5")
 
 
@@ -127,7 +128,7 @@ def test_a_file_that_was_cut_off_is_reported_at_once(tmp_path, share):
         run(machine, joints, writer, Plan(5))
     whole = (tmp_path / "whole.h5").read_bytes()
     (tmp_path / "cut.h5").write_bytes(whole[: int(share * len(whole))])
-    with pytest.raises(InputError, match=r"cut\.h5: cut off: parts of the file are missing"):
+    with refused_at("cut.h5"):
         Results.open(tmp_path / "cut.h5")
 
 

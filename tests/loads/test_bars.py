@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hostile import refused_at
 from models import box, ground
 
 import loads
@@ -143,9 +144,9 @@ def test_the_mass_a_bar_feels(pair: Assembly) -> None:
 def test_ties_on_one_block_stiffen_one_another(pair: Assembly) -> None:
     one = {**BAR, "area": 0.03, "points": [[1.0, 0.5, 0.5], [4.0, 0.5, 0.5]]}  # 3 m: k = 2e9 N/m, w = 1000 rad/s: at the limit alone
     assert len(forces(pair, one, dt=0.999e-3).ties) == 1
-    with pytest.raises(InputError, match=r"^run.dt: 0.000999 s is too long for the 225 Hz of ties on the same blocks; at most 0.00071"):
+    with refused_at("run.dt"):
         forces(pair, one, one, dt=0.999e-3)
-    with pytest.raises(InputError, match=r"at most 0.0008 s"):
+    with refused_at("run.dt"):
         forces(pair, {**one, "damping": 0.25}, dt=0.999e-3)
 
 
@@ -235,7 +236,7 @@ def test_a_place_on_the_surface_counts_as_on_the_block_and_one_in_a_hollow_does_
     assert build(pair, {**POINT, "point": [5.001, 0.5, 1.002]}, steps=10).forces is not None
     ball = Block.sphere("ball", np.zeros(3), 1.0)
     require_on_block(ball, [0.0, 0.0, 1.005], "key")  # where the ball of triangles by which it is drawn may be flatter
-    with pytest.raises(InputError, match="key: "):
+    with refused_at("key"):
         require_on_block(ball, [0.8, 0.8, 0.0], "key")
     foot = [box_part((x, 0, 0), (x + 1, 1, 1)) for x in (0, 1, 2)]  # parts share whole faces
     u_shape = compound_block("u", [*foot, box_part((0, 0, 1), (1, 1, 3)), box_part((2, 0, 1), (3, 1, 3))], 1.0, "g")

@@ -97,3 +97,8 @@ def test_a_prop_holds_along_its_direction_and_leaves_the_way_across_free() -> No
     ground, held = reactions_of(stepper, contacts)[0, 0], stepper.driven().force[0]  # which share each takes is not unique
     assert ground + held == pytest.approx(-0.5 * weight(assembly), rel=1e-3)
     assert held <= -0.199 * weight(assembly)
+
+
+def test_loads_may_guide_a_block_along_different_axes() -> None:
+    loading = loads.build([PUSH, PUSH | {"direction": "y"}], 2e-3, 10, GRAVITY, Path(), standing())
+    assert loading.forces is not None

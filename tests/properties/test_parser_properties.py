@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 import record_files
 import records
+from hostile import SCENE, TETRA, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 from places import EXAMPLES
-from refusals import SCENE, TETRA, refusal
 
 import loads
 from loads.readers import READERS, Request, Source, read

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hostile import refused_at
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.foundation.errors import InputError
@@ -111,15 +112,15 @@ def test_nested_tables_get_the_keys_that_users_write() -> None:
 def test_bad_folders_are_one_line(tmp_path: Path) -> None:
     good = made(tmp_path / "good", 0.001)
     (tmp_path / "empty").mkdir()
-    with pytest.raises(InputError, match=r"result\.h5: no such result file$"):
+    with refused_at("empty/result.h5"):
         comparison.compare([good, tmp_path / "empty"])
-    with pytest.raises(InputError, match=r"^compare: name two folders of runs at least$"):
+    with refused_at("compare"):
         comparison.compare([good])
     with pytest.raises(InputError, match=r"is named twice$"):
         comparison.compare([good, tmp_path / "empty" / ".." / "good"])
     other = made(tmp_path / "other", 0.001)
     (other / "summary.json").write_text('{"steps": 1')
-    with pytest.raises(InputError, match=r"summary\.json: not a summary, or one that was cut off$"):
+    with refused_at("other/summary.json"):
         comparison.compare([good, other])
 
 

@@ -8,12 +8,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from models import stepper, still, wall
 from pictures import main_colours
-from typer.testing import CliRunner
 
 from masonry_cd.app.run_loop import Plan, run
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
@@ -58,7 +57,7 @@ def test_a_long_run_is_thinned_from_end_to_end(shaken, monkeypatch):
 
 
 def test_the_command_draws_it(shaken):
-    result = CliRunner().invoke(app, ["report", str(shaken.parent), "--energy", "--no-crack-map"])
+    result = masonry_cd("report", shaken.parent, "--energy", "--no-crack-map")
     assert result.exit_code == 0, result.output
     assert "energy.png" in result.stdout
     assert set(COLOURS[1:3]) <= main_colours(shaken.parent / "energy.png"), "the work of the base, and that of gravity"

@@ -10,13 +10,13 @@ from pathlib import Path
 import browser as browsers
 import numpy as np
 import pytest
+from command_line import masonry_cd
+from hostile import refused_at
 from made_run import at_rest, box, shifted, turned, write_run
-from typer.testing import CliRunner
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, solids_of
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
@@ -199,7 +199,7 @@ def test_fallen_spheres_are_called_spheres(stones, down, sentence, tiles, tmp_pa
 
 def test_bad_settings_are_reported(tmp_path):
     with Results.open(write_run(tmp_path / "result.h5", pillar(), pillar_states(2))) as results:
-        with pytest.raises(InputError, match="scale: must be positive"):
+        with refused_at("scale"):
             write_page(results, tmp_path / "report.html", scale=-1.0)
         with pytest.raises(InputError, match="cannot be written"):
             write_page(results, tmp_path / "nowhere" / "report.html")
@@ -207,12 +207,12 @@ def test_bad_settings_are_reported(tmp_path):
 
 def test_the_command_line_writes_the_page(block_on_plate, tmp_path):
     scene = block_on_plate(duration="duration = 0.05", report="[report]\nhtml = true")
-    assert CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out"), "-q"]).exit_code == 0
+    assert masonry_cd("run", scene, "-o", tmp_path / "out", "-q").exit_code == 0
     page = tmp_path / "out" / "report.html"
     text = page.read_text(encoding="utf-8")
     assert "html = true" in text and "per step" in text and not ADDRESS.search(text)
     page.unlink()
-    assert "report.html" in CliRunner().invoke(app, ["report", str(tmp_path / "out"), "--html", "--no-crack-map"]).stdout
+    assert "report.html" in masonry_cd("report", tmp_path / "out", "--html", "--no-crack-map").stdout
     assert page.exists()
 
 
@@ -396,12 +396,12 @@ def test_it_prints(page):
 
 @pytest.mark.skipif(bool(browsers.missing()), reason=browsers.missing())
 def test_the_command_line_prints_the_page(folder):
-    asked = CliRunner().invoke(app, ["report", str(folder), "--pdf", "--no-crack-map"])
+    asked = masonry_cd("report", folder, "--pdf", "--no-crack-map")
     assert "report.pdf" in asked.stdout, asked.stderr
     assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_printing_without_a_browser_is_reported(folder, monkeypatch):
     monkeypatch.setenv("PATH", "")
-    asked = CliRunner().invoke(app, ["report", str(folder), "--pdf", "--no-crack-map"])
+    asked = masonry_cd("report", folder, "--pdf", "--no-crack-map")
     assert asked.exit_code == 2 and "--pdf: no Chromium here" in asked.stderr

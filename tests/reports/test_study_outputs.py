@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import browser
 import numpy as np
 import pytest
+from hostile import refused_at
 from made_study import COLLAPSE, Made, rows_of, write_study_folder
 from pictures import pixels
 
@@ -245,7 +246,7 @@ def test_a_table_that_is_cut_and_a_folder_that_is_none(tmp_path: Path):
     folder = write_study_folder(tmp_path, Made(records=2))
     text = (folder / "runs.csv").read_text(encoding="utf-8")
     (folder / "runs.csv").write_text(text[: len(text) - 120], encoding="utf-8")
-    with pytest.raises(InputError, match=r"runs\.csv, line 11: \d+ cells, and 21 columns"):
+    with refused_at("runs.csv, line 11"):
         write_study(folder)
 
 
@@ -258,7 +259,7 @@ def test_joints_of_another_number_are_refused_and_of_another_shape_left_out(tmp_
     assert any("1 runs are left out, whose joints are not those of the first run" in line for line in found.warnings)
     assert {row["runs"] for row in table(folder / "joint_probabilities.csv")} == {"14"}
     np.savez(files[1], opening=three[:2], sliding=three[:2], lost=three[:2] > 1, shape=7)
-    with pytest.raises(InputError, match=r"npz: 2 joints, and reference/result\.h5 has 3"):
+    with refused_at("joints/00000001.npz"):
         write_study(folder)
     files[1].write_bytes(b"nothing")
     with pytest.raises(InputError, match="cannot be read"):

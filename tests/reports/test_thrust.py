@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hostile import refused_at
 from made_run import at_rest, box, shifted, turned, write_run
 from models import stepper
 from solids import build
@@ -15,7 +16,6 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.app.run_loop import Plan, run
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -148,7 +148,7 @@ def test_forces_too_small_to_see_and_supports_draw_nothing(tmp_path: Path) -> No
 
 
 def test_a_file_without_forces_is_reported(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"^thrust: this result does not hold the forces of its joints and where they act; run its scene"):
+    with refused_at("thrust"):
         drawn(tmp_path, at_rest(STACK), None)
 
 

@@ -7,12 +7,11 @@ import re
 
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from made_run import at_rest, box, shifted, turned, write_run
 from pictures import scene_of
-from typer.testing import CliRunner
 
 from masonry_cd.analysis.deformed import Solids
-from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
 from reports.drawing.figure import save_polygons
 from reports.drawing.palette import OPENING, SLIDING
@@ -144,10 +143,10 @@ def hue(colour: str) -> np.ndarray:
 
 def test_the_scene_and_the_command_line_ask_for_it(block_on_plate, tmp_path):
     scene = block_on_plate(duration="duration = 0.02", report="[report]\nvector = true")
-    assert CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out"), "-q"]).exit_code == 0
+    assert masonry_cd("run", scene, "-o", tmp_path / "out", "-q").exit_code == 0
     for name in VECTOR:
         (tmp_path / "out" / name).unlink()
-    asked = CliRunner().invoke(app, ["report", str(tmp_path / "out"), "--vector", "--no-crack-map"])
+    asked = masonry_cd("report", tmp_path / "out", "--vector", "--no-crack-map")
     assert asked.exit_code == 0 and all(name in asked.stdout for name in VECTOR)
     assert all((tmp_path / "out" / name).exists() for name in VECTOR)
     assert report_of({"report": {"vector": True}}).asks

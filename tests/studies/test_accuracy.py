@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
+from command_line import masonry_cd
 from pictures import main_colours
-from typer.testing import CliRunner
 
 from benchmarks import scenes as bench_scenes
 from benchmarks.ours import stepper
-from masonry_cd.cli.app import app
 from masonry_cd.io.problem_files import write_problem
 from masonry_cd.studies.accuracy.measurement import table as markdown
 from masonry_cd.studies.accuracy.scene_runs import Motion, SceneRow, motion_errors, run_rows
@@ -22,10 +21,6 @@ from masonry_cd.studies.accuracy.solver_rows import SolverRow, solver_rows, solv
 from reports.drawing.figure import COLOURS
 
 SLIDING = {"friction": "friction = 0.3", "amplitude": "amplitude = 0.6", "duration": "duration = 0.4", "dt": "dt = 4e-3"}
-
-
-def masonry_cd(*words: object):
-    return CliRunner().invoke(app, [str(word) for word in words])
 
 
 def table(path: Path) -> list[dict[str, str]]:
@@ -129,31 +124,6 @@ def test_a_scene_gets_table_and_picture(block_on_plate, tmp_path):
         ("0.001", "200", "True"), ("0.004", "50", "False"), ("0.002", "100", "False"),
     ]  # fmt: skip
     assert COLOURS[0] in main_colours(tmp_path / "out" / "accuracy.png"), "the curve of the tolerance"
-
-
-@pytest.mark.parametrize(
-    ("words", "key"),
-    [
-        (("--solvers", "admm,nlgz"), '--solvers: "nlgz"'),
-        (("--tolerances", "1e-4,x"), '--tolerances: "x"'),
-        (("--tolerances", "2"), "--tolerances: 2"),
-        (("--dts", "3e-3,2e-3"), "--dts: 0.002"),
-        (("--dts", "-1e-3"), "--dts: -0.001"),
-        (("--duration", "1e-4"), "duration 0.0001 s"),
-        (("--ensemble", 3), "--ensemble: 3"),
-        (("--ensemble", 4, "--repeats", 4), "--ensemble and --repeats"),
-        (("--workers", 2), "--workers"),
-        (("--ensemble", 4, "--solvers", "nlgz"), '--solvers: "nlgz"'),
-        (("--ensemble", 4, "--set", "run.dt=auto"), "run.dt"),
-        (("--ensemble", 4, "--dts", "0.05", "--duration", "0.01"), "duration"),
-    ],
-)
-def test_bad_options_are_one_line(block_on_plate, tmp_path, words, key):
-    result = masonry_cd("accuracy", block_on_plate(), "-o", tmp_path / "out", *words)
-    assert result.exit_code == 2
-    assert key in result.stderr
-    assert len(result.stderr.splitlines()) == 1
-    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("option", ["--duration", "--ensemble"])

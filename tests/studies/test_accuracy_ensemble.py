@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from block_files import cuboid
+from command_line import masonry_cd
 from places import EXAMPLES
 from studied import SCENE, row_names, write_scene
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.studies.accuracy.ensemble import (
     COLUMNS,
     MEASURES,
@@ -31,10 +31,6 @@ from masonry_cd.studies.accuracy.ensemble import (
     spreads_of,
 )
 from masonry_cd.studies.study.task import Task, run_task
-
-
-def masonry_cd(*words: object) -> Result:
-    return CliRunner().invoke(app, [str(word) for word in words])
 
 
 def members(values: np.ndarray, seconds: float) -> tuple[RunRow, ...]:

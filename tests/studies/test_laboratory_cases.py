@@ -8,12 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from command_line import masonry_cd
 
 import structures
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.io.summary import Summary
 from masonry_cd.limit.case import limit_case
 from masonry_cd.studies.laboratory import field_tests, granite_walls
@@ -30,10 +29,10 @@ def test_the_closed_form_of_the_bed() -> None:
 
 
 def test_the_command_lists_the_cases_and_refuses_others(tmp_path: Path) -> None:
-    listed = CliRunner().invoke(app, ["validate"])
+    listed = masonry_cd("validate")
     assert listed.exit_code == 0
     assert all(name in listed.output for name in CASES)
-    refused = CliRunner().invoke(app, ["validate", "bde", "-o", str(tmp_path / "out")])
+    refused = masonry_cd("validate", "bde", "-o", tmp_path / "out")
     assert refused.exit_code == 2
     assert 'did you mean "bed"' in refused.output
     assert not (tmp_path / "out").exists()
@@ -119,7 +118,7 @@ def test_every_case_is_repeated_by_the_validation() -> None:
 @pytest.mark.parametrize(("name", "share"), SHARES.items())
 def test_a_case_of_the_laboratory(name: str, share: float, tmp_path: Path) -> None:
     """Each number within a share of what was measured: the page says which are nearer, and why others are not."""
-    done = CliRunner().invoke(app, ["validate", name, "-o", str(tmp_path)])
+    done = masonry_cd("validate", name, "-o", tmp_path)
     print(done.output)
     assert done.exit_code == 0, done.output
     for row in json.loads((tmp_path / "table.json").read_text()):

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 from models import GRAVITY
 
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.limit_runs import LIMITS, limit_lines, write_limits
 from masonry_cd.studies.study.study_case import plan_of
 from masonry_cd.studies.study.task import Task, run_task
@@ -66,13 +65,3 @@ def test_a_failed_analysis_is_a_row_with_its_reason(tmp_path: Path) -> None:
     plan = plan_of(study_in(tmp_path, STUDY.replace('"limit.check.ag" = [1.0, 8.0]', '"limit.push" = ["w"]')))
     row = run_task(Task("a", plan.maker.tables(plan.runs[0].asked), 60.0, asks="limit")).row
     assert row.status == "failed" and "limit.push" in row.reason
-
-
-@pytest.mark.parametrize(("more", "words"), [
-    ('design = "ensemble"', "asks: limit analyses vary over"),
-    ('design = "grid"\n[limit_states]\nslid = {quantity = "max_sliding", above = 1e-3}', "limit_states: belongs to runs"),
-])  # fmt: skip
-def test_what_belongs_to_runs_is_refused(more: str, words: str, tmp_path: Path) -> None:
-    text = f'scene = "scene.toml"\nasks = "limit"\n{more}\n'
-    with pytest.raises(InputError, match=words):
-        plan_of(study_in(tmp_path, text))

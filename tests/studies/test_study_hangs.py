@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 import studied
+from command_line import masonry_cd
 from studied import GRID, rows_without_seconds, write_study
-from typer.testing import CliRunner
 
 from masonry_cd.analysis.run_row import RunRow
-from masonry_cd.cli.app import app
 from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, connected
 from masonry_cd.studies.study.engine import Engine
 from masonry_cd.studies.study.plan import Planned
@@ -78,7 +77,7 @@ def test_a_set_up_that_hangs_is_a_row_of_the_table(scheduler: str, tmp_path: Pat
 
     def made(*options: str) -> str:
         command = ["study", str(path), "-o", str(tmp_path / "out"), "--scheduler", scheduler, *options]
-        result = CliRunner().invoke(app, command)
+        result = masonry_cd(*command)
         assert result.exit_code == 0, result.output
         return result.output
 

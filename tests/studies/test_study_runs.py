@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import pytest
 import studied
+from command_line import masonry_cd
 from studied import GRID, LONG, PATIENCE, SCENE, row_names, rows_without_seconds, started, wait_until, write_scene, write_study
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from masonry_cd.analysis.run_row import RunRow
-from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
 from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, read_slurm, slurm_cluster
 from masonry_cd.studies.study.engine import ClusterLost, Engine
@@ -53,7 +53,7 @@ def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def invoke(path: Path, *options: str) -> Result:
     """The command on a study file, its results beside it."""
-    return CliRunner().invoke(app, ["study", str(path), "-o", str(path.parent / "out"), *options])
+    return masonry_cd("study", path, "-o", path.parent / "out", *options)
 
 
 # --- what a study leaves ------------------------------------------------------------------------------------------------------------
@@ -78,7 +78,7 @@ def test_the_table_has_a_row_of_each_run(study: Path) -> None:
 
 
 def test_the_numbers_are_those_of_a_run(study: Path, tmp_path: Path) -> None:
-    result = CliRunner().invoke(app, ["run", str(study.parent / "scene.toml"), "-o", str(tmp_path / "run")])
+    result = masonry_cd("run", study.parent / "scene.toml", "-o", tmp_path / "run")
     assert result.exit_code == 0, result.output
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     row = next(row for row in read_rows(study) if row["values"] == {"loads[0].amplitude": 0.4, "material.friction": 0.4})

@@ -12,10 +12,9 @@ from pathlib import Path
 
 import pytest
 import studied
+from command_line import masonry_cd
 from studied import GRID, rows_without_seconds, wait_until, write_study
-from typer.testing import CliRunner
 
-from masonry_cd.cli.app import app
 from masonry_cd.studies.study.clusters import ONE_THREAD
 
 
@@ -58,7 +57,7 @@ def test_a_scheduler_that_is_lost_ends_the_study_in_a_line_and_the_next_call_goe
         assert "Traceback" not in said
     before = studied.row_names(tmp_path / "out")
     assert 2 <= len(before) < 18
-    result = CliRunner().invoke(app, ["study", str(path), "-o", str(tmp_path / "out"), "--workers", "1"])
+    result = masonry_cd("study", path, "-o", tmp_path / "out", "--workers", "1")
     assert result.exit_code == 0, result.output
     assert f"18 runs, {18 - len(before)} of them to be made" in result.stderr
     assert {name: studied.row_names(tmp_path / "out")[name] for name in before} == before

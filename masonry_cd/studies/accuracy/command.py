@@ -95,7 +95,7 @@ def _check(asked: Asked) -> None:
             raise InputError("--workers", "is for --ensemble; times of single runs are taken one after the other")
         return
     if asked.repeats:
-        raise InputError("--ensemble and --repeats exclude each other", "leave one out")
+        raise InputError("--ensemble and --repeats", "they exclude each other; leave one out")
     if asked.ensemble < ensemble.LEAST:
         raise InputError("--ensemble", f"{asked.ensemble} members show no bias, however large; at least {ensemble.LEAST} do")
 

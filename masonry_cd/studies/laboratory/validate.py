@@ -28,7 +28,7 @@ def case_named(name: str) -> Case:
         InputError: there is none.
     """
     if name not in CASES:
-        raise InputError(f'"{name}" is no case{suggest(name, CASES)}; cases', f"{', '.join(CASES)}")
+        raise InputError(f'"{name}"', f"no such case{suggest(name, CASES)}; cases: {', '.join(CASES)}")
     return CASES[name]
 
 

@@ -162,7 +162,7 @@ class Plan:
             InputError: more than one place is asked for, or no worker.
         """
         if (workers is not None) + (scheduler is not None) + (slurm is not None) > 1:
-            raise InputError("workers, scheduler and slurm exclude each other", "give one of them")
+            raise InputError("workers, scheduler and slurm", "they exclude each other; give one of them")
         if workers is not None and workers < 1:
             raise InputError("workers", f"should be 1 or more, got {workers}")
         run = self._study.tables.run

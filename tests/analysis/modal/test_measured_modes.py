@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hostile import refusal
 from models import box, tower
-from refusals import refusal
 
 from masonry_cd.analysis.modal.measured_modes import fit_factor, mac, pair, read_measured
 from masonry_cd.analysis.modal.modes import Modes, modal

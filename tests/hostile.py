@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from masonry_cd.foundation.errors import InputError
 
@@ -42,3 +44,11 @@ def refusal(folder: Path, action: Callable[[], Any], longest: int = LONGEST) -> 
             assert len(line) < longest, line
         return "\n".join(lines)
     return None
+
+
+@contextmanager
+def refused_at(place: str) -> Iterator[pytest.ExceptionInfo[InputError]]:
+    """Expect an InputError whose first fault names a place: the path of a key, an option, the end of a file's path."""
+    with pytest.raises(InputError) as caught:
+        yield caught
+    assert caught.value.place.endswith(place), caught.value

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line in this process, and what it was refused for."""
+
+from __future__ import annotations
+
+import sys
+from unittest import mock
+
+from click.testing import Result
+from typer.testing import CliRunner
+
+from masonry_cd.cli.app import app
+from masonry_cd.foundation.errors import InputError
+
+
+def masonry_cd(*words: object) -> Result:
+    """What a command line comes to."""
+    typed = [str(word) for word in words]
+    with mock.patch.object(sys, "argv", ["masonry-cd", *typed]):
+        return CliRunner().invoke(app, typed)
+
+
+def refusal(result: Result) -> InputError:
+    """What a command was refused for, which it printed, alone, before it ended with exit code 2."""
+    error: BaseException | None = result.exception
+    while error is not None and not isinstance(error, InputError):
+        error = error.__context__
+    assert error is not None, result.output
+    assert result.exit_code == 2
+    assert result.stderr.endswith(f"masonry-cd: error: {error}\n")
+    return error

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The doors by which input comes in, for the tables of tests/refusals: each writes the files, and returns what tries them."""
+
+from __future__ import annotations
+
+import copy
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import made_run
+import numpy as np
+from block_files import write_plate_and_block, write_plate_scene
+from bridge_scenes import bridge
+from click.testing import Result
+from command_line import masonry_cd, refusal
+from models import box
+from places import ROOT
+from studied import write_records, write_study
+
+import loads
+import structures
+from loads.signal import measures
+from masonry_cd.app.scene import read_scene
+from masonry_cd.app.scene_text import assign, dump_toml
+from masonry_cd.foundation import own_files
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.studies.study.study_case import plan_of
+from structures import Made
+
+RAN = '[structure]\nkind = "file"\n[material]\ndensity = 2000.0\nfriction = 0.6\n[run]\ndt = 0.1\nduration = 0.2\n'
+Door = Callable[..., Callable[[], Any]]
+
+
+@cache
+def piers() -> Assembly:
+    """Three feet with a pier on each."""
+    blocks = [box(f"foot{i}", (x, 0, -1), (x + 1, 1, 0), fixed=True) for i, x in enumerate((0.0, 4.0, 10.0))]
+    return Assembly.from_blocks(blocks + [box(f"pier{i}", (x, 0, 0), (x + 1, 1, 2)) for i, x in enumerate((0.0, 4.0, 10.0))], 0.9)
+
+
+@cache
+def bridge_of(walls: bool = False) -> tuple[Made, Assembly]:
+    """A bridge, whose fill presses on its spandrel walls where it has such."""
+    return bridge(width=3.0, **({"walls": {}} if walls else {}))
+
+
+def changed(table: Mapping[str, Any], changes: Mapping[str, Any], dropped: Sequence[str] = ()) -> dict[str, Any]:
+    """A table some of whose keys, ``shocks[1].name`` for example, are others or gone."""
+    out = copy.deepcopy({key: value for key, value in table.items() if key not in dropped})
+    for key, value in changes.items():
+        assign(out, key, value)
+    return out
+
+
+def write_quake(folder: Path) -> None:
+    """quake.csv: a shock of 2 s."""
+    rows = "".join(f"{0.01 * k:.2f},{np.sin(np.pi * k / 200) ** 2 * np.sin(0.7 * k):.6g}\n" for k in range(201))
+    (folder / "quake.csv").write_text(f"time_s,a_m_s2\n{rows}")
+
+
+def load(folder: Path, group: Mapping[str, Any], changes: Mapping[str, Any], dropped: Sequence[str] = ()) -> Callable[[], Any]:
+    """Loads of 100 steps on three piers, or on a bridge: those of ``before`` and ``base``, changed, ``without`` a structure or gravity."""
+    write_quake(folder)
+    tables, without = [*group.get("before", ()), changed(group["base"], changes, dropped)], group.get("without")
+    made, assembly = bridge_of("walls" in group) if "on_bridge" in group else (None, piers())
+    gravity = (0.0, 0.0, 0.0 if without == "gravity" else -9.81)
+    fills = made.fills if made is not None and without != "fills" else ()
+    return lambda: loads.build(tables, 1e-3, 100, gravity, folder, None if without == "structure" else assembly, fills=fills)
+
+
+def measure(_: Path, __: Mapping[str, Any], text: str) -> Callable[[], Any]:
+    """The name of an intensity measure."""
+    return lambda: measures.parse(text, "intensity.measure")
+
+
+def scene(folder: Path, group: Mapping[str, Any], old: str, new: str) -> Callable[[], Any]:
+    """The text of a scene in which something stands instead of something else."""
+    assert group["base"].count(old) >= 1, old
+    (folder / "scene.toml").write_text(group["base"].replace(old, new, 1), encoding="utf-8")
+    return lambda: read_scene(folder / "scene.toml")
+
+
+def changes(folder: Path, group: Mapping[str, Any], *given: str) -> Callable[[], Any]:
+    """A scene that is changed as by --set."""
+    (folder / "scene.toml").write_text(group["base"], encoding="utf-8")
+    return lambda: read_scene(folder / "scene.toml", given)
+
+
+def structure(folder: Path, group: Mapping[str, Any], changes: Mapping[str, Any], dropped: Sequence[str] = ()) -> Callable[[], Any]:
+    """The table of a structure."""
+    return lambda: structures.build(changed(group["base"], changes, dropped), 2000.0, folder)
+
+
+def study(folder: Path, group: Mapping[str, Any], lines: Mapping[str, str]) -> Callable[[], Any]:
+    """A study of a block on a plate, by three motions if need be: some of its lines, by what they begin with, are others."""
+    write_records(folder)
+    path = write_study(folder, group["base"], **lines)
+    return lambda: plan_of(path)
+
+
+def command(
+    folder: Path, group: Mapping[str, Any], words: str | list[str] = "", changed_keys: Mapping[str, Any] | None = None
+) -> Callable[[], Any]:
+    """A command line: the words of the group and more of them, on the scene of a block on a plate or on ``base``, with other keys.
+
+    Beside the scene lie quake.csv, a file that is text, and the folder ``ran`` of a run of two blocks.
+    """
+    keys, base = dict(changed_keys or {}), group.get("base")
+    if base is None:
+        write_plate_scene(folder, **keys)
+    else:
+        write_plate_and_block(folder)
+        (folder / "scene.toml").write_text(base if isinstance(base, str) else dump_toml(changed(base, keys)), encoding="utf-8")
+    write_quake(folder)
+    (folder / "text").write_text("text")
+    own_files.begin(folder / "ran", ())
+    blocks = [made_run.box("base", (-1, -1, -1), (1, 1, 0), "base", fixed=True), made_run.box("stone", (-0.5, -0.5, 0), (0.5, 0.5, 1))]
+    made_run.write_run(folder / "ran" / "result.h5", blocks, [made_run.at_rest(blocks)] * 3, scene=RAN, ended=True)
+    own_files.note(folder / "ran" / "result.h5")
+    more = shlex.split(words) if isinstance(words, str) else words
+    typed = [word.replace("{}", str(folder)).replace("{root}", str(ROOT)) for word in [*shlex.split(group.get("command", "")), *more]]
+    return lambda: raised(masonry_cd(*typed))
+
+
+def raised(result: Result) -> None:
+    """Raise what a command was refused for."""
+    raise refusal(result)
+
+
+DOORS: dict[str, Door] = {
+    "load": load,
+    "measure": measure,
+    "scene": scene,
+    "set": changes,
+    "structure": structure,
+    "study": study,
+    "command": command,
+}
