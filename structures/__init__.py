@@ -50,50 +50,44 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
         folder: where the scene file lies; the path of a block file is relative to it.
 
     Raises:
-        InputError: an unknown kind, a key of that kind that is wrong, or blocks that are unsound.
+        InputError: an unknown kind; all keys that are wrong and what is wrong with the kind's structure; blocks that are unsound; then what
+            is wrong with floors, and with ties, the first fault of each.
     """
-    from masonry_cd.foundation.errors import InputError
+    from masonry_cd.foundation.errors import Faults, InputError
     from structures import size
-    from structures.faults import ANYTHING, Faults, Incomplete
+    from structures.floors import FloorTable, with_floors
     from structures.geometry.checks import check
-    from structures.tables import own_keys
+    from structures.tables import own_keys, rows_of
+    from structures.ties import TieRowTable, ties_of
 
     if "kind" not in table:
         raise InputError("structure.kind", f"missing; one of {', '.join(KINDS)}")
     kind = kind_of(str(table["kind"]), folder)
     faults = Faults()
-    with size.limited(table.get(size.KEY, size.MOST)):
-        try:
-            made = kind.build(own_keys(table), math.nan if density is None else density, folder)
-            if not kind.checks:
-                check(made[0] if isinstance(made, tuple) else made)
-        except Incomplete as failure:
-            if not table.keys() & {"floors", "ties"}:
-                raise
-            faults, made = failure.collected, [] if ANYTHING in failure.collected.left_out else failure.rest()
+    with size.limited(table.get(size.KEY, size.MOST)), faults.of():
+        made = kind.build(own_keys(table), math.nan if density is None else density, folder)
+        if not kind.checks:
+            check(made[0] if isinstance(made, tuple) else made)
+    floors = rows_of(FloorTable, table.get("floors", ()), "structure.floors", faults)
+    ties = rows_of(TieRowTable, table.get("ties", ()), "structure.ties", faults)
+    faults.refuse()
     fills = made.fills if isinstance(made, Made) else ()
     blocks, notes = made[:2] if isinstance(made, tuple) else (made, [])
     from structures.layout.ground import needs_ground, with_ground
 
-    if "ground" in table and not faults.found:
+    if "ground" in table:
         blocks = with_ground(blocks, table["ground"])
-    if "foundations" in table and not faults.found:
+    if "foundations" in table:
         from structures.layout.foundations import in_pieces
 
         with size.limited(table.get(size.KEY, size.MOST)):
             blocks = in_pieces(blocks, table["foundations"])
     bars = list(made.ties) if isinstance(made, Made) else []
-    if "floors" in table:
-        from structures.floors import with_floors
-
-        blocks, bars, more = with_floors(blocks, table["floors"], faults)
-        notes = [*notes, *more]
-    if "ties" in table:
-        from structures.ties import ties_of
-
-        own, more = ties_of(blocks, table["ties"], faults)
-        bars, notes = [*bars, *own], [*notes, *more]
-    faults.refuse()
+    if floors:
+        blocks, anchors, more = with_floors(blocks, floors)
+        bars, notes = [*bars, *anchors], [*notes, *more]
+    rods, more = ties_of(blocks, ties)
+    bars, notes = [*bars, *rods], [*notes, *more]
     if "ground" not in table and kind.grounded and needs_ground(blocks):  # last, since it bears nothing
         blocks = with_ground(blocks, True)
     return Made(blocks, notes, bars, fills)

@@ -21,7 +21,7 @@ Anchors are short ties from within the floor to the outer face of the wall, whic
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated
@@ -29,13 +29,12 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.errors import Faults, InputError, parse_table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 from masonry_cd.mechanics.model.polygon import clip, polygon_area
 from masonry_cd.mechanics.model.usual import DIAMETER, TIE_MODULUS, YIELDING
-from structures.faults import Faults
 from structures.geometry.checks import check
 from structures.geometry.compound_block import moved
 from structures.geometry.prism import between, box
@@ -146,52 +145,45 @@ class _Floor:
         return between(*(np.column_stack([plan, np.full(len(plan), z)]) for z in (bottom, top)))
 
 
-def with_floors(blocks: Sequence[Block], tables: object, faults: Faults) -> tuple[list[Block], list[Bar], list[str]]:
+def with_floors(blocks: Sequence[Block], tables: Sequence[FloorTable]) -> tuple[list[Block], list[Bar], list[str]]:
     """The blocks of a structure with its floors and the seats cut for them, the anchors, and a line on each floor.
 
     Args:
         blocks: sound ones.
-        tables: the value of ``structure.floors``.
-        faults: of the structure; to which are added a key that is wrong, no wall where a floor is to bear, a seat deeper than its wall,
-            slivers beside a seat.
+        tables: of ``structure.floors``.
 
     Raises:
-        InputError: the value is no list of tables.
+        InputError: no wall where a floor is to bear, a seat deeper than its wall, slivers beside a seat: the first fault of each floor.
     """
-    if not isinstance(tables, (list, tuple)) or not all(isinstance(table, Mapping) for table in tables):
-        raise InputError(f"structure.{KEY}", f"every floor is a table of its own, headed [[structure.{KEY}]]")
-    made, floors = list(blocks), list[_Floor]()
-    for i, table in enumerate(tables):
-        where = f"structure.{KEY}[{i}]"
-        with faults.of("", str(table.get("name") or f"floor{i + 1}")):
-            keys = parse_table(FloorTable, table, where)
-            floor = _placed(made, keys, where, keys.name or f"floor{i + 1}", faults)
+    faults, made, floors = Faults(), list(blocks), list[_Floor]()
+    for i, keys in enumerate(tables):
+        with faults.of():
+            floor = _placed(made, keys, f"structure.{KEY}[{i}]", keys.name or f"floor{i + 1}")
             made = [*_with_seats(made, floor), *floor.blocks]
             floors.append(floor)
-    if not faults.found:
-        check(made)
+    faults.refuse()
+    check(made)
     solids, bars = Solids.of(made), list[Bar]()
     for floor in floors:
         with faults.of():
             bars += _anchored(solids, floor)
+    faults.refuse()
     return made, bars, [_note(floor, bars) for floor in floors]
 
 
-def _placed(blocks: Sequence[Block], keys: FloorTable, where: str, name: str, faults: Faults) -> _Floor:
+def _placed(blocks: Sequence[Block], keys: FloorTable, where: str, name: str) -> _Floor:
     """A floor in the room about its point.
 
     Raises:
         InputError: there is none, or no wall in which it can have its seats.
-        Absent: one of its walls is left out.
     """
     if any(name in (block.name, block.group) for block in blocks):
         raise InputError(f"{where}.name", f'"{name}" is the name of other blocks')
     bottom, top = keys.height - keys.thickness, keys.height
     solids = Solids.of(blocks)
     if keys.anchors is not None and keys.anchors.walls is not None:
-        with faults.of():
-            solids.any_of(keys.anchors.walls, f"{where}.anchors.walls", faults)
-    named = solids.any_of(keys.walls, f"{where}.walls", faults)
+        solids.any_of(keys.anchors.walls, f"{where}.anchors.walls")
+    named = solids.any_of(keys.walls, f"{where}.walls")
     plans = Plans.between(blocks, bottom, top)
     if not named[plans.owner].any():  # it lies on the walls
         plans = Plans.between(blocks, bottom - 0.5 * keys.thickness, bottom)

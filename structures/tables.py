@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import Field
 
+from masonry_cd.foundation.errors import Faults, parse_table
 from masonry_cd.foundation.table_schema import rows
 from structures.floors import FloorTable
 from structures.layout.foundations import FoundationsTable
@@ -15,6 +16,8 @@ from structures.layout.ground import HEIGHT
 from structures.schema import Table
 from structures.size import MOST
 from structures.ties import TieRowTable
+
+Row = TypeVar("Row", bound=Table)
 
 
 class CommonTable(Table):
@@ -36,3 +39,15 @@ class CommonTable(Table):
 def own_keys(table: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of a table [structure] that are its kind's own."""
     return {key: value for key, value in table.items() if key != "kind" and key not in CommonTable.model_fields}
+
+
+def rows_of(model: type[Row], tables: object, where: str, faults: Faults) -> list[Row]:
+    """The tables of a list, read; keys that are wrong are added to the faults."""
+    found = list[Row]()
+    if not isinstance(tables, (list, tuple)) or not all(isinstance(table, Mapping) for table in tables):
+        faults.add(where, f"each is a table of its own, headed [[{where}]]")
+        return found
+    for i, table in enumerate(tables):
+        with faults.of():
+            found.append(parse_table(model, table, f"{where}[{i}]"))
+    return found

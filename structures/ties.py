@@ -28,13 +28,12 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.errors import Faults, InputError, of_each, suggest
 from masonry_cd.foundation.fields import check_tension
 from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import loop_planes
 from masonry_cd.mechanics.model.usual import DIAMETER, LENGTHS, TENSION, TIE_MODULUS, YIELDING
-from structures.faults import Absent, Faults
 from structures.schema import HIGH, Area, Length, Place, Table
 
 KEY = "ties"
@@ -137,30 +136,29 @@ class Anchor(NamedTuple):
     share: float  # of the pull
 
 
-def ties_of(blocks: Sequence[Block], tables: object, faults: Faults) -> tuple[list[Bar], list[str]]:
+def ties_of(blocks: Sequence[Block], tables: Sequence[TieRowTable]) -> tuple[list[Bar], list[str]]:
     """The bars of all ties of a structure, and a line on each table.
 
     Args:
         blocks: of the structure.
-        tables: the value of ``structure.ties``.
-        faults: of the structure; to which are added a key that is wrong, or an end that lies in no block.
+        tables: of ``structure.ties``.
 
     Raises:
-        InputError: the value is no list of tables.
+        InputError: parts that no block has, an end that lies in no block: the first fault of each table.
     """
-    if not isinstance(tables, (list, tuple)) or not all(isinstance(table, Mapping) for table in tables):
-        raise InputError(f"structure.{KEY}", f"every tie is a table of its own, headed [[structure.{KEY}]]")
-    solids, bars, notes = Solids.of(blocks), list[Bar](), list[str]()
-    for i, table in enumerate(tables):
+    if not tables:
+        return [], []
+    faults, solids, bars, notes = Faults(), Solids.of(blocks), list[Bar](), list[str]()
+    for i, keys in enumerate(tables):
         where = f"structure.{KEY}[{i}]"
         with faults.of():
-            keys = parse_table(TieRowTable, table, where)
-            solids.any_of(keys.parts or (), f"{where}.parts", faults)
+            solids.any_of(keys.parts or (), f"{where}.parts")
             made = list(_row(solids, keys, where, keys.name or f"tie{i + 1}"))
             if {bar.keys["name"] for bar in bars} & {bar.keys["name"] for bar in made}:
                 raise InputError(f"{where}.name", f'"{keys.name}" is the name of other ties')
             bars += made
             notes.append(_note(keys, keys.name or f"tie{i + 1}", made))
+    faults.refuse()
     return bars, notes
 
 
@@ -198,23 +196,13 @@ class Solids:
                 found.append((float(enters), float(leaves), int(self.owner[p])))
         return found
 
-    def any_of(self, names: Sequence[str], where: str, faults: Faults) -> np.ndarray:
+    def any_of(self, names: Sequence[str], where: str) -> np.ndarray:
         """(B,) the blocks of any of some names, groups or patterns. ``where`` is the key that names them.
 
         Raises:
-            InputError: a name that no block has.
-            Absent: one of what is left out; without names, of what bears.
+            InputError: all names that no block has.
         """
-        found, unknown = np.zeros(len(self.blocks), dtype=bool), Faults(left_out=faults.left_out)
-        for name in names:
-            try:
-                found |= self.members(name, where)
-            except InputError as error:
-                unknown.found += () if faults.lacks(name) else error.faults
-        unknown.refuse()
-        if faults.lacks(*names):
-            raise Absent(f"{where}: not all of it is there", *names)
-        return found
+        return np.any([np.zeros(len(self.blocks), dtype=bool), *of_each(lambda name: self.members(name, where), names)], axis=0)
 
     def members(self, name: str | None, where: str) -> np.ndarray:
         """(B,) the blocks of a name, a group or a pattern; all without one. ``where`` is the key that names them."""

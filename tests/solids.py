@@ -24,8 +24,8 @@ def build(kind: str, **keys: object) -> list[Block]:
 
 def holes_of(wall: wall_plan.Wall, sizes: wall_plan.Sizes) -> list[np.ndarray]:
     """The polygons s, z of the openings of a wall."""
+    from masonry_cd.foundation.errors import Faults
     from structures.building import square_plan
-    from structures.faults import Faults
     from structures.geometry import polygons
 
     faults = Faults()

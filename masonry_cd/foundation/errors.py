@@ -108,12 +108,12 @@ class Faults:
         self.found.append(Fault(str(place), text))
 
     @contextmanager
-    def of(self, place: object = "") -> Iterator[None]:
-        """Collect what is wrong in the body, reported at ``place`` unless that is empty."""
+    def of(self, place: object = "", name: object = "") -> Iterator[None]:
+        """Collect what is wrong in the body, reported of the thing of a name at ``place``, each of them unless it is empty."""
         try:
             yield
         except InputError as error:
-            self.found += error.under(place).faults
+            self.found += error.under(name).under(place).faults
 
     def refuse(self) -> None:
         """Raise all faults as one error, where there are any.

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from masonry_cd.foundation.errors import Fault, InputError
+from masonry_cd.foundation.errors import Faults, InputError
 from structures.bridge.profile import Profile, profile_of, rise_of, voussoirs_of
 from structures.bridge.table import BridgeTable, SpanTable, SupportTable
 
@@ -86,15 +86,18 @@ def layout_of(keys: BridgeTable) -> Layout:
     Raises:
         InputError: all measures that do not fit together, a line each.
     """
-    of_spans = [_of_span(span, f"structure.spans[{i}]") for i, span in enumerate(keys.spans)]
-    faults = [*(line for lines in of_spans for line in lines), *_of_counts(keys), *_overlaps(keys.spans, _lefts(keys))]
-    if faults:
-        sound = [(i, profile_of(keys.spans[i], 0.0)) for i, lines in enumerate(of_spans) if not lines and keys.deck is not None]
-        raise InputError.of(faults + _below(keys, keys.deck or 0.0, sound) + _of_walls(keys))
-    made = laid_out(keys)
-    faults = [*_of_seats(made), *_of_deck(made), *_of_walls(keys)]
-    if faults:
-        raise InputError.of(faults)
+    faults = Faults()
+    sound = [i for i, span in enumerate(keys.spans) if _is_sound(span, f"structure.spans[{i}]", faults)]
+    _check_counts(keys, faults)
+    _check_overlaps(keys.spans, _lefts(keys), faults)
+    if not faults.found:
+        made = laid_out(keys)
+        _check_seats(made, faults)
+        _check_deck(made, faults)
+    elif keys.deck is not None:
+        _check_below(keys, keys.deck, [(i, profile_of(keys.spans[i], 0.0)) for i in sound], faults)
+    _check_walls(keys, faults)
+    faults.refuse()
     return made
 
 
@@ -104,49 +107,46 @@ def laid_out(keys: BridgeTable) -> Layout:
     return Layout(keys, tuple(profiles), tuple(_supports(keys, profiles)), _deck(keys, profiles))
 
 
-def _of_span(span: SpanTable, where: str) -> list[Fault]:
-    """What is wrong with one span."""
-    half, rise, found = 0.5 * span.span, span.rise, list[Fault]()
-    named = f"of a {span.shape} span" if span.shape != "elliptical" else "of an elliptical span"
+def _is_sound(span: SpanTable, where: str, faults: Faults) -> bool:
+    """Whether nothing is wrong with one span; adds what is to the faults."""
+    half, rise, before = 0.5 * span.span, span.rise, len(faults.found)
+    named = f"of {'an' if span.shape == 'elliptical' else 'a'} {span.shape} span"
     if rise is None and span.shape in ("segmental", "elliptical"):
-        found.append(Fault(f"{where}.rise", f"missing; a {span.shape} span is given by its span and its rise"))
+        faults.add(f"{where}.rise", f"missing; a {span.shape} span is given by its span and its rise")
     if rise is not None and span.shape in ("segmental", "elliptical") and rise > half * (1.0 + SAME):
-        found.append(Fault(f"{where}.rise", f"{named} must be at most half the span, {half:g} m, got {rise:g}; a pointed one rises more"))
+        faults.add(f"{where}.rise", f"{named} must be at most half the span, {half:g} m, got {rise:g}; a pointed one rises more")
     if rise is not None and span.shape == "semicircular" and abs(rise - half) > 1e-6 * half:
-        found.append(Fault(f"{where}.rise", f"{named} is half the span, {half:g} m, got {rise:g}; leave it out, or make it segmental"))
+        faults.add(f"{where}.rise", f"{named} is half the span, {half:g} m, got {rise:g}; leave it out, or make it segmental")
     if span.shape == "pointed" and (rise is None or rise <= half):
-        found.append(
-            Fault(f"{where}.rise", f"{named} must exceed half the span, {half:g} m, got {'none' if rise is None else f'{rise:g}'}")
-        )
+        faults.add(f"{where}.rise", f"{named} must exceed half the span, {half:g} m, got {'none' if rise is None else f'{rise:g}'}")
     thickest = max(span.thickness, span.thickness_springing or 0.0)
     if thickest >= half:
-        found.append(Fault(f"{where}.thickness", f"must be below half the span, {half:g} m, got {thickest:g}"))
+        faults.add(f"{where}.thickness", f"must be below half the span, {half:g} m, got {thickest:g}")
     if rise is not None and rise < 0.02 * span.span:
-        found.append(Fault(f"{where}.rise", f"must be at least a fiftieth of the span, {0.02 * span.span:g} m, got {rise:g}"))
+        faults.add(f"{where}.rise", f"must be at least a fiftieth of the span, {0.02 * span.span:g} m, got {rise:g}")
     if span.shape == "pointed" and span.voussoirs is not None and span.voussoirs % 2:
-        found.append(Fault(f"{where}.voussoirs", f"{named} must be even, it has a joint at its apex; got {span.voussoirs}"))
-    if not found and rise_of(span) and voussoirs_of(span) * span.rings > 8000:
-        found.append(Fault(f"{where}.rings", f"{span.rings} of {voussoirs_of(span)} voussoirs are too many"))
-    try:
-        if not found:
+        faults.add(f"{where}.voussoirs", f"{named} must be even, it has a joint at its apex; got {span.voussoirs}")
+    if len(faults.found) == before and rise_of(span) and voussoirs_of(span) * span.rings > 8000:
+        faults.add(f"{where}.rings", f"{span.rings} of {voussoirs_of(span)} voussoirs are too many")
+    if len(faults.found) == before:
+        try:
             profile_of(span, 0.0)
-    except InputError as error:
-        found += [fault._replace(place=fault.place.replace("structure", where, 1)) for fault in error.faults]
-    return found
+        except InputError as error:
+            faults.found += [fault._replace(place=fault.place.replace("structure", where, 1)) for fault in error.faults]
+    return len(faults.found) == before
 
 
-def _of_counts(keys: BridgeTable) -> list[Fault]:
+def _check_counts(keys: BridgeTable, faults: Faults) -> None:
     """Supports that are too few or too many, and two ways to say one thing."""
-    between, found = len(keys.spans) - 1, list[Fault]()
+    between = len(keys.spans) - 1
     if len(keys.piers) not in ({0, 1} if between == 0 else {1, between}):
         wanted = f"one for all, or one between each two of {len(keys.spans)} spans, {between}"
-        found.append(Fault("structure.piers", f"{wanted}; got {len(keys.piers)}"))
+        faults.add("structure.piers", f"{wanted}; got {len(keys.piers)}")
     if keys.cover is not None and keys.deck is not None:
-        found.append(Fault("structure.deck", "give the level of the road or the cover over the highest crown, not both"))
+        faults.add("structure.deck", "give the level of the road or the cover over the highest crown, not both")
     gone, active = keys.fill.gone_at, keys.fill.active_at
     if gone is not None and gone <= active:
-        found.append(Fault("structure.fill.gone_at", f"must exceed active_at, {active:g}, got {gone:g}"))
-    return found
+        faults.add("structure.fill.gone_at", f"must exceed active_at, {active:g}, got {gone:g}")
 
 
 def _pier(keys: BridgeTable, number: int) -> SupportTable:
@@ -164,20 +164,13 @@ def _lefts(keys: BridgeTable) -> list[float]:
     return lefts
 
 
-def _overlaps(spans: Sequence[SpanTable], lefts: Sequence[float]) -> list[Fault]:
+def _check_overlaps(spans: Sequence[SpanTable], lefts: Sequence[float], faults: Faults) -> None:
     """Spans that begin where others have not ended."""
-    found = list[Fault]()
     for i in range(1, len(spans)):
         end = max(lefts[j] + spans[j].span for j in range(i))
         if lefts[i] < end + SAME:
-            found.append(
-                Fault(
-                    f"structure.spans[{i}].start",
-                    f"span {i + 1} begins at x = {lefts[i]:g} m, where a span before it reaches to x = {end:g} m: "
-                    "they overlap, or leave no pier",
-                )
-            )
-    return found
+            at = f"x = {lefts[i]:g} m, where a span before it reaches to x = {end:g} m"
+            faults.add(f"structure.spans[{i}].start", f"span {i + 1} begins at {at}: they overlap, or leave no pier")
 
 
 def _supports(keys: BridgeTable, profiles: Sequence[Profile]) -> list[Support]:
@@ -198,71 +191,51 @@ def _deck(keys: BridgeTable, profiles: Sequence[Profile]) -> float:
     return highest + (COVER if keys.cover is None else keys.cover) if keys.deck is None else keys.deck
 
 
-def _of_seats(made: Layout) -> list[Fault]:
+def _check_seats(made: Layout, faults: Faults) -> None:
     """Supports that are too narrow for what stands on them, or too low for the step between two springings."""
-    found = list[Fault]()
     for i, support in enumerate(made.supports):
         first, last = support.seats
-        if first[0] > last[0] + SAME or (support.split in (support.left, support.right) and last[0] - first[0] < SAME):
+        pier = support.before is not None and support.after is not None
+        if first[0] > last[0] + SAME or (not pier and last[0] - first[0] < SAME):
             least = support.right - support.left + float(first[0] - last[0])
-            where = (
-                f"structure.piers[{0 if len(made.keys.piers) == 1 else i - 1}]"
-                if support.before and support.after
-                else "structure.abutments"
-            )
-            found.append(
-                Fault(
-                    f"{where}.width",
-                    f"{support.name}, from x = {support.left:g} to {support.right:g} m, must be wider than {least:.4g} m for "
-                    "the springings that it bears",
-                )
-            )
+            where = f"structure.piers[{0 if len(made.keys.piers) == 1 else i - 1}]" if pier else "structure.abutments"
+            at = f"{support.name}, from x = {support.left:g} to {support.right:g} m"
+            faults.add(f"{where}.width", f"{at}, must be wider than {least:.4g} m for the springings that it bears")
         if support.before and support.after:
             step = abs(float(support.before.intrados[-1, 1] - support.after.intrados[0, 1]))
             if step > SAME and step > support.keys.height * 10.0:
-                found.append(
-                    Fault(f"structure.spans[{i}].springing", f"{step:g} m from that of the span before it, more than {support.name} bears")
-                )
-    return found
+                faults.add(f"structure.spans[{i}].springing", f"{step:g} m from that of the span before it, more than {support.name} bears")
 
 
-def _of_deck(made: Layout) -> list[Fault]:
+def _check_deck(made: Layout, faults: Faults) -> None:
     """A road below an extrados, or below where one springs."""
-    found = _below(made.keys, made.deck, list(enumerate(made.profiles)))
+    before = len(faults.found)
+    _check_below(made.keys, made.deck, list(enumerate(made.profiles)), faults)
     highest = max(float(end[1]) for support in made.supports for end in support.seats)
-    if not found and made.deck <= highest:
+    if len(faults.found) == before and made.deck <= highest:
         key = "cover" if made.keys.deck is None else "deck"
-        found.append(Fault(f"structure.{key}", f"the fill ends at {made.deck:g} m, below the springings at {highest:.4g} m"))
-    return found
+        faults.add(f"structure.{key}", f"the fill ends at {made.deck:g} m, below the springings at {highest:.4g} m")
 
 
-def _below(keys: BridgeTable, deck: float, profiles: Sequence[tuple[int, Profile]]) -> list[Fault]:
+def _check_below(keys: BridgeTable, deck: float, profiles: Sequence[tuple[int, Profile]], faults: Faults) -> None:
     """A road below the extrados of spans, by their numbers."""
-    key, lefts, found = "cover" if keys.deck is None else "deck", _lefts(keys), list[Fault]()
+    key, lefts = "cover" if keys.deck is None else "deck", _lefts(keys)
     for i, profile in profiles:
         if deck < profile.crown + LEAST_COVER:
             highest = float(profile.extrados[int(np.argmax(profile.extrados[:, 1])), 0])
             place = lefts[i] + highest - float(profile.intrados[0, 0])
-            found.append(
-                Fault(
-                    f"structure.{key}",
-                    f"the fill ends at {deck:g} m, which must be {LEAST_COVER:g} m or more above the extrados "
-                    f"of span {i + 1}, {profile.crown:.4g} m at x = {place:.4g} m",
-                )
-            )
-    return found
+            above = f"{LEAST_COVER:g} m or more above the extrados of span {i + 1}, {profile.crown:.4g} m at x = {place:.4g} m"
+            faults.add(f"structure.{key}", f"the fill ends at {deck:g} m, which must be {above}")
 
 
-def _of_walls(keys: BridgeTable) -> list[Fault]:
+def _check_walls(keys: BridgeTable, faults: Faults) -> None:
     """Walls that leave no road between them."""
     walls = keys.walls
     if walls is None:
-        return []
-    found = list[Fault]()
+        return
     if 2.0 * walls.thickness >= keys.width:
-        found.append(Fault("structure.walls.thickness", f"two of {walls.thickness:g} m leave no road on a width of {keys.width:g} m"))
+        faults.add("structure.walls.thickness", f"two of {walls.thickness:g} m leave no road on a width of {keys.width:g} m")
     if walls.parapet_thickness is not None and walls.parapet_height is None:
-        found.append(Fault("structure.walls.parapet_height", "missing; it makes the parapets whose thickness is given"))
+        faults.add("structure.walls.parapet_height", "missing; it makes the parapets whose thickness is given")
     if walls.parapet_thickness is not None and walls.parapet_thickness > walls.thickness:
-        found.append(Fault("structure.walls.parapet_thickness", f"must be at most that of the walls, {walls.thickness:g} m"))
-    return found
+        faults.add("structure.walls.parapet_thickness", f"must be at most that of the walls, {walls.thickness:g} m")

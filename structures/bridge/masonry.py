@@ -11,6 +11,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import FillFace
 from masonry_cd.mechanics.model.geometry import Faces
 from structures.bridge.layout import SAME, Layout, Support
+from structures.courser.bond import even
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import prism_xz, rectangle
 
@@ -53,11 +54,7 @@ def arches(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]
 def _cuts(layout: Layout, row: int) -> list[float]:
     """Where a row of voussoirs is cut across the width, in running bond [m]."""
     half, strips = 0.5 * layout.keys.width, layout.keys.strips
-    if strips == 1:
-        return [-half, half]
-    shift = 0.5 * (row % 2)
-    inner = [half * (2.0 * (i + shift) / strips - 1.0) for i in range(0 if shift else 1, strips)]
-    return [-half, *inner, half]
+    return [-half, *even(-half, half, strips, odd=row % 2 == 1 and strips > 1), half]
 
 
 def supports(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]:

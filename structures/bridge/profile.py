@@ -15,7 +15,7 @@ import numpy as np
 
 from masonry_cd.foundation import libm
 from structures.bridge.table import SpanTable
-from structures.layout.arch_profiles import RingTable, joints_of, mirrored
+from structures.courser.arch_profiles import RingTable, joints_of, mirrored
 
 FINE = 2000  # pieces into which half an ellipse is cut to measure its length
 LEAST_CHORD = 0.2  # of a voussoir by default [m]

@@ -23,6 +23,7 @@ import numpy as np
 
 from structures.bridge.layout import SAME, Layout, Support
 from structures.bridge.masonry import top_of
+from structures.courser.bond import running
 
 STEP = 0.5  # courses: least height of a stone that levels a chord
 TALL = 1.5  # courses: a steep chord of more than that is cut by beds
@@ -200,8 +201,6 @@ def _merged(rows: Sequence[Course]) -> list[Course]:
 def cut(row: Course, unit: float, number: int, start: float) -> list[np.ndarray]:
     """A course cut by head joints in running bond, counted from a place."""
     anchor = start + 0.5 * unit * (number % 2)
-    low, high = max(row.left) + LEAST_HEAD * unit, min(row.right) - LEAST_HEAD * unit
-    first, last = math.ceil((low - anchor) / unit - 1e-9), math.floor((high - anchor) / unit + 1e-9)
-    heads = [anchor + i * unit for i in range(first, last + 1)]
+    heads = running(max(row.left) + LEAST_HEAD * unit, min(row.right) - LEAST_HEAD * unit, unit, anchor)
     ends = [row.left, *((x, x) for x in heads), row.right]
     return [Course(row.low, row.high, a, b).polygon for a, b in pairwise(ends)]

@@ -29,6 +29,7 @@ import numpy as np
 from structures.bridge.layout import Layout, laid_out
 from structures.bridge.profile import profile_of, voussoirs_of
 from structures.bridge.table import BridgeTable
+from structures.courser.bond import even, running
 from structures.geometry.solid import Segment
 
 LEAST_BED = 0.5  # between a bed and the ring below it, in courses
@@ -305,8 +306,7 @@ def _heads(tier: Tier, pier: int, course: int) -> list[float]:
     ends = {0: tier.left[0], tier.spans: tier.right[-1]}
     anchor = ends.get(pier, 0.5 * (tier.left[pier] + tier.right[pier])) + 0.5 * tier.unit * (course % 2)
     margin = LEAST_UNIT * tier.unit
-    first, last = math.ceil((start + margin - anchor) / tier.unit), math.floor((end - margin - anchor) / tier.unit)
-    heads = [float(anchor + i * tier.unit) for i in range(first, last + 1)]
+    heads = running(start + margin, end - margin, tier.unit, float(anchor))
     below = [x for axis in tier.axes for x, _, stop in _risers(tier, float(axis)) if stop == low]
     return _cleared(heads, below, LEAST_BOND * tier.unit)
 
@@ -342,8 +342,7 @@ def _bond_over_crowns(tier: Tier, above: Sequence[float]) -> list[Segment]:
     beds, last = tier.beds[tier.first_complete :], len(tier.beds) - 2
     for course, (bottom, top) in enumerate(pairwise(beds)):
         found.append(_level(low, high, tier.springing + bottom))
-        shift = 0.5 * (course % 2)
-        heads = [low + (high - low) * (i + shift) / count for i in range(0 if shift else 1, count)]
+        heads = even(low, high, count, odd=course % 2 == 1)
         taken = list(above) if tier.first_complete + course == last else []
         if course == 0:
             taken += [x for axis in tier.axes for x, _, stop in _risers(tier, float(axis)) if stop == bottom]

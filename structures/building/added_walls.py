@@ -11,27 +11,29 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.foundation.errors import Faults, InputError
 from structures.building.axes import Leg, place
 from structures.building.columns import Row
 from structures.building.table import ArcadeTable, BuildingTable, BuildingWallTable, ButtressTable
-from structures.faults import Absent, Faults
 from structures.geometry.polygons import without_straight
 
 BUTTRESSES = "buttresses"  # their group
 RING = 0.38  # of a column: most that the ring of an arch takes of what two of them spring from
 
 
-def added(table: BuildingTable, legs: Sequence[Leg], rows: Sequence[Row], faults: Faults) -> list[BuildingWallTable]:
-    """The walls of all arcades and buttresses, beside the legs of the others; what is wrong is added to the faults."""
-    found = list[BuildingWallTable]()
+def added(table: BuildingTable, legs: Sequence[Leg], rows: Sequence[Row], faults: Faults) -> dict[str, list[BuildingWallTable]]:
+    """The walls of all arcades and buttresses by their keys, beside the legs of other walls; what is wrong is added to the faults."""
+    found = dict[str, list[BuildingWallTable]]()
     for k, arcade in enumerate(table.arcades):
         name = arcade.name or f"arcade{k + 1}"
-        with faults.of(f"arcade {name}", name, arcade.group or name, bears=True):
-            found += _arcade(arcade, name, _row(arcade.columns, rows), table, legs)
+        where = f"structure.arcades[{k}]"
+        with faults.of(where, f"arcade {name}"):
+            found[where] = _arcade(arcade, name, _row(arcade.columns, rows), table, legs)
     for k, buttress in enumerate(table.buttresses):
         name = buttress.name or f"buttress{k + 1}"
-        with faults.of(f"buttress {name}", name, BUTTRESSES, bears=True):
-            found.append(_buttress(buttress, name, legs))
+        where = f"structure.buttresses[{k}]"
+        with faults.of(where, f"buttress {name}"):
+            found[where] = [_buttress(buttress, name, legs)]
     return found
 
 
@@ -39,13 +41,13 @@ def _row(name: str, rows: Sequence[Row]) -> Row:
     """The row of columns of a name.
 
     Raises:
-        ValueError: there is none, or it is a single column.
+        InputError: there is none, or it is a single column.
     """
     row = next((row for row in rows if row.name == name), None)
     if row is None:
-        raise Absent(f'columns "{name}": there are no columns of this name', name)
+        raise InputError("", f'columns "{name}": there are no columns of this name')
     if len(row.places) < 2:
-        raise ValueError(f'columns "{name}": they are one column, an arcade needs a row of two or more')
+        raise InputError("", f'columns "{name}": they are one column, an arcade needs a row of two or more')
     return row
 
 
@@ -61,7 +63,7 @@ def _arcade(keys: ArcadeTable, name: str, row: Row, table: BuildingTable, legs: 
     """The wall over a row of columns, and the responds against the walls at its ends, from which its outer arches spring.
 
     Raises:
-        ValueError: no wall at one of its ends.
+        InputError: no wall at one of its ends.
     """
     size, base = row.keys.size, row.keys.base + row.keys.height
     columns = [Support(place, 0.5 * size) for place in row.places]
@@ -93,7 +95,7 @@ def _half_wall(legs: Sequence[Leg], point: np.ndarray) -> float:
     """Half the thickness of the wall that a point lies in [m].
 
     Raises:
-        ValueError: there is none.
+        InputError: there is none.
     """
     for leg in legs:
         half = 0.5 * leg.thickness
@@ -101,7 +103,7 @@ def _half_wall(legs: Sequence[Leg], point: np.ndarray) -> float:
             s, n = facet.local(point)
             if abs(n) <= half + 1e-6 and -half <= s <= facet.length + half:
                 return half
-    raise Absent(f"there is no wall at its end, {place(point)}")
+    raise InputError("", f"there is no wall at its end, {place(point)}")
 
 
 def _beyond(start: np.ndarray, end: np.ndarray, by: float) -> np.ndarray:
@@ -116,7 +118,7 @@ def _arches(keys: ArcadeTable, supports: Sequence[Support], size: float, table: 
         bay = math.dist(a.place, b.place)
         width = bay - a.half - b.half
         if width < size:
-            raise ValueError(f"its arch {k + 1} would be {width:.3g} m wide, less than a column")
+            raise InputError("", f"its arch {k + 1} would be {width:.3g} m wide, less than a column")
         rise = {"round": 0.5 * width, "segmental": keys.rise or width / 6.0, "pointed": keys.rise or 0.5 * math.sqrt(3.0) * width}[
             keys.shape
         ]
@@ -137,17 +139,17 @@ def _buttress(keys: ButtressTable, name: str, legs: Sequence[Leg]) -> BuildingWa
     """The wall that a buttress is.
 
     Raises:
-        ValueError: no such wall, a place beyond it, or a slope that is more than its height.
+        InputError: no such wall, a place beyond it, or a slope that is more than its height.
     """
     own = [leg for leg in legs if leg.keys.name == keys.wall]
     if not own:
-        raise Absent(f'there is no wall "{keys.wall}"', keys.wall)
+        raise InputError("", f'there is no wall "{keys.wall}"')
     if keys.slope >= keys.height:
-        raise ValueError(f"its slope must be less than its height, {keys.height:g} m, got {keys.slope:g}")
+        raise InputError("", f"its slope must be less than its height, {keys.height:g} m, got {keys.slope:g}")
     wall = own[0].keys
     facet = next((facet for leg in own for facet in leg.facets if facet.span[0] <= keys.at <= facet.span[1]), None)
     if facet is None:
-        raise ValueError(f"at {keys.at:g} m it is beyond wall {keys.wall}")
+        raise InputError("", f"at {keys.at:g} m it is beyond wall {keys.wall}")
     out = facet.left if keys.side == "left" else -facet.left
     start = facet.place(np.array([facet.s_of(keys.at), 0.0]))
     face = 0.5 * wall.thickness

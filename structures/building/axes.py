@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.errors import InputError
 from structures.building.table import ArcTable, BuildingWallTable
 
 GENTLE = math.radians(25.0)  # an axis that bends by more turns a corner
@@ -110,6 +111,7 @@ class Leg:
     closed: bool = False  # its last facet goes on in its first
     length: float = math.inf  # of the axis of its wall [m]
     tops: tuple[tuple[float, float], ...] = field(default=())  # distance along the axis, z, of the profile of its top [m]
+    where: str = ""  # key of its wall
 
     @property
     def thickness(self) -> float:
@@ -146,31 +148,31 @@ class Leg:
         return [(low, self.top(facet, low)), *inner, (high, self.top(facet, high, after=False))]
 
 
-def legs_of(number: int, keys: BuildingWallTable, whole: Sequence[Span] = ()) -> list[Leg]:
-    """The legs of a wall; stretches of its axis that are to be whole lie in one facet of an arc each [m].
+def legs_of(number: int, keys: BuildingWallTable, whole: Sequence[Span] = (), where: str = "") -> list[Leg]:
+    """The legs of a wall by its key; stretches of its axis that are to be whole lie in one facet of an arc each [m].
 
     Raises:
-        ValueError: a wall like a sheet, or an axis that turns back on itself, stays on the spot or has an arc that is none; says where.
+        InputError: a wall like a sheet, or an axis that turns back on itself, stays on the spot or has an arc that is none; says where.
     """
     if keys.thickness < THINNEST:
-        raise ValueError(f"its thickness, {keys.thickness:g} m, is less than {1e3 * THINNEST:g} mm")
+        raise InputError("", f"its thickness, {keys.thickness:g} m, is less than {1e3 * THINNEST:g} mm")
     bends = list(_bends(keys, whole))
     for a, b in pairwise(bends):
         if b.length - a.length < 1e-3:
-            raise ValueError(f"its axis stays on the spot at {place(a.point)}")
+            raise InputError("", f"its axis stays on the spot at {place(a.point)}")
     closed = len(bends) > 3 and float(np.hypot(*(bends[0].point - bends[-1].point))) < 1e-6
     facets = [Facet(a.point, b.point, (a.length, b.length)) for a, b in pairwise(bends)]
     turns = [_turn(a, b) for a, b in pairwise([*facets, facets[0]] if closed else facets)]
     for facet, turn in zip(facets, turns, strict=False):
         if abs(turn) > math.pi - GENTLE:
-            raise ValueError(f"its axis turns back by {math.degrees(abs(turn)):.0f} degrees at {place(facet.end)}")
+            raise InputError("", f"its axis turns back by {math.degrees(abs(turn)):.0f} degrees at {place(facet.end)}")
     tops = _profile(keys, bends[-1].length)
     curved = [bend.curved for bend in bends[1:]]
     gentle = [abs(turn) <= (SHARPEST if c else GENTLE) for turn, c in zip(turns, curved, strict=False)]
     chains = _chains(facets, [turn if g else None for turn, g in zip(turns, gentle, strict=True)], closed)
     if closed and len(chains) == 1 and gentle[-1]:
-        return [Leg(number, 0, keys, chains[0], True, bends[-1].length, tops)]
-    return [Leg(number, k, keys, chain, False, bends[-1].length, tops) for k, chain in enumerate(chains)]
+        return [Leg(number, 0, keys, chains[0], True, bends[-1].length, tops, where)]
+    return [Leg(number, k, keys, chain, False, bends[-1].length, tops, where) for k, chain in enumerate(chains)]
 
 
 def place(point: np.ndarray) -> str:
@@ -208,21 +210,21 @@ def _profile(keys: BuildingWallTable, length: float) -> tuple[tuple[float, float
     """Distance along the axis and z of the profile of the top.
 
     Raises:
-        ValueError: neither or both of height and top, places that do not rise, a top that comes down to the base.
+        InputError: neither or both of height and top, places that do not rise, a top that comes down to the base.
     """
     if (keys.height is None) == (keys.top is None):
-        raise ValueError("give height, or top, the profile of its top" if keys.top is None else "give one of height and top")
+        raise InputError("", "give height, or top, the profile of its top" if keys.top is None else "give one of height and top")
     if keys.height is not None:
         return ((0.0, round(keys.base + keys.height, DIGITS)), (length, round(keys.base + keys.height, DIGITS)))
     assert keys.top is not None
     at = [s for s, _ in keys.top]
     for a, b in pairwise(at):
         if b < a:
-            raise ValueError(f"the places of its top must not go back, got {a:g} and then {b:g} m")
+            raise InputError("", f"the places of its top must not go back, got {a:g} and then {b:g} m")
     if min(at) < -1e-6 or max(at) > length + 1e-6:
-        raise ValueError(f"its top has a place at {max(at, key=lambda s: abs(s - 0.5 * length)):g} m, its axis is {length:.4g} m long")
+        raise InputError("", f"its top has a place at {max(at, key=lambda s: abs(s - 0.5 * length)):g} m, its axis is {length:.4g} m long")
     if min(z for _, z in keys.top) < 0.0 or max(z for _, z in keys.top) <= 0.0:
-        raise ValueError("its top comes down below its base")
+        raise InputError("", "its top comes down below its base")
     return tuple((s, round(keys.base + z, DIGITS)) for s, z in keys.top)
 
 
@@ -230,7 +232,7 @@ def _bends(keys: BuildingWallTable, whole: Sequence[Span]) -> Iterator[Bend]:
     """The corners of an axis with its arcs as chords."""
     first = keys.axis[0]
     if isinstance(first, ArcTable):
-        raise ValueError("its axis begins with an arc; begin with a point")
+        raise InputError("", "its axis begins with an arc; begin with a point")
     point, length = np.array(first, dtype=float), 0.0
     yield Bend(point, length)
     for piece in keys.axis[1:]:
@@ -253,13 +255,13 @@ def _arc(start: np.ndarray, arc: ArcTable, fixed: Sequence[Span], keys: Building
         centre = 0.5 * (start + through)
         radius = float(np.hypot(*(start - centre)))
         if radius < 1e-3:
-            raise ValueError(f"its arc from {place(start)} is a point")
+            raise InputError("", f"its arc from {place(start)} is a point")
         sweep = 2.0 * math.pi
     else:
         a, b = through - start, end - start
         cross = float(a[0] * b[1] - a[1] * b[0])
         if abs(cross) < 1e-9 * float(a @ a + b @ b):
-            raise ValueError(f"its arc from {place(start)} passes through a point that is in line with its ends")
+            raise InputError("", f"its arc from {place(start)} passes through a point that is in line with its ends")
         square = np.array([a @ a, b @ b])
         centre = start + np.array([b[1] * square[0] - a[1] * square[1], a[0] * square[1] - b[0] * square[0]]) / (2.0 * cross)
         radius = float(np.hypot(*(start - centre)))
@@ -267,7 +269,7 @@ def _arc(start: np.ndarray, arc: ArcTable, fixed: Sequence[Span], keys: Building
         sweep = math.atan2(float(u[0] * v[1] - u[1] * v[0]), float(u @ v))
         sweep += 2.0 * math.pi * (cross < 0.0 and sweep > 0.0) * -1.0 + 2.0 * math.pi * (cross > 0.0 and sweep < 0.0)
     if radius < 0.5 * keys.thickness + 1e-3:
-        raise ValueError(f"its arc from {place(start)} has a radius of {radius:.4g} m, less than half its thickness")
+        raise InputError("", f"its arc from {place(start)} has a radius of {radius:.4g} m, less than half its thickness")
     angle = math.atan2(*(start - centre)[::-1])
     found = []
     for along in _breaks(abs(sweep) * radius, radius, fixed, keys.thickness):

@@ -9,13 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.foundation import libm
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.building.stones import upright
 from structures.building.table import BuildingColumnTable, BuildingTable
-from structures.faults import Faults
-from structures.layout.columns import MOST_DRUMS, ColumnTable, column
+from structures.courser.columns import MOST_DRUMS, ColumnTable, column
 
 SIDES = 12  # of a round column
 LEAST_HEIGHT = 1.5  # of a round column, in diameters: what is lower has no plinth and capital
@@ -28,6 +27,7 @@ class Row:
     name: str
     keys: BuildingColumnTable
     places: tuple[np.ndarray, ...]  # (2,) each [m]
+    where: str  # its key
 
 
 def rows_of(table: BuildingTable, faults: Faults) -> list[Row]:
@@ -35,14 +35,12 @@ def rows_of(table: BuildingTable, faults: Faults) -> list[Row]:
     found: list[Row] = []
     for k, keys in enumerate(table.columns):
         name = keys.name or f"column{k + 1}"
-        with faults.of("", name, bears=True):
+        with faults.of():
             _refuse_many(keys, table, f"columns[{k}].{'height' if keys.drum is None else 'drum'}")
-        if name in faults.left_out:
-            continue
-        with faults.of(f"columns {name}", name, bears=True):
+        with faults.of(f"structure.columns[{k}]", f"columns {name}"):
             if name in {row.name for row in found}:
-                raise ValueError(f'other ones have the name "{name}", too')
-            found.append(Row(name, keys, tuple(_places(keys))))
+                raise InputError("", f'other ones have the name "{name}", too')
+            found.append(Row(name, keys, tuple(_places(keys)), f"structure.columns[{k}]"))
     return found
 
 
@@ -82,20 +80,20 @@ def _places(keys: BuildingColumnTable) -> np.ndarray:
     """Where the columns of a row stand (n, 2) [m].
 
     Raises:
-        ValueError: half a row, or columns in each other.
+        InputError: half a row, or columns in each other.
     """
     points = [keys.at] if isinstance(keys.at[0], float) else list(keys.at)
     places = np.array(points, dtype=float)
     if (keys.to is None) != (keys.number is None):
-        raise ValueError("a row from at to to has a number of columns; give both of to and number")
+        raise InputError("", "a row from at to to has a number of columns; give both of to and number")
     if keys.to is not None and keys.number is not None:
         if len(points) > 1:
-            raise ValueError(f"a row from at to to begins with one point, at has {len(points)}")
+            raise InputError("", f"a row from at to to begins with one point, at has {len(points)}")
         share = np.linspace(0.0, 1.0, keys.number)[:, None]
         places = (1.0 - share) * places[0] + share * np.array(keys.to)
     gaps = [math.dist(a, b) for i, a in enumerate(places) for b in places[:i]]
     if gaps and min(gaps) < keys.size:
-        raise ValueError(f"two of them are {min(gaps):.3g} m apart, closer than their size, {keys.size:g} m")
+        raise InputError("", f"two of them are {min(gaps):.3g} m apart, closer than their size, {keys.size:g} m")
     return places
 
 

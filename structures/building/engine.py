@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The blocks of a building, from its table: walls, then what stands in and on them.
 
-All that is wrong with a plan is found before anything is built, and said at once, a line for each fault.
+All that is wrong with a plan is found before anything is built: what is wrong with a wall, columns, an arcade or a buttress alone is said
+at once, and then what is wrong where they meet and with what is in and on them, the first fault of each.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from shapely.geometry import Point
 
+from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
@@ -27,7 +29,6 @@ from structures.building.slivers import Stone, joined
 from structures.building.stones import Part, across, parts_of, stone, welded
 from structures.building.table import ArcTable, BuildingTable, BuildingWallTable
 from structures.building.widths import NARROW
-from structures.faults import ANYTHING, Absent, Faults, Incomplete
 from structures.geometry import polygons
 from structures.layout.pockets import with_pockets
 from structures.ties import Bar
@@ -47,40 +48,32 @@ class Walls:
     layings: list[Laying]  # of each leg
 
 
-def blocks_of(table: BuildingTable, density: float, faults: Faults) -> tuple[list[Block], list[Bar], list[str]]:
+def blocks_of(table: BuildingTable, density: float) -> tuple[list[Block], list[Bar], list[str]]:
     """The blocks of a building without its base, the tie beams of its roofs, and a line on each wall that is near others and joins none.
 
     Args:
         table: the building.
         density: of the material [kg/m3].
-        faults: of its keys.
 
     Raises:
-        Incomplete: all that is wrong with it, a line each.
+        InputError: all that is wrong with it, a line each.
     """
+    faults = Faults()
     rows = columns.rows_of(table, faults)
     walls = prepared(table, faults, rows)
     over = vaults.vaults_of(walls.plan, table, faults)
     roof, bars = roofs.roofs_of(walls.plan, table, faults)
     _check_feet(walls.plan, rows, faults)
     _check_columns(walls.plan, rows, faults)
-
-    def built() -> list[Block]:
-        laid = joined([stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)])
-        blocks = _all_blocks(walls, laid, density)
-        vaulted = [block for vault in over for block in vaults.blocks_of(vault, table.block_length, density)]
-        if vaulted:
-            thin = SLIVER * min(vault.keys.thickness for vault in over)
-            blocks = with_pockets(blocks, [part for block in vaulted for part in block.convex_parts], thin)
-        blocks += [block for row in rows for block in columns.blocks_of(row, table, density)]
-        made = [*blocks, *vaulted, *roof]
-        return welded(made) if made else []
-
-    if faults.found:
-        if len(walls.layings) < len(walls.plan.legs):
-            faults.left_out[ANYTHING] = True
-        raise Incomplete(faults, built)
-    return built(), bars, junctions.apart(walls.plan.legs, walls.plan.junctions)
+    faults.refuse()
+    laid = joined([stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)])
+    blocks = _all_blocks(walls, laid, density)
+    vaulted = [block for vault in over for block in vaults.blocks_of(vault, table.block_length, density)]
+    if vaulted:
+        thin = SLIVER * min(vault.keys.thickness for vault in over)
+        blocks = with_pockets(blocks, [part for block in vaulted for part in block.convex_parts], thin)
+    blocks += [block for row in rows for block in columns.blocks_of(row, table, density)]
+    return welded([*blocks, *vaulted, *roof]), bars, junctions.apart(walls.plan.legs, walls.plan.junctions)
 
 
 def blocks_of_walls(walls: Walls, density: float) -> list[Block]:
@@ -91,54 +84,58 @@ def blocks_of_walls(walls: Walls, density: float) -> list[Block]:
 def prepared(table: BuildingTable, faults: Faults, rows: Sequence[columns.Row] = ()) -> Walls:
     """The walls of a table, and those of its arcades on rows of columns, with their junctions, beds and openings.
 
-    What is wrong is added to the faults, and left out.
+    Args:
+        faults: of the rows; to which are added those of walls where they meet, and of openings.
+
+    Raises:
+        InputError: what is wrong with walls, arcades and buttresses alone, and all that was wrong before.
     """
-    legs = _legs(table.walls, [], faults)
-    if not table.walls and not faults.lacks():
+    given = {f"structure.walls[{k}]": [keys] for k, keys in enumerate(table.walls)}
+    legs = _legs(given, [], faults)
+    if not table.walls:
         faults.add("structure.walls", "missing; every wall is a table of its own, headed [[structure.walls]], or comes from a plan")
+    faults.refuse()
     more = added(table, legs, rows, faults)
     legs += _legs(more, table.walls, faults)
-    table = table.model_copy(update={"walls": (*table.walls, *more)})
-    plan = _joined(legs, table, faults)
-    walls = Walls(table, plan, {}, [])
+    table = table.model_copy(update={"walls": (*table.walls, *(keys for some in more.values() for keys in some))})
     with faults.of():
         size.within(_estimate(legs, table), "block_length")
-        frames = openings.frames(plan, table, faults)
-        walls = Walls(table, plan, frames, _layings(plan, table, frames))
-        _check_courses(plan, walls.layings, faults)
-        openings.check(plan, walls.layings, frames, faults)
+    faults.refuse()
+    plan = _joined(legs, table, faults)
+    frames = openings.frames(plan, table, faults)
+    walls = Walls(table, plan, frames, _layings(plan, table, frames))
+    _check_courses(plan, walls.layings, faults)
+    openings.check(plan, walls.layings, frames, faults)
     return walls
 
 
-def _legs(walls: Sequence[BuildingWallTable], before: Sequence[BuildingWallTable], faults: Faults) -> list[Leg]:
-    """The legs of walls that come after others, from which their names differ."""
+def _legs(walls: Mapping[str, Sequence[BuildingWallTable]], before: Sequence[BuildingWallTable], faults: Faults) -> list[Leg]:
+    """The legs of walls by the keys that make them, which come after others, from which their names differ."""
     legs, names = list[Leg](), {keys.name for keys in before}
-    for k, keys in enumerate(walls, start=len(before)):
-        with faults.of("", keys.name, keys.group or keys.name, bears=True):
-            size.at_most(len(keys.top or ()), size.MOST_TOP, f"structure.walls[{k}].top: points")
-            size.at_most(len(keys.openings), size.MOST_OPENINGS, f"structure.walls[{k}].openings: openings of one wall")
-        if keys.name in faults.left_out:
-            continue
-        if keys.masonry is not None and keys.masonry not in KINDS:
-            faults.add(f"wall {keys.name}", f'masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
-        with faults.of(f"wall {keys.name}", keys.name, keys.group or keys.name, bears=True):
+    number = len(before)
+    for where, keys in ((where, keys) for where, some in walls.items() for keys in some):
+        with faults.of(where, f"wall {keys.name}"):
+            size.at_most(len(keys.top or ()), size.MOST_TOP, "top: points")
+            size.at_most(len(keys.openings), size.MOST_OPENINGS, "openings: openings of one wall")
+            if keys.masonry is not None and keys.masonry not in KINDS:
+                raise InputError("", f'masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
             if keys.name in names:
-                raise ValueError("another wall has this name, too")
+                raise InputError("", "another wall has this name, too")
             names.add(keys.name)
-            legs += legs_of(k, keys)
+            legs += legs_of(number, keys, where=where)
+        number += 1
     return legs
 
 
 def _joined(legs: list[Leg], table: BuildingTable, faults: Faults) -> Plan:
     """The legs with their junctions; where facets of an arc are too short for one, or meet in it, each of its junctions gets a facet."""
-    wrong = Faults(left_out=faults.left_out)
+    wrong = Faults()
     found = junctions.find(legs, table, wrong)
     few = sum(len(leg.facets) for leg in legs) <= MOST_FACETS
-    standing = {leg.wall for leg in legs}
     for k, keys in [*enumerate(table.walls)] * 2 if few else ():  # the first facets move the places of the second
-        if wrong.found and k in standing and any(isinstance(piece, ArcTable) for piece in keys.axis):
-            left = Faults(left_out=faults.left_out)
-            own = legs_of(k, keys, junctions.along(legs, k))
+        if wrong.found and any(isinstance(piece, ArcTable) for piece in keys.axis):
+            left = Faults()
+            own = legs_of(k, keys, junctions.along(legs, k), next(leg.where for leg in legs if leg.wall == k))
             bent = [*(leg for leg in legs if leg.wall < k), *own, *(leg for leg in legs if leg.wall > k)]
             again = junctions.find(bent, table, left)
             if len(left.found) < len(wrong.found):
@@ -194,7 +191,8 @@ def _check_courses(plan: Plan, layings: Sequence[Laying], faults: Faults) -> Non
             a, b = (arm.leg for arm in pair.arms)
             if layings[a].course != layings[b].course and pair.bond not in ("butt", 0.0):
                 faults.add(
-                    f"walls {plan.legs[a].keys.name} and {plan.legs[b].keys.name} at {junctions.place(pair.point)}",
+                    plan.legs[b].where,
+                    f"walls {plan.legs[a].keys.name} and {plan.legs[b].keys.name} at {junctions.place(pair.point)}: "
                     f"courses of {layings[a].course:g} and {layings[b].course:g} m do not interlock; give both one course_height, or a "
                     'junction with bond = "butt"',
                 )
@@ -212,8 +210,8 @@ def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> None
         ]
         own = vaults.footprint(plan, leg)
         if own.intersection(shapely.union_all(under)).area < LEAST_SEAT * own.area:
-            with faults.of(f"wall {leg.keys.name}"):
-                raise Absent(f"nothing is under it at {vaults.place(leg.facets[0].start)}, where it begins at z = {leg.base:g} m")
+            at = f"{vaults.place(leg.facets[0].start)}, where it begins at z = {leg.base:g} m"
+            faults.add(leg.where, f"wall {leg.keys.name}: nothing is under it at {at}")
 
 
 def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> None:
@@ -224,7 +222,7 @@ def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> N
             for leg in plan.legs:
                 overlap = min(top, max(z for _, z in leg.tops)) - max(foot, leg.base)
                 if overlap > SAME and vaults.footprint(plan, leg).intersection(shape).area > LEAST_SEAT * shape.area:
-                    faults.add(f"columns {row.name}", f"the one at {vaults.place(at)} stands in wall {leg.keys.name}")
+                    faults.add(row.where, f"columns {row.name}: the one at {vaults.place(at)} stands in wall {leg.keys.name}")
 
 
 def _all_blocks(walls: Walls, laid: Sequence[Stone], density: float) -> list[Block]:

@@ -8,6 +8,8 @@
     rose          a whole circle of voussoirs
     niche         as rectangular, or segmental where it has a rise; its back is walled up
 
+Each is an instance of a class, which says what keys it takes, what these are where they are left out, and what it draws.
+
 Courses are cut by the frame as a whole: beds need not meet sills, springings or crowns.
 """
 
@@ -15,19 +17,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
 from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
 from structures.building.table import WallOpeningTable
+from structures.courser import arch_profiles
+from structures.courser.arch_profiles import voussoirs
 from structures.layout.openings import natural_bearing, natural_ring, voussoir_width
 
 LEAST_MEASURE = 1e-2  # of a width or a ring [m]
 SLENDER = 0.6  # width of a voussoir on the intrados, in thicknesses of the ring
 MOST_VOUSSOIRS = 199
 LEAST_ROUND = 7  # voussoirs of a half circle
+EQUAL_SIDES = 0.5 * math.sqrt(3.0)  # rise of a pointed arch of equal sides, in widths
 LEAST_BEARING = 0.1  # of a lintel that has less masonry beside it than it should [m]
 LEAST_RING = 0.12  # of an arch that has less masonry around it than it should, in widths
 LEAST_LINTEL = 0.15  # and the height of such a lintel
@@ -37,12 +44,22 @@ SKEW = math.radians(20.0)  # of the skewbacks of a flat arch from the upright
 Pieces = tuple[tuple[str, np.ndarray], ...]  # "voussoir" or "lintel", convex polygons (n, 2) s, z [m]
 
 
+class Named(NamedTuple):
+    """An opening in messages."""
+
+    where: str  # its key
+    words: str = ""  # where its key alone does not say which it is
+
+    def __str__(self) -> str:
+        return self.words or self.where
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """An opening and what closes it, s and z [m]."""
 
     keys: WallOpeningTable
-    name: str
+    name: Named
     hole: Polygon
     pieces: Pieces
     hull: Polygon  # the hole and its pieces
@@ -67,83 +84,145 @@ class Around:
     top: float = math.inf  # z of the lowest part of the top over the hole
 
 
-def frame_of(keys: WallOpeningTable, name: str, around: Around) -> Frame:
+def frame_of(keys: WallOpeningTable, name: Named, around: Around) -> Frame:
     """The frame of an opening.
 
     Raises:
-        ValueError: measures that do not fit together, or a key of another shape.
+        InputError: measures that do not fit together, or a key of another shape.
     """
-    keys = _with_defaults(keys, around)
-    s, sill = around.s, around.base + keys.sill
-    assert keys.height is not None
-    if keys.shape == "rose":
-        return _rose(keys, name, s, sill + 0.5 * keys.width, around.course)
-    springing, half = sill + keys.height - (keys.rise or 0.0), 0.5 * keys.width
-    box = np.array([(s - half, sill), (s + half, sill), (s + half, springing), (s - half, springing)])
-    if keys.rise is None:
-        return _straight(keys, name, box)
-    inner, outer = _profiles(keys, around.course)
-    inner, outer = inner + [s, springing], outer + [s, springing]
-    inner[0, 1], inner[-1, 1] = springing, springing
-    pieces = tuple(("voussoir", np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]])) for k in range(len(inner) - 1))
-    hole = Polygon([*box[:2], *inner])
-    levels = (sill, springing, *({float(outer[0, 1])} - {springing}))
-    return _framed(keys, name, hole, pieces, levels)
-
-
-def _with_defaults(keys: WallOpeningTable, around: Around) -> WallOpeningTable:
-    """The keys with what they leave out.
-
-    Raises:
-        ValueError: see :func:`frame_of`.
-    """
-    shape, width = keys.shape, keys.width
-    new: dict[str, float] = {}
-    arched = shape in ("round", "segmental", "pointed") or (shape == "niche" and keys.rise is not None)
-    for key, belongs in (
-        ("rise", shape in ("segmental", "pointed", "niche")),
-        ("lintel", shape == "rectangular" or (shape == "niche" and not arched)),
-        ("bearing", shape == "rectangular" or (shape == "niche" and not arched)),
-        ("depth", shape == "niche"),
-    ):
-        if getattr(keys, key) is not None and not belongs:
-            raise ValueError(f"{key} belongs to another shape, this one is {shape}")
-    if shape == "rectangular" and keys.lintel is not None and keys.ring is not None:
-        raise ValueError("give lintel or ring")
-    if shape == "rose":
-        if keys.height is not None and abs(keys.height - width) > 1e-9:
-            raise ValueError(f"a rose is as high as wide, {width:g} m, got {keys.height:g}")
-        new["height"] = width
-    else:
-        new["height"] = keys.height or 2.0 * width
-    if arched:
-        natural = {"round": 0.5 * width, "segmental": width / 6.0, "pointed": 0.5 * math.sqrt(3.0) * width}
-        new["rise"] = keys.rise or natural.get(shape, 0.0)
-        most = 0.5 * width if shape in ("segmental", "niche") else math.inf
-        least = 0.5 * width * (1.0 + 1e-6) if shape == "pointed" else 0.01 * width
-        if not least <= new["rise"] <= most * (1.0 + 1e-9):
-            raise ValueError(
-                f"its rise must be {least:.4g} m or more{f', and at most {most:.4g} m' if most < math.inf else ''}, got {new['rise']:g}"
-            )
-        new["height"] = keys.height or max(new["height"], new["rise"])
-        if new["height"] < new["rise"] * (1.0 - 1e-9):
-            raise ValueError(f"its height must be at least the rise of its head, {new['rise']:.4g} m, got {new['height']:g}")
-    above = around.top - around.base - keys.sill - new["height"]
-    if arched or shape == "rose":
-        space = min(around.beside, above, keys.sill if shape == "rose" else math.inf)
-        new["ring"] = keys.ring or _fitted(natural_ring(width, around.course), space, LEAST_RING * width)
-    elif keys.ring is None:
-        new["lintel"] = keys.lintel or _fitted(around.course, above, LEAST_LINTEL * width)
-        new["bearing"] = keys.bearing or _fitted(natural_bearing(width, around.unit), around.beside, LEAST_BEARING)
-    if shape == "niche":
-        new["depth"] = keys.depth or around.thickness / 3.0
-        if new["depth"] > 0.8 * around.thickness:
-            raise ValueError(f"its depth must be at most 0.8 of the wall, {0.8 * around.thickness:.4g} m, got {new['depth']:g}")
+    shape = SHAPES[keys.shape if keys.shape != "niche" else "rectangular" if keys.rise is None else "segmental"]
+    for key in ("rise", "lintel", "bearing", "depth"):
+        if getattr(keys, key) is not None and key not in shape.takes and not (key == "depth" and keys.shape == "niche"):
+            raise InputError("", f"{key} belongs to another shape, this one is {keys.shape}")
+    keys = shape.completed(keys, around)
+    if keys.shape == "niche":
+        keys = keys.model_copy(update={"depth": keys.depth or around.thickness / 3.0})
+        if keys.depth is not None and keys.depth > 0.8 * around.thickness:
+            raise InputError("", f"its depth must be at most 0.8 of the wall, {0.8 * around.thickness:.4g} m, got {keys.depth:g}")
     for key in ("width", "height", "ring", "lintel"):
-        value = new.get(key, getattr(keys, key))
+        value = getattr(keys, key)
         if value is not None and value < LEAST_MEASURE:
-            raise ValueError(f"its {key} must be at least {LEAST_MEASURE:g} m, got {value:g}")
-    return keys.model_copy(update=new)
+            raise InputError("", f"its {key} must be at least {LEAST_MEASURE:g} m, got {value:g}")
+    corners, pieces, levels = shape.drawn(keys, around.course)
+    foot = np.array([around.s, around.base + keys.sill])
+    hole, pieces = Polygon(corners + foot), tuple((kind, polygon + foot) for kind, polygon in pieces)
+    hull = shapely.union_all([hole, *(Polygon(polygon) for _, polygon in pieces)])
+    if not isinstance(hull, Polygon) or len(hull.interiors):
+        raise InputError("", "its head does not close; take a thicker ring")
+    return Frame(keys, name, hole, pieces, hull, tuple(float(foot[1] + z) for z in levels))
+
+
+Drawn = tuple[np.ndarray, Pieces, tuple[float, ...]]  # hole (n, 2), what is around it, levels, from the middle of the sill [m]
+
+
+class Straight:
+    """A level head: a lintel, or with a ring a flat arch."""
+
+    takes: ClassVar = ("lintel", "bearing")
+
+    def completed(self, keys: WallOpeningTable, around: Around) -> WallOpeningTable:
+        """The keys with what they leave out."""
+        if keys.lintel is not None and keys.ring is not None:
+            raise InputError("", "give lintel or ring")
+        height = keys.height or 2.0 * keys.width
+        new = {"height": height}
+        if keys.ring is None:
+            above = around.top - around.base - keys.sill - height
+            new["lintel"] = keys.lintel or _fitted(around.course, above, LEAST_LINTEL * keys.width)
+            new["bearing"] = keys.bearing or _fitted(natural_bearing(keys.width, around.unit), around.beside, LEAST_BEARING)
+        return keys.model_copy(update=new)
+
+    def drawn(self, keys: WallOpeningTable, course: float) -> Drawn:
+        """Jambs under it."""
+        half, top = 0.5 * keys.width, keys.height or 0.0
+        hole = np.array([(-half, 0.0), (half, 0.0), (half, top), (-half, top)])
+        if keys.ring is None:
+            wide, high = half + (keys.bearing or 0.0), top + (keys.lintel or 0.0)
+            return hole, (("lintel", np.array([(-wide, top), (wide, top), (wide, high), (-wide, high)])),), (0.0, top, high)
+        lower, upper = arch_profiles.flat(half, keys.ring, SKEW, _odd(keys.width / (SLENDER * keys.ring)))
+        pieces = tuple(("voussoir", polygon + [0.0, top]) for polygon in voussoirs(lower, upper))
+        return hole, pieces, (0.0, top, top + keys.ring)
+
+
+@dataclass(frozen=True)
+class Arched:
+    """An arc over jambs, or two that meet in a crown joint where it is pointed; its rises in widths."""
+
+    natural: float  # rise by default
+    least: float
+    most: float
+    takes: tuple[str, ...]
+    pointed: bool = False
+
+    def completed(self, keys: WallOpeningTable, around: Around) -> WallOpeningTable:
+        """The keys with what they leave out."""
+        rise, least, most = keys.rise or self.natural * keys.width, self.least * keys.width, self.most * keys.width
+        if not least <= rise <= most * (1.0 + 1e-9):
+            raise InputError(
+                "", f"its rise must be {least:.4g} m or more{f', and at most {most:.4g} m' if most < math.inf else ''}, got {rise:g}"
+            )
+        height = keys.height or max(2.0 * keys.width, rise)
+        if height < rise * (1.0 - 1e-9):
+            raise InputError("", f"its height must be at least the rise of its head, {rise:.4g} m, got {height:g}")
+        return keys.model_copy(update={"rise": rise, "height": height, "ring": _ring(keys, height, around, around.beside)})
+
+    def drawn(self, keys: WallOpeningTable, course: float) -> Drawn:
+        """Jambs under it."""
+        half, rise, ring = 0.5 * keys.width, keys.rise or 0.0, keys.ring or 0.0
+        springing = (keys.height or 0.0) - rise
+        if self.pointed:
+            radius = (half**2 + rise**2) / (2.0 * half)
+            end = math.atan2(rise, radius - half)
+            count = max(2, round(end * radius / voussoir_width(ring, course)))
+            inner, outer = arch_profiles.pointed(radius, radius + ring, radius - half, end, count)
+        else:
+            embrace = 180.0 if abs(rise - half) < 1e-6 * half else math.degrees(4.0 * math.atan2(rise, half))
+            radius = (half**2 + rise**2) / (2.0 * rise)
+            wanted = _odd(math.radians(embrace) * radius / voussoir_width(ring, course))
+            inner, outer = arch_profiles.ring(radius, radius + ring, embrace, max(wanted, LEAST_ROUND if embrace == 180.0 else 3))
+            inner, outer = inner + [0.0, rise - radius], outer + [0.0, rise - radius]
+        inner[[0, -1], 1] = 0.0
+        inner, outer = inner + [0.0, springing], outer + [0.0, springing]
+        hole = np.concatenate([[(-half, 0.0), (half, 0.0)], inner[::-1]])
+        pieces = tuple(("voussoir", polygon) for polygon in voussoirs(inner, outer)[::-1])
+        return hole, pieces, (0.0, springing, *({float(outer[0, 1])} - {springing}))
+
+
+class Rose:
+    """A whole circle of voussoirs."""
+
+    takes: ClassVar = ()
+
+    def completed(self, keys: WallOpeningTable, around: Around) -> WallOpeningTable:
+        """The keys with what they leave out."""
+        if keys.height is not None and abs(keys.height - keys.width) > 1e-9:
+            raise InputError("", f"a rose is as high as wide, {keys.width:g} m, got {keys.height:g}")
+        ring = _ring(keys, keys.width, around, min(around.beside, keys.sill))
+        return keys.model_copy(update={"height": keys.width, "ring": ring})
+
+    def drawn(self, keys: WallOpeningTable, course: float) -> Drawn:
+        """A ring about its middle."""
+        radius, ring = 0.5 * keys.width, keys.ring or 0.0
+        count = max(8, 2 * round(math.pi * radius / voussoir_width(ring, course)))
+        angles = 2.0 * math.pi * (np.arange(count) + 0.5) / count
+        unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
+        inner, outer = radius * unit + [0.0, radius], (radius + ring) * unit + [0.0, radius]
+        return inner, tuple(("voussoir", np.array([inner[k - 1], outer[k - 1], outer[k], inner[k]])) for k in range(count)), ()
+
+
+SHAPES: dict[str, Straight | Arched | Rose] = {
+    "rectangular": Straight(),
+    "round": Arched(0.5, 0.01, math.inf, ()),
+    "segmental": Arched(1.0 / 6.0, 0.01, 0.5, ("rise",)),
+    "pointed": Arched(EQUAL_SIDES, 0.5 * (1.0 + 1e-6), math.inf, ("rise",), pointed=True),
+    "rose": Rose(),
+}
+
+
+def _ring(keys: WallOpeningTable, height: float, around: Around, beside: float) -> float:
+    """Thickness of the voussoirs of an arch in the masonry over and beside it [m]."""
+    above = around.top - around.base - keys.sill - height
+    return keys.ring or _fitted(natural_ring(keys.width, around.course), min(beside, above), LEAST_RING * keys.width)
 
 
 def _fitted(natural: float, space: float, least: float) -> float:
@@ -151,72 +230,6 @@ def _fitted(natural: float, space: float, least: float) -> float:
     return space if least <= space < natural else natural
 
 
-def _straight(keys: WallOpeningTable, name: str, box: np.ndarray) -> Frame:
-    """Under a lintel, or a flat arch."""
-    (left, sill), (right, _), (_, top), _ = box
-    if keys.ring is None:
-        assert keys.bearing is not None and keys.lintel is not None
-        a, b, high = left - keys.bearing, right + keys.bearing, top + keys.lintel
-        piece = np.array([(a, top), (b, top), (b, high), (a, high)])
-        return _framed(keys, name, Polygon(box), (("lintel", piece),), (sill, top, high))
-    high, count = top + keys.ring, _odd((right - left) / (SLENDER * keys.ring))
-    return _framed(keys, name, Polygon(box), _flat_arch((left, right), (top, high), count), (sill, top, high))
-
-
-def _flat_arch(jambs: tuple[float, float], heights: tuple[float, float], count: int) -> Pieces:
-    """The voussoirs of a flat arch between skewbacks over two jambs, between two heights [m]."""
-    centre, half = 0.5 * (jambs[0] + jambs[1]), 0.5 * (jambs[1] - jambs[0])
-    share = (2.0 * np.arange(count + 1) - count) / count  # -1 to 1, symmetric to the bit
-    wide = half + (heights[1] - heights[0]) * math.tan(SKEW)
-    low, high = (np.stack([centre + h * share, np.full(count + 1, z)], axis=1) for h, z in zip((half, wide), heights, strict=True))
-    return tuple(("voussoir", np.array([low[k], low[k + 1], high[k + 1], high[k]])) for k in range(count))
-
-
-def _rose(keys: WallOpeningTable, name: str, s: float, z: float, course: float) -> Frame:
-    """A whole circle of voussoirs."""
-    assert keys.ring is not None
-    radius = 0.5 * keys.width
-    count = max(8, 2 * round(math.pi * radius / voussoir_width(keys.ring, course)))
-    angles = 2.0 * math.pi * (np.arange(count) + 0.5) / count
-    unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
-    inner, outer = [s, z] + radius * unit, [s, z] + (radius + keys.ring) * unit
-    pieces = tuple(("voussoir", np.array([inner[k - 1], outer[k - 1], outer[k], inner[k]])) for k in range(count))
-    return _framed(keys, name, Polygon(inner), pieces, ())
-
-
-def _profiles(keys: WallOpeningTable, course: float) -> tuple[np.ndarray, np.ndarray]:
-    """Ends of the joints on intrados and extrados (n, 2), from the right springing to the left, seen from its middle."""
-    assert keys.rise is not None and keys.ring is not None
-    half, rise, ring = 0.5 * keys.width, keys.rise, keys.ring
-    if keys.shape == "pointed":  # each side is an arc about a point on the springing line
-        radius = (half**2 + rise**2) / (2.0 * half)
-        centre, end = half - radius, math.atan2(rise, radius - half)
-        count = max(2, round(end * radius / voussoir_width(ring, course)))
-        angles = end * np.arange(count + 1) / count
-        unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
-        inner, outer = ([centre, 0.0] + r * unit for r in (radius, radius + ring))
-        inner[-1], outer[-1] = (0.0, rise), (0.0, math.sqrt((radius + ring) ** 2 - centre**2))
-        mirror = np.array([-1.0, 1.0])
-        return np.concatenate([inner, inner[-2::-1] * mirror]), np.concatenate([outer, outer[-2::-1] * mirror])
-    radius = (half**2 + rise**2) / (2.0 * rise)
-    start = math.asin(min(1.0, (radius - rise) / radius))
-    start = start if start > 1e-6 else 0.0
-    count = max(_odd((math.pi - 2.0 * start) * radius / voussoir_width(ring, course)), LEAST_ROUND if start == 0.0 else 3)
-    angles = start + (math.pi - 2.0 * start) * np.arange(count + 1) / count
-    unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
-    unit[-1] = unit[0] * [-1.0, 1.0]
-    middle = np.array([0.0, rise - radius])
-    return middle + radius * unit, middle + (radius + ring) * unit
-
-
 def _odd(wanted: float) -> int:
     """The nearest odd number, three or more."""
     return min(MOST_VOUSSOIRS, max(3, 2 * round((wanted - 1) / 2) + 1))
-
-
-def _framed(keys: WallOpeningTable, name: str, hole: Polygon, pieces: Pieces, levels: tuple[float, ...]) -> Frame:
-    """A frame with its hull."""
-    hull = shapely.union_all([hole, *(Polygon(polygon) for _, polygon in pieces)])
-    if not isinstance(hull, Polygon) or len(hull.interiors):
-        raise ValueError("its head does not close; take a thicker ring")
-    return Frame(keys, name, hole, pieces, hull, tuple(float(z) for z in levels))

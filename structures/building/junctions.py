@@ -17,10 +17,10 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
+from masonry_cd.foundation.errors import Faults
 from masonry_cd.mechanics.model.components import connected_components
 from structures.building.axes import SAME, Facet, Leg, Span, place
 from structures.building.table import BuildingTable, JunctionBond
-from structures.faults import Absent, Faults
 
 LEAST_ANGLE = math.radians(25.0)  # of two walls that meet: stones of a sharper one would be slivers
 STUB = 0.1  # by which a wall that crosses another has to stick out beyond it [m]
@@ -66,16 +66,18 @@ class Junction:
 
 def find(legs: Sequence[Leg], table: BuildingTable, faults: Faults) -> list[Junction]:
     """The junctions of a plan; what cannot be one is added to the faults."""
-    pairs = []
+    pairs, refused = [], set[frozenset[str]]()
     quads = [[strip(leg, facet) for facet in leg.facets] for leg in legs]
     for a, f, b, g in _candidates(legs, quads):
         if min(_highest(legs[a]), _highest(legs[b])) > max(legs[a].base, legs[b].base) + SAME:
+            before = len(faults.found)
             pair = _meet(legs, (a, f), (b, g), (quads[a][f], quads[b][g]), faults)
             pairs += [pair] if pair else []
+            refused |= {frozenset((legs[a].keys.name, legs[b].keys.name))} if len(faults.found) > before else set()
     if faults.found and len(pairs) > MOST_PAIRS:  # as of many walls into one point, which are refused in any case
         return []
     pairs = _without_doubles(pairs)
-    bonds = _bonds(legs, pairs, table, faults)
+    bonds = _bonds(legs, pairs, table, refused, faults)
     pairs = [Pair(p.arms, p.point, p.region, *bond) for p, bond in zip(pairs, bonds, strict=True)]
     return _clusters(pairs)
 
@@ -146,8 +148,8 @@ def _meet(
             centre = one.intersection(other).centroid
             angle = math.degrees(math.asin(abs(sine)))
             faults.add(
-                names,
-                f"their strips overlap at {place(np.array([centre.x, centre.y]))}, at an angle of {angle:.0f} degrees; none "
+                others.where,
+                f"{names}: their strips overlap at {place(np.array([centre.x, centre.y]))}, at an angle of {angle:.0f} degrees; none "
                 f"is possible below {math.degrees(LEAST_ANGLE):.0f}: let one end on the face of the other, or draw them as one wall",
             )
         return None
@@ -158,7 +160,7 @@ def _meet(
         arm = _arm(ends[k][0], number, f, at, _reach(ends[k], ends[1 - k]))
         if isinstance(arm, str):
             if shared > 1e-6:
-                faults.add(f"{names} at {place(point)}", arm)
+                faults.add(others.where, f"{names} at {place(point)}: {arm}")
             return None
         arms.append(arm)
     return Pair((arms[0], arms[1]), point, _parallelogram(leg, facet, others, across, point, sine))
@@ -202,15 +204,16 @@ def _without_doubles(pairs: Sequence[Pair]) -> list[Pair]:
     return sorted(found, key=lambda p: [(arm.leg, arm.facet, arm.low) for arm in p.arms])
 
 
-def _bonds(legs: Sequence[Leg], pairs: Sequence[Pair], table: BuildingTable, faults: Faults) -> list[tuple[JunctionBond, int]]:
-    """How each pair is bonded, and which of its two walls runs through where it is not."""
+def _bonds(
+    legs: Sequence[Leg], pairs: Sequence[Pair], table: BuildingTable, refused: set[frozenset[str]], faults: Faults
+) -> list[tuple[JunctionBond, int]]:
+    """How each pair is bonded, and which of its two walls runs through where it is not; names of walls whose junction is refused."""
     given, known = dict[tuple[str, str], tuple[JunctionBond, str]](), {leg.keys.name for leg in legs}
     for k, entry in enumerate(table.junctions):
         where = f"structure.junctions[{k}].walls"
         unknown = [name for name in entry.walls if name not in known]
         for name in unknown:
-            with faults.of(where):
-                raise Absent(f'there is no wall "{name}"', name)
+            faults.add(where, f'there is no wall "{name}"')
         if not unknown:
             given[entry.walls] = (entry.bond, where)
     found, used = [], set()
@@ -221,9 +224,7 @@ def _bonds(legs: Sequence[Leg], pairs: Sequence[Pair], table: BuildingTable, fau
         whole = 1 if pair.arms[0].end and not pair.arms[1].end else 0  # of a T, the one that goes on
         found.append((given[key][0], int(key != (a, b))) if key else (table.junction, whole))
     for names, (_, where) in given.items():
-        if names not in used and not any(
-            fault.place.startswith(f"walls {a} and {b}") for a, b in (names, names[::-1]) for fault in faults.found
-        ):
+        if names not in used and frozenset(names) not in refused:
             faults.add(where, f"walls {names[0]} and {names[1]} do not meet")
     return found
 

@@ -11,28 +11,31 @@ from types import MappingProxyType
 import numpy as np
 from shapely.geometry import Polygon
 
+from masonry_cd.foundation.errors import Faults, InputError
 from structures.building.axes import SAME, Leg, place
 from structures.building.beds import course_range
 from structures.building.footprints import Plan
-from structures.building.frames import Around, Frame, frame_of
+from structures.building.frames import Around, Frame, Named, frame_of
 from structures.building.panels import Laying
 from structures.building.table import BuildingTable, WallOpeningTable
 from structures.building.widths import fat_pieces
-from structures.faults import Absent, Faults
+from structures.courser.bond import even
 from structures.geometry import polygons
 
 LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction or another frame [m]
 Frames = dict[tuple[int, int], list[Frame]]
 
 
-def frames(plan: Plan, table: BuildingTable, faults: Faults, names: Mapping[tuple[int, int], str] = MappingProxyType({})) -> Frames:
-    """The frames of all openings by leg and facet; one beyond its wall is a fault. Faults give them names, by wall and opening."""
+def frames(plan: Plan, table: BuildingTable, faults: Faults, places: Mapping[tuple[int, int], str] = MappingProxyType({})) -> Frames:
+    """The frames of all openings by leg and facet; one beyond its wall is a fault. Keys of presets go by wall and opening."""
     legs = plan.legs
     found: Frames = {}
     for number, wall in enumerate(table.walls):
         for i, keys in enumerate(wall.openings):
-            name = names.get((number, i), f"opening {keys.name or f'o{i + 1}'} of wall {wall.name} at {keys.at:g} m")
-            with faults.of(name):
+            own = [leg.where for leg in legs if leg.wall == number]
+            name = Named(f"{own[0]}.openings[{i}]", f"opening {keys.name or f'o{i + 1}'} of wall {wall.name} at {keys.at:g} m")
+            name = Named(places[number, i], "") if (number, i) in places else name
+            with faults.of(*name):
                 there = _facet_at(legs, number, keys.at)
                 leg, f = legs[there[0]], there[1]
                 around = Around(
@@ -70,38 +73,34 @@ def _facet_at(legs: Sequence[Leg], wall: int, at: float) -> tuple[int, int]:
     """Leg and facet of a place along the axis of a wall.
 
     Raises:
-        ValueError: it is beyond the wall.
+        InputError: it is beyond the wall.
     """
     own = [(facet, k, f) for k, leg in enumerate(legs) if leg.wall == wall for f, facet in enumerate(leg.facets)]
-    if not own:
-        raise Absent("its wall is left out")
     for facet, k, f in own:
         if facet.span[0] - SAME <= at <= facet.span[1] + SAME:
             return k, f
-    raise ValueError(f"it is beyond the wall, which is {max(facet.span[1] for facet, *_ in own):.4g} m long")
+    raise InputError("", f"it is beyond the wall, which is {max(facet.span[1] for facet, *_ in own):.4g} m long")
 
 
 def check(plan: Plan, layings: Sequence[Laying], found: Frames, faults: Faults) -> None:
-    """Each frame lies in the masonry of its facet, clear of what else is there; others are left out."""
+    """Each frame lies in the masonry of its facet, clear of what else is there."""
     for (k, f), some in found.items():
-        facet, sound = plan.legs[k].facets[f], list[Frame]()
+        facet = plan.legs[k].facets[f]
         for i, frame in enumerate(some):
-            before = len(faults.found)
-            with faults.of(frame.name):
+            with faults.of(*frame.name):
                 _check_within(plan, k, f, frame, layings[k])
             for other in some[:i]:
                 if frame.hull.distance(other.hull) < SAME and frame.hull.intersection(other.hull).area > polygons.LEAST_AREA:
                     at = facet.place(np.array([frame.hull.intersection(other.hull).centroid.x, 0.0]))
-                    faults.add(frame.name, f"with its head it overlaps {other.name}, at {place(at)}")
-            sound += [frame] if len(faults.found) == before else []
-        found[k, f] = sound
+                    with faults.of(*frame.name):
+                        raise InputError("", f"with its head it overlaps {other.name}, at {place(at)}")
 
 
 def _check_within(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> None:
     """Refuse a frame that reaches beyond the top of its wall or its end, over a bend or a junction.
 
     Raises:
-        ValueError: says which.
+        InputError: says which.
     """
     leg, facet = plan.legs[number], plan.legs[number].facets[f]
     left, low, right, high = frame.hull.bounds
@@ -115,10 +114,10 @@ def _check_within(plan: Plan, number: int, f: int, frame: Frame, laying: Laying)
         ]
     )
     if low < leg.base - SAME:
-        raise ValueError(f"with its ring it reaches down to z = {low:.4g} m, the wall begins at {leg.base:.4g} m")
+        raise InputError("", f"with its ring it reaches down to z = {low:.4g} m, the wall begins at {leg.base:.4g} m")
     if not wall.buffer(1e-7).contains(frame.hull):
         top = min(z for _, z in profile)
-        raise ValueError(f"with its head it reaches up to z = {high:.4g} m, the wall there to {top:.4g} m")
+        raise InputError("", f"with its head it reaches up to z = {high:.4g} m, the wall there to {top:.4g} m")
     for course in course_range(laying.beds, low, high):
         z0, z1 = float(laying.beds[course]), float(laying.beds[course + 1])
         fits = [polygons.clean_stretch(area, 0.5 * leg.thickness) for area in plan.owned(number, f, course, z0, z1)]
@@ -129,10 +128,10 @@ def _check_within(plan: Plan, number: int, f: int, frame: Frame, laying: Laying)
         ]
         if near:
             names = " and ".join(dict.fromkeys(plan.legs[other.leg].keys.name for _, other in near))
-            raise ValueError(f"with its head it lies over the junction with wall {names} at {place(near[0][0].point)}")
+            raise InputError("", f"with its head it lies over the junction with wall {names} at {place(near[0][0].point)}")
         end = facet.place(np.array([0.0 if left < margin + 0.5 * leg.thickness else facet.length, 0.0]))
         what = "the end of the wall" if all(facet.open) else "a bend or the end of the wall"
-        raise ValueError(f"with its head, {right - left:.3g} m wide, it comes closer than {margin:g} m to {what} at {place(end)}")
+        raise InputError("", f"with its head, {right - left:.3g} m wide, it comes closer than {margin:g} m to {what} at {place(end)}")
 
 
 def back(frame: Frame, course: float, unit: float) -> Iterator[list[np.ndarray]]:
@@ -141,9 +140,6 @@ def back(frame: Frame, course: float, unit: float) -> Iterator[list[np.ndarray]]
     rows, columns = max(1, round((high - low) / course)), max(1, round((right - left) / unit))
     levels = np.linspace(low, high, rows + 1)
     for j in range(rows):
-        shift = 0.5 * (j % 2)
-        heads = [left + (right - left) * (i + shift) / columns for i in range(1 if not shift else 0, columns)] if columns > 1 else []
-        ends = [left, *heads, right]
-        for a, b in pairwise(ends):
+        for a, b in pairwise([left, *even(left, right, columns, odd=j % 2 == 1 and columns > 1), right]):
             for part in polygons.polygons(frame.hole.intersection(polygons.box(a, b, float(levels[j]), float(levels[j + 1])))):
                 yield fat_pieces(part)

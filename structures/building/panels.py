@@ -26,6 +26,7 @@ from structures.building.frames import Frame
 from structures.building.junctions import Arm
 from structures.building.table import Bond
 from structures.building.widths import ASIDE
+from structures.courser import bond
 from structures.geometry import polygons
 
 LEAST_UNIT = 0.35  # between a head joint and the end of its stretch, in blocks
@@ -192,13 +193,12 @@ def _heads(leg: Leg, facet: Facet, stretch: Stretch, laying: Laying, at: tuple[i
         return []
     chained = not all(facet.open)  # facets of a bent wall have their bond each for itself
     unit = facet.length / max(1, round(facet.length / laying.unit)) if chained else laying.unit
-    start = laying.anchor + shift * unit
-    first, last = math.ceil((low - start - SAME) / unit), math.floor((high - start + SAME) / unit)
-    heads = [start + k * unit for k in range(first, last + 1)]
+    heads = bond.running(low, high, unit, laying.anchor + shift * unit)
     if not heads and min(band.right0 - band.left0, band.right1 - band.left1) > LONG * unit:
         heads = [min(max(0.5 * (low + high), low), high)]
     jitter = JITTER[laying.bond] * unit
     if jitter and heads:
+        first = math.ceil((low - laying.anchor - shift * unit - SAME) / unit)
         random = np.random.default_rng([laying.seed, zlib.crc32(leg.keys.name.encode()), leg.number, course, first + 10**6])
         heads = (np.array(heads) + jitter * (2.0 * random.random(len(heads)) - 1.0)).tolist()
     heads = [_cleared(min(max(s, low), high), taken, LEAST_BOND * unit, (low, high)) for s in heads]

@@ -11,13 +11,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.building import vaults
 from structures.building.axes import place
 from structures.building.footprints import Plan
 from structures.building.table import BuildingRoofTable, BuildingTable, BuildingVaultTable
-from structures.faults import Absent, Faults
 from structures.geometry.prism import between
 from structures.ties import MODULI, Bar
 
@@ -32,7 +32,7 @@ def roofs_of(plan: Plan, table: BuildingTable, faults: Faults) -> tuple[list[Blo
     blocks, bars = list[Block](), list[Bar]()
     for k, keys in enumerate(table.roofs):
         name = keys.name or f"roof{k + 1}"
-        with faults.of(f"roof {name}", name):
+        with faults.of(f"structure.roofs[{k}]", f"roof {name}"):
             for pair, bar in _pairs(plan, keys, name, f"structure.roofs[{k}]"):
                 blocks += pair
                 bars += [bar] if keys.tied else []
@@ -43,19 +43,19 @@ def _pairs(plan: Plan, keys: BuildingRoofTable, name: str, where: str) -> Iterat
     """Pair after pair of rafters, with the tie beam between their feet.
 
     Raises:
-        ValueError: no such wall, walls that are not parallel or not of one height, nothing between them, rafters too thin for their feet.
+        InputError: no such wall, walls that are not parallel or not of one height, nothing between them, rafters too thin for their feet.
     """
     z, thickness = _tops(plan, keys)
     bay = vaults.bay_of(plan, BuildingVaultTable.model_validate({"walls": keys.walls, "springing": z}))
     a, b = bay.half
     bearing = keys.bearing or 0.5 * thickness
     if bearing > thickness:
-        raise ValueError(f"its bearing must be at most the thickness of its walls, {thickness:g} m, got {bearing:g}")
+        raise InputError("", f"its bearing must be at most the thickness of its walls, {thickness:g} m, got {bearing:g}")
     slope = keys.rise / a
     high = keys.thickness * math.sqrt(1.0 + slope**2)
     if high < slope * bearing + LEAST_FOOT:
         least = (slope * bearing + LEAST_FOOT) / math.sqrt(1.0 + slope**2)
-        raise ValueError(f"its thickness must be at least {least:.3g} m for a bearing of {bearing:g} m, got {keys.thickness:g}")
+        raise InputError("", f"its thickness must be at least {least:.3g} m for a bearing of {bearing:g} m, got {keys.thickness:g}")
     section = np.array([(-a - bearing, 0.0), (-a, 0.0), (0.0, keys.rise), (0.0, keys.rise + high), (-a - bearing, high - slope * bearing)])
     area = 0.5 * bearing * (2.0 * high - slope * bearing) + a * high
     density = keys.mass * (a + bearing) / area
@@ -78,18 +78,18 @@ def _tops(plan: Plan, keys: BuildingRoofTable) -> tuple[float, float]:
     """z of the tops of both walls, and the lesser of their thicknesses [m].
 
     Raises:
-        ValueError: a wall that is not there, or not level; tops of two heights.
+        InputError: a wall that is not there, or not level; tops of two heights.
     """
     tops, thickness = [], []
     for name in keys.walls:
         legs = [leg for leg in plan.legs if leg.keys.name == name]
         if not legs:
-            raise Absent(f'there is no wall "{name}"', name)
+            raise InputError("", f'there is no wall "{name}"')
         heights = [z for leg in legs for _, z in leg.tops]
         if max(heights) - min(heights) > LEVEL:
-            raise ValueError(f"the top of wall {name} at {place(legs[0].facets[0].start)} is not level")
+            raise InputError("", f"the top of wall {name} at {place(legs[0].facets[0].start)} is not level")
         tops.append(max(heights))
         thickness.append(legs[0].thickness)
     if abs(tops[0] - tops[1]) > LEVEL:
-        raise ValueError(f"walls {keys.walls[0]} and {keys.walls[1]} do not end at one height: {tops[0]:.4g} and {tops[1]:.4g} m")
+        raise InputError("", f"walls {keys.walls[0]} and {keys.walls[1]} do not end at one height: {tops[0]:.4g} and {tops[1]:.4g} m")
     return tops[0], min(thickness)

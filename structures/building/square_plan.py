@@ -13,17 +13,16 @@ from typing import Any
 import numpy as np
 from shapely.geometry import Polygon
 
-from masonry_cd.foundation.errors import Fault, InputError
+from masonry_cd.foundation.errors import Fault, Faults, InputError
 from masonry_cd.mechanics.model.blocks import Block
 from structures.building import beds, junctions, openings
 from structures.building.axes import SAME, legs_of
 from structures.building.engine import Walls, blocks_of_walls
 from structures.building.footprints import Plan
-from structures.building.frames import LEAST_MEASURE, Frame
+from structures.building.frames import LEAST_MEASURE, Frame, Named
 from structures.building.junctions import Junction, Pair
 from structures.building.panels import Laying, Leaves
 from structures.building.table import BuildingTable, WallOpeningTable
-from structures.faults import Faults
 from structures.geometry.polygons import box
 from structures.layout.openings import Opening
 from structures.layout.wall_plan import Sizes, Wall
@@ -127,7 +126,7 @@ def _left_out(hull: Polygon) -> Frame:
     """A rectangle s, z of a wall that is left out."""
     left, low, right, high = hull.bounds
     keys = WallOpeningTable.model_validate({"at": 0.5 * (left + right), "width": right - left, "height": high - low})
-    return Frame(keys, "a place left out", hull, (), hull, ())
+    return Frame(keys, Named("a place left out"), hull, (), hull, ())
 
 
 def _in_turns(junction: Junction, walls: Sequence[Wall], bonded: bool) -> Junction:

@@ -22,18 +22,18 @@ import shapely
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures.building.axes import Facet, Leg, place
 from structures.building.footprints import Plan
 from structures.building.table import BuildingTable, BuildingVaultTable
-from structures.faults import Absent, Faults
+from structures.courser import rings
+from structures.courser.arch_profiles import RingTable, joints_of
+from structures.courser.vault_courses import barrel, crossing
 from structures.geometry import polygons
 from structures.geometry.compound_block import moved
 from structures.geometry.convex import halves
-from structures.layout import rings
-from structures.layout.arch_profiles import RingTable, joints_of
-from structures.layout.vault_courses import barrel, crossing
 
 PARALLEL = 1e-3  # of walls that carry a barrel, the sine of the angle between them
 CROSSING = 0.5  # sine of the angle between walls that make a corner of a bay, at least
@@ -78,7 +78,7 @@ def vaults_of(plan: Plan, table: BuildingTable, faults: Faults) -> list[Vault]:
     found = []
     for k, keys in enumerate(table.vaults):
         name = keys.name or f"vault{k + 1}"
-        with faults.of(f"vault {name}", name):
+        with faults.of(f"structure.vaults[{k}]", f"vault {name}"):
             vault = Vault(keys, name, bay_of(plan, keys))
             _carried(plan, vault)
             found.append(vault)
@@ -108,10 +108,10 @@ def bay_of(plan: Plan, keys: BuildingVaultTable) -> Bay:
     """The bay of a vault.
 
     Raises:
-        ValueError: no walls or corners, or none that bound a rectangle.
+        InputError: no walls or corners, or none that bound a rectangle.
     """
     if (keys.walls is None) == (keys.corners is None):
-        raise ValueError("give walls that carry it, or corners of its bay")
+        raise InputError("", "give walls that carry it, or corners of its bay")
     if keys.corners is not None:
         corners = np.array(keys.corners)
         bay = _rectangle(Polygon(corners), corners[1] - corners[0])
@@ -120,16 +120,16 @@ def bay_of(plan: Plan, keys: BuildingVaultTable) -> Bay:
     facets = [_facets(plan, name) for name in keys.walls]
     if keys.shape == "barrel":
         if len(facets) != 2:
-            raise ValueError(f"a barrel springs from two walls, got {len(facets)}")
+            raise InputError("", f"a barrel springs from two walls, got {len(facets)}")
         room, along = _between(facets[0], facets[1], keys.walls)
     else:
         if len(facets) != 4:
-            raise ValueError(f"a vault of this shape springs from four walls, got {len(facets)}")
+            raise InputError("", f"a vault of this shape springs from four walls, got {len(facets)}")
         room, along = _within(facets), facets[0][0][1].along
     standing = [_world(plan, leg, facet) for leg in plan.legs for facet in leg.facets if stands(leg, keys.springing)]
     clear = polygons.polygons(room.difference(shapely.union_all(standing)), 1e-4)
     if not clear:
-        raise ValueError(f"there is no room between walls {', '.join(keys.walls)}")
+        raise InputError("", f"there is no room between walls {', '.join(keys.walls)}")
     bay = _rectangle(max(clear, key=lambda part: part.area), along)
     return bay.turned() if keys.shape == "barrel" else bay
 
@@ -137,7 +137,7 @@ def bay_of(plan: Plan, keys: BuildingVaultTable) -> Bay:
 def _facets(plan: Plan, name: str) -> list[tuple[Leg, Facet]]:
     found = [(leg, facet) for leg in plan.legs for facet in leg.facets if leg.keys.name == name]
     if not found:
-        raise Absent(f'there is no wall "{name}"', name)
+        raise InputError("", f'there is no wall "{name}"')
     return found
 
 
@@ -156,7 +156,7 @@ def _between(ones: Sequence[tuple[Leg, Facet]], others: Sequence[tuple[Leg, Face
                 best = high - low, Polygon(ring), facet.along
     if best is None:
         at = place(ones[0][1].place(np.array([0.5 * ones[0][1].length, 0.0])))
-        raise ValueError(f"walls {names[0]} and {names[1]} are not parallel, or not beside each other, at {at}")
+        raise InputError("", f"walls {names[0]} and {names[1]} are not parallel, or not beside each other, at {at}")
     return best[1], best[2]
 
 
@@ -185,14 +185,14 @@ def _rectangle(shape: Polygon, along: np.ndarray) -> Bay:
     """A bay from its polygon, x along a direction.
 
     Raises:
-        ValueError: it is no rectangle.
+        InputError: it is no rectangle.
     """
     unit = along / np.hypot(*along)
     ring = polygons.loop(shape)
     local = np.column_stack([ring @ unit, ring @ np.array([-unit[1], unit[0]])])
     low, high = local.min(axis=0), local.max(axis=0)
     if abs(shape.area - float(np.prod(high - low))) > SQUARE * shape.area:
-        raise ValueError(f"its bay at {place(ring.mean(axis=0))} is no rectangle: {len(ring)} corners, {shape.area:.4g} m2")
+        raise InputError("", f"its bay at {place(ring.mean(axis=0))} is no rectangle: {len(ring)} corners, {shape.area:.4g} m2")
     middle = 0.5 * (low + high)
     return Bay(
         middle[0] * unit + middle[1] * np.array([-unit[1], unit[0]]), unit, (float(0.5 * (high - low)[0]), float(0.5 * (high - low)[1]))
@@ -219,12 +219,12 @@ def _carried(plan: Plan, vault: Vault) -> None:
     """Refuse a vault without walls where it springs.
 
     Raises:
-        ValueError: says where nothing carries it.
+        InputError: says where nothing carries it.
     """
     keys, (a, b) = vault.keys, vault.bay.half
     t = keys.thickness
     if keys.shape != "barrel" and max(a, b) > OBLONG * min(a, b):
-        raise ValueError(f"its bay of {2 * a:.4g} m by {2 * b:.4g} m is longer than {OBLONG:g} times its width")
+        raise InputError("", f"its bay of {2 * a:.4g} m by {2 * b:.4g} m is longer than {OBLONG:g} times its width")
     sides = [(-a - t, -a, -b, b), (a, a + t, -b, b)]
     if keys.shape == "domical":
         sides += [(-a, a, -b - t, -b), (-a, a, b, b + t)]
@@ -238,9 +238,9 @@ def _carried(plan: Plan, vault: Vault) -> None:
         share = seat.intersection(standing).area / seat.area
         if share < CARRIED:
             at = place(np.array([seat.centroid.x, seat.centroid.y]))
-            raise Absent(
+            raise InputError(
+                "",
                 f"no wall to stand on at {at}, z = {keys.springing:g} m: of the {t:g} m that it bears on, walls carry {100 * share:.0f} %",
-                *keys.walls or (),
             )
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Arches of straight-edged voussoirs on abutments or on buttresses.
 
-The lines of the ring, semicircular, segmental, pointed, three-centred or flat, are those of :mod:`structures.layout.arch_profiles`; each
+The lines of the ring, semicircular, segmental, pointed, three-centred or flat, are those of :mod:`structures.courser.arch_profiles`; each
 voussoir is the quadrilateral between two joints. At the springings lie fixed abutments, or buttresses: piers of whole blocks whose
 topmost one is the skewback, cut to the springing joint. The intrados springs at z = 0, and the feet of buttresses lie below.
 
@@ -25,9 +25,9 @@ from masonry_cd.foundation.fields import is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
+from structures.courser.arch_profiles import AGREE, RingTable, joints_of, voussoirs
 from structures.geometry.prism import prism_xz, rectangle
 from structures.kind import StructureKind, scaled
-from structures.layout.arch_profiles import AGREE, RingTable, joints_of, voussoirs
 from structures.layout.wall_plan import AROUND
 from structures.macro_elements import EAST, HINGES, WEST, Layout, MacroElement
 from structures.schema import Length, WallHeight

@@ -9,15 +9,16 @@ Groups are the names of walls, vaults, columns and arcades, unless they say anot
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from masonry_cd.foundation.errors import Fault, Faults, InputError, parse_table
 from structures import Made
 from structures.building.elements import parts
 from structures.building.table import BuildingTable
-from structures.faults import ANYTHING, Faults
 from structures.kind import Keys, StructureKind, other_seed, scaled
 from structures.layout import wall_plan
 from structures.plans import Plan, open_plan
@@ -35,9 +36,11 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
     """
     from structures.building import engine
 
-    faults = Faults()
-    keys, plan = _opened(table, folder, faults)
-    blocks, bars, apart = engine.blocks_of(keys, density, faults)
+    keys, plan = _opened(table, folder)
+    try:
+        blocks, bars, apart = engine.blocks_of(keys, density)
+    except InputError as error:
+        raise error.each(lambda fault: _in_plan(fault, table, plan)) from None
     blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
     return Made(blocks, [*plan.notes, *apart], bars)
 
@@ -48,25 +51,38 @@ def plan_tables(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any],
     Raises:
         InputError: a key that is wrong, or a plan that cannot be read.
     """
-    faults = Faults()
-    keys, plan = _opened(table, folder, faults)
-    faults.refuse()
+    keys, plan = _opened(table, folder)
     return keys.model_dump(mode="json", exclude_unset=True, exclude={"plan", *PlanKeys.model_fields}), plan.left
 
 
-def _opened(table: Mapping[str, Any], folder: Path, faults: Faults) -> tuple[BuildingTable, Plan]:
-    """The keys of a table and its plan; an empty one where it names none."""
-    own, keys = faults.parsed(BuildingTable, table, "structure")
+def _opened(table: Mapping[str, Any], folder: Path) -> tuple[BuildingTable, Plan]:
+    """The keys of a table and its plan, whose lists come before those of the table; an empty one where it names none.
+
+    Raises:
+        InputError: keys of the table that are wrong, or else what the plan lacks, or else keys of the plan that are wrong.
+    """
+    keys = parse_table(BuildingTable, table, "structure")
     if keys.plan is None:
         return keys, Plan({}, [], [])
-    del own["plan"]
-    plan = Plan({}, [], [])
-    with faults.of("", ANYTHING, bears=True):
-        plan = open_plan(folder / keys.plan, own)
-    faults.found += plan.faults.values()
-    faults.left_out |= dict.fromkeys(plan.faults, True)
+    own = {key: value for key, value in table.items() if key != "plan"}
+    plan = open_plan(folder / keys.plan, own)
+    Faults([*plan.faults.values()]).refuse()
     lists = {key: [*plan.tables[key], *own[key]] for key in own if isinstance(own[key], (list, tuple)) and key in plan.tables}
-    return faults.parsed(BuildingTable, {**plan.tables, **own, **lists}, "structure")[1], plan
+    try:
+        return parse_table(BuildingTable, {**plan.tables, **own, **lists}, "structure"), plan
+    except InputError as error:
+        raise error.each(lambda fault: _in_plan(fault, table, plan)) from None
+
+
+def _in_plan(fault: Fault, table: Mapping[str, Any], plan: Plan) -> Fault:
+    """A fault of an entry of a list, which lies in the file of the plan, or else is counted as in the scene."""
+    found = re.match(r"structure\.(\w+)\[(\d+)\]", fault.place)
+    if found is None or found[1] not in plan.tables:
+        return fault
+    number = int(found[2]) - len(plan.tables[found[1]])
+    if number < 0:
+        return fault._replace(place=f"{Path(table['plan']).name}: {fault.place.removeprefix('structure.')}")
+    return fault._replace(place=f"structure.{found[1]}[{number}]{fault.place[found.end() :]}")
 
 
 def bonds(table: Keys) -> dict[str, Keys]:

@@ -3,8 +3,8 @@
 
 The nave runs along x from the facade at x = 0 to the wall of the triumphal arch, and is centred on y = 0; the ground is
 z = 0. All walls share their beds and are interlocked where they meet (:mod:`structures.layout.wall_plan`), the apse with the wall that it
-leans on by stones that reach into it (:mod:`structures.layout.rings`). ``block_length`` steers the number of blocks: the default church has
-about 2,300 of 1 m by 0.5 m, with 0.64 m about 5,000. Heights are rounded to whole courses.
+leans on by stones that reach into it (:mod:`structures.courser.rings`). ``block_length`` steers the number of blocks: the default church
+has about 2,300 of 1 m by 0.5 m, with 0.64 m about 5,000. Heights are rounded to whole courses.
 
 The measures are those of a middle-sized Italian church with walls of squared blocks: no drawing of a real one is behind them.
 Damage is reported by macro-element, which are the groups: ``facade``, ``nave_walls``, ``triumphal_arch``, ``apse``, ``half_dome``,

@@ -15,13 +15,13 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
+from structures.courser import rings
+from structures.courser.arch_profiles import ring as circle
+from structures.courser.columns import ColumnTable, column
+from structures.courser.vault_courses import barrel
 from structures.geometry.prism import box
 from structures.kinds.church_table import ChurchTable
-from structures.layout import rings
-from structures.layout.arch_profiles import ring as circle
-from structures.layout.columns import ColumnTable, column
 from structures.layout.openings import Opening, natural_ring
-from structures.layout.vault_courses import barrel
 from structures.layout.wall_plan import Sizes, Wall
 
 PLATE = 0.3  # height of the wall plate that carries a timber roof [m]

@@ -18,9 +18,9 @@ from typing import Any
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
+from structures.courser.columns import ColumnTable, column
 from structures.kind import StructureKind, scaled
 from structures.layout import wall_plan
-from structures.layout.columns import ColumnTable, column
 from structures.macro_elements import whole
 
 

@@ -2,7 +2,7 @@
 """Domes over a regular polygon: plane voussoirs in level rows, on a drum or on the ground, closed by a key or open in an oculus.
 
 A dome of flat sides is the cloister vault of many sides; with 16 sides its volume is within 1.3 % of the round one's. Stones of odd
-rows turn round the corners (:mod:`structures.layout.rings`), so that no joint runs along a meridian: whether meridians open is
+rows turn round the corners (:mod:`structures.courser.rings`), so that no joint runs along a meridian: whether meridians open is
 left to the mechanics.
 
 The default, 6 m clear and 0.5 m thick, stands by itself. The intrados springs at z = 0, or at the top of the drum. Groups:
@@ -22,8 +22,9 @@ from pydantic import Field
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
+from structures.courser import rings
 from structures.kind import Keys, StructureKind, scaled, value_of
-from structures.layout import rings, wall_plan
+from structures.layout import wall_plan
 from structures.macro_elements import whole
 from structures.schema import HIGH, Height, Length, Table, Thickness
 

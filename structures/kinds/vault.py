@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Vaults: a barrel on abutments, and the cross vault where two barrels of one profile meet over a square bay.
 
-Either has the profile of an arch (:mod:`structures.layout.arch_profiles`), whose voussoirs become courses that run along the vault. Head
+Either has the profile of an arch (:mod:`structures.courser.arch_profiles`), whose voussoirs become courses that run along the vault. Head
 joints stand in running bond, so that no ring is separate from the next, unless asked for.
 
 Of a cross vault, the web towards +x fills x >= |y|: its courses end on the groins, the upright planes x = |y|. Seen from either web
@@ -24,11 +24,11 @@ from pydantic import Field
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
+from structures.courser.arch_profiles import RingTable, joints_of
+from structures.courser.vault_courses import barrel, crossing
 from structures.geometry.prism import box, prism_xz
 from structures.kind import Keys, StructureKind, scaled, straight_joints, value_of
 from structures.kinds.arch import seat
-from structures.layout.arch_profiles import RingTable, joints_of
-from structures.layout.vault_courses import barrel, crossing
 from structures.macro_elements import AROUND, HINGES, Layout, MacroElement
 from structures.schema import Length, Thickness
 

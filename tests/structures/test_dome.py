@@ -13,7 +13,7 @@ from statics3d import assembled, can_stand, in_one_piece
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.polygon import polygon_area, polygon_centroid
-from structures.layout import rings
+from structures.courser import rings
 
 
 def ring_volume(sides: int, profile: np.ndarray) -> float:

@@ -19,8 +19,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties
 from structures import site
-from structures.faults import Faults
-from structures.floors import with_floors
+from structures.floors import FloorTable, with_floors
 from structures.ties import Bar
 
 HOUSE = {
@@ -74,7 +73,7 @@ def test_a_floor_above_the_walls_lies_on_them():
 
 def test_two_walls_alone_carry_a_floor_as_long_as_they_are():
     walls = [ground(5.0), box("a", (-1.0, -2.4, 0.0), (1.0, -2.0, 3.0)), box("b", (-1.0, 2.0, 0.0), (1.0, 2.4, 3.0))]
-    blocks, _, _ = with_floors(walls, [{**FLOOR, "walls": ["a", "b"]}], Faults())
+    blocks, _, _ = with_floors(walls, [FloorTable.model_validate({**FLOOR, "walls": ["a", "b"]})])
     slab = named(blocks, "floor1")
     assert np.ptp(slab.vertices, axis=0) == pytest.approx([2.0, 4.4, 0.25])
 
@@ -132,7 +131,7 @@ def propped(courses: int, floor: bool) -> list[Block]:
     if not floor:
         return blocks
     table = {"height": HIGH, "thickness": SLAB, "mass": MASS, "walls": [f"w{courses - 1}", "far"], "bearing": DEEP, "inside": [0.0, 1.9]}
-    return with_floors(blocks, [table], Faults())[0]
+    return with_floors(blocks, [FloorTable.model_validate(table)])[0]
 
 
 def factor_of(blocks: list[Block], towards: float, between: float, bars: Sequence[Bar] = ()) -> float:
@@ -190,7 +189,7 @@ def test_anchors_hold_a_wall_back_by_their_yield_force(strength):
     """
     table = {"height": HIGH, "thickness": SLAB, "mass": MASS, "walls": ["w0", "far"], "bearing": DEEP, "inside": [0.0, 1.9]}
     anchors = {"anchors": {"spacing": 1.0, "yield_force": strength}} if strength else {}
-    blocks, bars, _ = with_floors(propped(1, floor=False), [table | anchors], Faults())
+    blocks, bars, _ = with_floors(propped(1, floor=False), [FloorTable.model_validate(table | anchors)])
     assert len(bars) == (4 if strength else 0)
     foot, span = HIGH - SLAB, 2.0 * DEEP + APART
     psi = THICK / (span - DEEP)

@@ -18,10 +18,9 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from structures import Made, site
-from structures.faults import Faults
 from structures.files import blockfile
 from structures.geometry.prism import prism_xz
-from structures.ties import ties_of
+from structures.ties import TieRowTable, ties_of
 
 G = (0.0, 0.0, -9.81)
 WALL = {"kind": "wall", "length": 4.0, "height": 3.0, "course_height": 0.5, "unit_length": 1.0, "thickness": 0.5}
@@ -141,7 +140,7 @@ def test_a_time_step_too_long_for_a_tie_names_it():
 def pushed(yield_force: float | None, push: float, time: float = 1.0) -> Stepper:
     """Two stones on smooth ground, tied, and pushed apart by a force that grows over half a second."""
     blocks = [ground(20.0), box("a", (-2.0, 0.0, 0.0), (-1.0, 1.0, 1.0)), box("b", (1.0, 0.0, 0.0), (2.0, 1.0, 1.0))]
-    bars, _ = ties_of(blocks, two(yield_force), Faults())
+    bars, _ = ties_of(blocks, [TieRowTable.model_validate(table) for table in two(yield_force)])
     tables = [
         {"kind": "point", "block": name, "force": [sign * push, 0.0, 0.0], "point": [x, 0.5, 0.5], "ramp": 0.5}
         for name, sign, x in (("a", -1, -1.5), ("b", 1, 1.5))

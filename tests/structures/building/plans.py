@@ -11,12 +11,11 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from masonry_cd.foundation.errors import parse_table
+from masonry_cd.foundation.errors import Faults, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures.building.axes import Leg
 from structures.building.engine import Walls, prepared
 from structures.building.table import BuildingTable
-from structures.faults import Faults
 
 GRID = 1e-12  # to which corners are rounded in unions, which otherwise may lose one of two polygons whose sides differ by rounding [m]
 

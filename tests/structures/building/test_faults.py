@@ -75,32 +75,3 @@ def test_a_fault_is_a_line_that_names_wall_junction_and_place(case: str) -> None
     with pytest.raises(InputError, match=said) as failure:
         build("building", walls=walls, **keys)
     assert "\n" not in str(failure.value)
-
-
-def test_all_faults_of_a_plan_are_said_at_once() -> None:
-    walls = [
-        A | {"openings": [{"at": 0.5, "width": 0.8, "height": 1.5}, {"at": 9.0, "width": 0.8}]},
-        wall("b", [[0, 0], [0, 3]]),
-        wall("c", [[2, 0], [6, 1]]),
-    ]
-    with pytest.raises(InputError) as failure:
-        build("building", walls=walls)
-    assert len(str(failure.value).splitlines()) >= 2
-
-
-def test_faults_of_junctions_openings_and_vaults_are_said_together() -> None:
-    walls = [
-        wall("a", [[0, 0], [6, 0]], openings=[{"name": "door", "at": 0.4, "width": 1.0, "height": 1.5}]),
-        wall("b", [[0, 0], [0, 4]]),
-        wall("d", [[2, -0.1], [6, 0.4]]),
-    ]
-    vault = {"shape": "cross", "corners": [[10, 10], [13, 10], [13, 13], [10, 13]], "springing": 1.5}
-    with pytest.raises(InputError) as failure:
-        build("building", walls=walls, vaults=[vault])
-    begins = (
-        "walls a and d: their strips overlap",
-        "opening door of wall a at 0.4 m: with its head it lies over",
-        "vault vault1: no wall to stand on",
-    )
-    lines = str(failure.value).splitlines()
-    assert all(any(line.startswith(begin) for line in lines) for begin in begins)

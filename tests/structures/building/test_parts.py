@@ -125,6 +125,13 @@ def test_a_floor_has_its_seats_in_walls_by_name_and_is_tied_to_those_asked_for()
         structures.make({"kind": "building", "walls": ROOM, "floors": [floor]}, 2000.0, Path())
 
 
+def test_tie_beams_of_a_roof_stay_where_there_are_floors() -> None:
+    floor: dict[str, Any] = {"height": 1.8, "thickness": 0.2, "mass": 300.0, "walls": ["s", "n"], "anchors": {"spacing": 1.2}}
+    roof = {"walls": ["s", "n"], "rise": 0.8, "mass": 150.0, "tied": True}
+    made = structures.make({"kind": "building", "walls": ROOM, "roofs": [roof], "floors": [floor]}, 2000.0, Path())
+    assert {bar.keys["name"].split(".")[0] for bar in made.ties} == {"roof1", "floor1"}
+
+
 FAULTS: dict[str, tuple[dict[str, Any], str]] = {
     "no wall to stand on": (
         {"walls": ROOM[:2] + ROOM[3:], "vaults": [VAULT | {"corners": CLEAR, "shape": "domical"}]},

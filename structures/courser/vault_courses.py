@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The courses of vaults: a barrel along y, and the webs and groins of two barrels of one profile that cross.
 
-The voussoirs of the profile (:mod:`structures.layout.arch_profiles`) become courses that run along the vault, in running bond. Of a
+The voussoirs of the profile (:mod:`structures.courser.arch_profiles`) become courses that run along the vault, in running bond. Of a
 crossing, the web towards +x fills x >= |y|: its courses end on the groins, the upright planes x = |y|. Seen from either web a groin is
 the same line, so a stone on it has an arm in both webs, a compound block, and the four keystone courses end in one cross-shaped boss.
 """
@@ -16,9 +16,10 @@ import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces
+from structures.courser.arch_profiles import voussoirs
+from structures.courser.bond import even
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import between, prism_xz
-from structures.layout.arch_profiles import voussoirs
 
 LEAST = 0.35  # between a head joint and the groin, in blocks
 
@@ -28,9 +29,7 @@ Groins = dict[tuple[int, float, float], list[Part]]  # by course and quadrant
 
 def rows(length: float, unit: float, odd: bool) -> np.ndarray:
     """Ends of the blocks of one course (n + 1,) from 0 to the length: whole blocks, or starting with a half."""
-    count = max(1, round(length / unit))
-    inner = (np.arange(count) + 0.5 if odd else np.arange(1, count)) / count
-    return np.concatenate([[0.0], length * inner, [length]])
+    return np.array([0.0, *even(0.0, length, max(1, round(length / unit)), odd), length])
 
 
 def barrel(

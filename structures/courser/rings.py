@@ -22,6 +22,7 @@ import numpy as np
 from masonry_cd.foundation import libm
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces
+from structures.courser.bond import even
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import between
 
@@ -104,8 +105,7 @@ class _Bond:
 
     def heads(self) -> np.ndarray:
         """Head joints within a side, as shares of half its length."""
-        inner = np.arange(self.count) + 0.5 if self.turning else np.arange(1, self.count)
-        return 2.0 * inner / self.count - 1.0
+        return np.array(even(-1.0, 1.0, self.count, self.turning))
 
     def next(self, wanted: int) -> _Bond:
         """The bond of the row above; the number of blocks changes where their joints do not then run through."""

@@ -171,15 +171,30 @@ def _pointed(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
         raise InputError("structure.voussoirs", f"a pointed arch has a joint at its apex, so an even number, got {arch.voussoirs}")
     outer, offset = inner + arch.thickness, inner - half  # the centre of the left arc lies at x = +offset
     apex = math.acos(offset / (inner + 0.5 * arch.thickness))
-    angles = apex * np.arange(arch.voussoirs // 2) / (arch.voussoirs // 2)
-    unit = np.array([-libm.cos(angles), libm.sin(angles)]).T
-    top = np.array([[0.0, math.sqrt(inner**2 - offset**2)], [0.0, math.sqrt(outer**2 - offset**2)]])
-    ends = []
-    for radius, crown in ((inner, top[0]), (outer, top[1])):
-        left = radius * unit + [offset, 0.0]
-        ends.append(np.concatenate([left, crown[None], left[::-1] * [-1.0, 1.0]]))
-    if min(np.diff(ends[0][: arch.voussoirs // 2 + 1, 0])) <= 0:
+    intrados, extrados = pointed(inner, outer, offset, apex, arch.voussoirs // 2)
+    if min(np.diff(intrados[: arch.voussoirs // 2 + 1, 0])) <= 0:
         raise InputError("structure.voussoirs", f"too many for the joint at the apex, got {arch.voussoirs}; take fewer or a thinner ring")
+    return intrados, extrados
+
+
+def pointed(inner: float, outer: float, offset: float, apex: float, half: int) -> tuple[np.ndarray, np.ndarray]:
+    """Joint ends on the intrados and on the extrados of a ring of two arcs, from left to right.
+
+    Args:
+        inner, outer: radii of intrados and extrados [m].
+        offset: of the centre of the left arc beyond the middle [m].
+        apex: angle over which the joints of an arc are spaced [rad]; that at the apex is upright.
+        half: number of voussoirs of an arc N / 2.
+
+    Returns:
+        Two arrays (N + 1, 2) of x, z [m].
+    """
+    angles = apex * np.arange(half) / half
+    unit = np.array([-libm.cos(angles), libm.sin(angles)]).T
+    ends = []
+    for radius in (inner, outer):
+        left = radius * unit + [offset, 0.0]
+        ends.append(np.concatenate([left, [[0.0, math.sqrt(radius**2 - offset**2)]], left[::-1] * [-1.0, 1.0]]))
     return ends[0], ends[1]
 
 
@@ -251,11 +266,16 @@ def mirrored(left: Sequence[Sequence[float]] | np.ndarray, count: int) -> np.nda
 
 def _flat(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
     """Joint ends of a flat arch."""
-    half = 0.5 * _span_of(arch, "radius", "embrace", "rise")
-    wide = half + arch.thickness * math.tan(math.radians(20.0 if arch.skew is None else arch.skew))
-    share = (2.0 * np.arange(arch.voussoirs + 1) - arch.voussoirs) / arch.voussoirs
+    half, skew = 0.5 * _span_of(arch, "radius", "embrace", "rise"), math.radians(20.0 if arch.skew is None else arch.skew)
+    return flat(half, arch.thickness, skew, arch.voussoirs)
+
+
+def flat(half: float, thickness: float, skew: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Joint ends (N + 1, 2) on the soffit and on the top of a flat arch of N voussoirs over a half span [m], to its skew [rad]."""
+    wide = half + thickness * math.tan(skew)
+    share = (2.0 * np.arange(count + 1) - count) / count
     level = np.zeros_like(share)
-    return np.stack([half * share, level], axis=1), np.stack([wide * share, level + arch.thickness], axis=1)
+    return np.stack([half * share, level], axis=1), np.stack([wide * share, level + thickness], axis=1)
 
 
 def voussoirs(intrados: np.ndarray, extrados: np.ndarray) -> list[np.ndarray]:
