@@ -10,8 +10,7 @@ from masonry_cd.interface.compas import from_compas as from_compas
 from masonry_cd.interface.joint_law import JointLaw as JointLaw
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
-from masonry_cd.interface.macro import MacroElements as MacroElements
-from masonry_cd.interface.macro import macro_elements as macro_elements
+from masonry_cd.interface.limit import macro_elements as macro_elements
 from masonry_cd.interface.modal import modal as modal
 from masonry_cd.interface.results import Run as Run
 from masonry_cd.interface.results import open_run as open
@@ -38,7 +37,6 @@ __all__ = [
     "InputError",
     "JointLaw",
     "LimitAnalysis",
-    "MacroElements",
     "Run",
     "RunWarning",
     "Scene",

@@ -56,20 +56,26 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     from masonry_cd.foundation.errors import Faults, InputError
     from structures import size
     from structures.floors import FloorTable, with_floors
-    from structures.geometry.checks import check
+    from structures.geometry.checks import Unsound, check
     from structures.tables import own_keys, rows_of
     from structures.ties import TieRowTable, ties_of
 
     if "kind" not in table:
         raise InputError("structure.kind", f"missing; one of {', '.join(KINDS)}")
     kind = kind_of(str(table["kind"]), folder)
-    faults = Faults()
-    with size.limited(table.get(size.KEY, size.MOST)), faults.of():
-        made = kind.build(own_keys(table), math.nan if density is None else density, folder)
-        if not kind.checks:
-            check(made[0] if isinstance(made, tuple) else made)
-    floors = rows_of(FloorTable, table.get("floors", ()), "structure.floors", faults)
-    ties = rows_of(TieRowTable, table.get("ties", ()), "structure.ties", faults)
+    faults, keys = Faults(), Faults()
+    floors = rows_of(FloorTable, table.get("floors", ()), "structure.floors", keys)
+    ties = rows_of(TieRowTable, table.get("ties", ()), "structure.ties", keys)
+    try:
+        with size.limited(table.get(size.KEY, size.MOST)):
+            made = kind.build(own_keys(table), math.nan if density is None else density, folder)
+            if not kind.checks:
+                check(made[0] if isinstance(made, tuple) else made)
+    except InputError as error:
+        if isinstance(error, Unsound) and not keys.found:  # it knows its blocks, which can be drawn
+            raise
+        faults.found += error.faults
+    faults.found += keys.found
     faults.refuse()
     fills = made.fills if isinstance(made, Made) else ()
     blocks, notes = made[:2] if isinstance(made, tuple) else (made, [])

@@ -53,10 +53,10 @@ VOLATILE = (  # what differs from machine to machine or from time to time, and w
     (r"\b\d+\.\d+\.\d+[\w.]*\b", "VERSION"),
     (r"(?<=kernels for\n).*", "PROCESSOR"),
     (r"(?<=packages not loaded: ).*", "PACKAGES"),
+    (r"(?m)^[\d.]+(e-\d\d)? s$", "TIME"),
     (r"[\d.]+e-\d\d\b", "SMALL"),
     (r"\b\d+ iterations( on average, \d+ at most)?", "N iterations"),
     (r"in \S+ m?s, \S+ [mu]?s per step; .*", "in TIME"),
-    (r"(?m)^[\d.]+ s$", "TIME"),
 )
 
 

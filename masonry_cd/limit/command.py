@@ -55,7 +55,7 @@ def limit(scene: Scene, wanted: Wanted, files: Files | None = None) -> Result[Li
     from masonry_cd.limit.files import write
 
     folder, resume = files.folder, files.resume
-    case = limit_case(scene, wanted=wanted, keep=lambda structure: Kept.begun(folder, structure, resume))
+    case = limit_case(scene, wanted=wanted, keep=lambda structure: Kept.to(folder, structure, resume))
     written = write(case, folder, files.pictures, files.view, files.run)
     (folder / NAME).unlink(missing_ok=True)
     return Result(case, lines(case), case.notes, written)

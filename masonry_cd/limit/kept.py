@@ -33,8 +33,7 @@ READ = {  # what a record may consist of, by its module
     "masonry_cd.analysis.limit.candidates": {"Candidate"},
     "masonry_cd.analysis.limit.mechanism": {"Mechanism"},
     "masonry_cd.analysis.limit.oscillator": {"Oscillator"},
-    "masonry_cd.analysis.limit.search": {"LeastFound"},
-    "masonry_cd.analysis.limit.solution": {"Optimum"},
+    "masonry_cd.analysis.limit.solution": {"LeastFound", "Optimum"},
     "structures.macro_elements.element": {"MacroElement"},
     "numpy": {"ndarray", "dtype"},
     "numpy._core.multiarray": {"_reconstruct", "scalar"},
@@ -46,24 +45,21 @@ READ = {  # what a record may consist of, by its module
 
 @dataclass
 class Kept:
-    """The parts of an analysis that are done, in a folder."""
+    """The parts of an analysis that are done, in a folder, which is made with the first of them."""
 
     folder: Path
     stamp: bytes
     known: dict[tuple[str, tuple[float, ...]], ElementAnalysis] = field(default_factory=dict)
+    begun: bool = False  # whether the file is that of this analysis
 
     @classmethod
-    def begun(cls, folder: Path, structure: LimitStructure, resume: bool) -> Kept:
+    def to(cls, folder: Path, structure: LimitStructure, resume: bool) -> Kept:
         """The parts kept in a folder where an analysis is to be resumed; none of a new one."""
         made = cls(folder, _stamp(structure))
-        file = folder / NAME
-        for record in _records(file) if resume else ():
+        for record in _records(folder / NAME) if resume else ():
             if record.startswith(made.stamp):
                 part = _Reader(io.BytesIO(record[len(made.stamp) :])).load()
-                made.known[part.element.name, tuple(part.direction.tolist())] = part
-        own_files.begin(folder, (NAME,))
-        own_files.note(file, growing=True)
-        file.write_bytes(b"")
+                made.known[_key(part)] = part
         return made
 
     def of(self, push: tuple[MacroElement, Sequence[float]]) -> ElementAnalysis | None:
@@ -75,10 +71,24 @@ class Kept:
         """Keep a part, and write the table of all mechanisms so far."""
         from reports.limit.tables import write_mechanisms
 
-        record = self.stamp + pickle.dumps(part, protocol=4)
-        with (self.folder / NAME).open("ab") as file:
-            file.write(len(record).to_bytes(LENGTH, "big") + record)
+        if not self.begun:
+            own_files.begin(self.folder, (NAME,))
+            own_files.note(self.folder / NAME, growing=True)
+            (self.folder / NAME).write_bytes(b"".join(map(self._record, self.known.values())))
+            self.begun = True
+        if _key(part) not in self.known:
+            with (self.folder / NAME).open("ab") as file:
+                file.write(self._record(part))
         write_mechanisms([asdict(each.row) for each in rows], self.folder)
+
+    def _record(self, part: ElementAnalysis) -> bytes:
+        record = self.stamp + pickle.dumps(part, protocol=4)
+        return len(record).to_bytes(LENGTH, "big") + record
+
+
+def _key(part: ElementAnalysis) -> tuple[str, tuple[float, ...]]:
+    """The part and where to it is pushed."""
+    return part.element.name, tuple(part.direction.tolist())
 
 
 class _Reader(pickle.Unpickler):

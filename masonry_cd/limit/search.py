@@ -10,7 +10,7 @@ from masonry_cd.analysis.code_check.verdicts import SearchNumbers
 from masonry_cd.analysis.limit.analysis import Analysis, Options
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.problem import plane_of
-from masonry_cd.analysis.limit.search import AGREE, LeastFound
+from masonry_cd.analysis.limit.solution import AGREE, LeastFound
 from masonry_cd.foundation.quantities import in_words
 
 if TYPE_CHECKING:

@@ -114,9 +114,13 @@ def _legs(walls: Mapping[str, Sequence[BuildingWallTable]], before: Sequence[Bui
     legs, names = list[Leg](), {keys.name for keys in before}
     number = len(before)
     for where, keys in ((where, keys) for where, some in walls.items() for keys in some):
+        known = len(faults.found)
+        with faults.of():
+            size.at_most(len(keys.top or ()), size.MOST_TOP, f"{where}.top: points")
+            size.at_most(len(keys.openings), size.MOST_OPENINGS, f"{where}.openings: openings of one wall")
+        if len(faults.found) > known:
+            continue
         with faults.of(where, f"wall {keys.name}"):
-            size.at_most(len(keys.top or ()), size.MOST_TOP, "top: points")
-            size.at_most(len(keys.openings), size.MOST_OPENINGS, "openings: openings of one wall")
             if keys.masonry is not None and keys.masonry not in KINDS:
                 raise InputError("", f'masonry "{keys.masonry}" is none of {", ".join(KINDS)}')
             if keys.name in names:

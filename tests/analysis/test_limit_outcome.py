@@ -11,7 +11,7 @@ from masonry_cd.analysis.limit.outcome import on_the_whole
 
 FOUND: dict[str, Any] = {
     "stands": True, "bears_nothing": False, "no_finite_factor": False, "associated": 0.25, "verdict": None, "certificate": {"gap": 1e-12},
-    "least": {"factor": 0.24, "agreeing": 4, "starts": 4},
+    "least": {"factor": 0.24, "agreeing": 4, "starts": 4}, "without": [],
 }  # fmt: skip
 
 
@@ -32,7 +32,8 @@ FOUND: dict[str, Any] = {
         ({"no_finite_factor": True, "associated": None, "certificate": None, "least": None}, "no finite load factor", "look"),
         ({"stands": False}, "does not stand", "doubtful"),
         ({"bears_nothing": True}, "bears no such load", "good"),
-        ({"verdict": {"state": "NOT satisfied", "reason": "less is borne than asked for"}}, "NOT satisfied", "doubtful"),
+        ({"verdict": {"state": "NOT satisfied", "confidence": "certain", "because": "", "reason": "too little"}}, "NOT satisfied", "good"),
+        ({"verdict": {"state": "not decided", "confidence": "doubtful", "because": "no search", "reason": ""}}, "not decided", "look"),
     ],
 )
 def test_the_factor_and_how_sure_it_is(changes, grade, sure):

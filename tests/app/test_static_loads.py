@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from limit_said import said
+from limit_scenes import pillar, said, scene
 from models import GRAVITY, box, ground
-from test_limit_case import pillar, scene
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import LimitCase, Wanted, limit_case

@@ -9,7 +9,7 @@ import pytest
 
 import masonry_cd as mc
 
-KINDS = ("Assessment", "Comparison", "LimitAnalysis", "MacroElements", "Run", "Scene", "Simulation", "Structure", "Study")
+KINDS = ("Assessment", "Comparison", "LimitAnalysis", "Run", "Scene", "Simulation", "Structure", "Study")
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -6,9 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from limit_said import said
+from limit_scenes import pillar, said, scene
 from models import GRAVITY
-from test_limit_case import pillar, scene
 
 from masonry_cd.analysis.limit.outcome import on_the_whole
 from masonry_cd.limit.case import limit_case

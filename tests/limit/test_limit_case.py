@@ -11,7 +11,7 @@ from pathlib import Path
 import browser
 import numpy as np
 import pytest
-from limit_said import said
+from limit_scenes import PUSH, TIE, TILT, pillar, said, scene
 from models import box, ground
 from pictures import pixels
 from typer.testing import CliRunner
@@ -25,26 +25,7 @@ from masonry_cd.limit.facts import facts
 from masonry_cd.limit.files import EVERY, write
 from masonry_cd.limit.pictures import draw_whole
 from masonry_cd.mechanics.model.blocks import Block
-from structures.files import blockfile
 from structures.geometry.prism import prism_xz
-
-PUSH = '[[loads]]\nkind = "push"\ndirection = "x"\nrate = 0.1\n'
-TILT = '[[loads]]\nkind = "tilt"\ndirection = "x"\nrate = 0.1\n'
-
-
-def scene(folder: Path, blocks: list[Block], tables: str, mu: float = 0.65, joints: str = "") -> Path:
-    """A scene file about blocks."""
-    blockfile.write(folder / "blocks.json", blocks)
-    path = folder / "scene.toml"
-    path.write_text(
-        f'structure = {{kind = "file", path = "blocks.json"}}\nmaterial = {{density = 2000.0, friction = {mu}{joints}}}\n'
-        f"run = {{dt = 1e-3, duration = 1.0}}\n{tables}"
-    )
-    return path
-
-
-def pillar() -> list[Block]:
-    return [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 1.5))]
 
 
 def test_the_command_writes_what_it_finds(tmp_path):
@@ -111,9 +92,6 @@ def test_without_being_asked_no_curve_is_followed(tmp_path):
     found = limit_case(scene(tmp_path, pillar(), PUSH))
     assert found.whole.curve is None
     assert not any("capacity curve" in line for line in said(found))
-
-
-TIE = '[[loads]]\nkind = "tie"\nname = "rod"\nblocks = ["a", "ground"]\npoints = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]\n'
 
 
 def test_ties_are_reported_written_and_drawn_with_what_they_pull(tmp_path):

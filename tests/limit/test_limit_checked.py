@@ -8,12 +8,11 @@ import json
 from pathlib import Path
 
 import pytest
-from limit_said import said
+from limit_scenes import TIE, pillar, said, scene
 from models import GRAVITY, box, ground
-from test_limit_case import TIE, pillar, scene
 from typer.testing import CliRunner
 
-from masonry_cd.analysis.limit import search
+from masonry_cd.analysis.limit import solution
 from masonry_cd.cli.app import app
 from masonry_cd.limit import search as limit_search
 from masonry_cd.limit.case import LimitCase, limit_case
@@ -93,7 +92,7 @@ def test_without_a_search_or_with_one_start_nothing_is_satisfied(tmp_path: Path,
 
 
 def test_starts_that_do_not_agree_decide_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search, "ALIKE", -1.0)  # none agree, not even with themselves
+    monkeypatch.setattr(solution, "ALIKE", -1.0)  # none agree, not even with themselves
     case = checked(tmp_path, 1.5)
     assert case.check is not None and case.check.verdicts[0].state == "not decided"
     assert "0 of 5 starts came to the least factor found" in case.check.verdicts[0].words

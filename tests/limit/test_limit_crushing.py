@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import Result
-from limit_said import said
+from limit_scenes import said
 from models import box, ground
 from typer.testing import CliRunner
 

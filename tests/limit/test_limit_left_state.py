@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from limit_said import said
+from limit_scenes import said
 from models import box
 from typer.testing import CliRunner
 

@@ -9,9 +9,8 @@ import json
 from pathlib import Path
 
 import pytest
-from limit_said import said
+from limit_scenes import said, scene
 from models import GRAVITY, box, ground
-from test_limit_case import scene
 from typer.testing import CliRunner
 
 from masonry_cd.app.scene import read_scene

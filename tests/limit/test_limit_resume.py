@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_limit_case import scene
+from limit_scenes import scene
 from test_limit_parts import SLAB, slabs
 from typer.testing import CliRunner
 
@@ -60,21 +60,22 @@ def test_a_record_that_is_cut_short_or_of_another_scene_is_analysed_again(tmp_pa
     structure = limit_structure(read_scene(scene(tmp_path, slabs(), TABLES, mu=0.6)))
     (push, _), folder = parts.asked_for(structure, False), tmp_path / "out"
     (one,) = parts.analysed(parts.whole_of(structure, structure.loads_of_parts()), [push], parts.effort_of(structure.asked, 0), (1, True))
-    Kept.begun(folder, structure, False).add(one, [])
+    Kept.to(folder, structure, False).add(one, [])
     whole = (folder / NAME).read_bytes()
-    assert Kept.begun(folder, structure, True).of(push) is not None
+    assert Kept.to(folder, structure, True).of(push) is not None
     (folder / NAME).write_bytes(whole[:-1])
-    assert Kept.begun(folder, structure, True).of(push) is None
+    assert Kept.to(folder, structure, True).of(push) is None
     (folder / NAME).write_bytes(whole)
     (tmp_path / "other").mkdir()
     other = limit_structure(read_scene(scene(tmp_path / "other", slabs(), TABLES, mu=0.5)))
-    assert Kept.begun(folder, other, True).of(push) is None
+    assert Kept.to(folder, other, True).of(push) is None
 
 
 def test_a_record_runs_no_code(tmp_path: Path) -> None:
     structure = limit_structure(read_scene(scene(tmp_path, slabs(), TABLES, mu=0.6)))
     folder = tmp_path / "out"
-    record = Kept.begun(folder, structure, False).stamp + pickle.dumps(print)
+    folder.mkdir()
+    record = Kept.to(folder, structure, False).stamp + pickle.dumps(print)
     (folder / NAME).write_bytes(len(record).to_bytes(8, "big") + record)
     with pytest.raises(pickle.UnpicklingError, match="print"):
-        Kept.begun(folder, structure, True)
+        Kept.to(folder, structure, True)

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
-from limit_said import said
+from limit_scenes import said
 from models import box, ground
 from typer.testing import CliRunner
 

@@ -14,8 +14,8 @@ from masonry_cd.analysis.limit.crushing import block_shares, crushable, cut_wher
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
 from masonry_cd.analysis.limit.problem import LimitProblem, Loads, limit_problem
 from masonry_cd.analysis.limit.programme import largest
-from masonry_cd.analysis.limit.search import ALIKE, LeastFound, least_factor, merged
-from masonry_cd.analysis.limit.solution import Optimum, Unbounded
+from masonry_cd.analysis.limit.search import least_factor
+from masonry_cd.analysis.limit.solution import ALIKE, LeastFound, Optimum, Unbounded, merged
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints

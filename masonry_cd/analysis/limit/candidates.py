@@ -30,8 +30,8 @@ from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.overturning import overturning_below
 from masonry_cd.analysis.limit.part import Whole
 from masonry_cd.analysis.limit.problem import LimitProblem
-from masonry_cd.analysis.limit.search import ALIKE, CAP, LeastFound, Searched, begun_at
-from masonry_cd.analysis.limit.solution import Optimum, Unbounded
+from masonry_cd.analysis.limit.search import CAP, Searched, begun_at
+from masonry_cd.analysis.limit.solution import ALIKE, LeastFound, Optimum, Unbounded
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints

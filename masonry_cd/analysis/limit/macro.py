@@ -21,8 +21,8 @@ from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
 from masonry_cd.analysis.limit.rigid_groups import RigidGroups, rigid_groups
-from masonry_cd.analysis.limit.search import LeastFound, Searched, begun_at
-from masonry_cd.analysis.limit.solution import Optimum, Unbounded
+from masonry_cd.analysis.limit.search import Searched, begun_at
+from masonry_cd.analysis.limit.solution import LeastFound, Optimum, Unbounded
 from masonry_cd.foundation.quantities import counted
 from structures.macro_elements.element import HORIZONTAL_BENDING, MacroElement
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
-from masonry_cd.analysis.limit.search import AGREE
+from masonry_cd.analysis.limit.solution import AGREE
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
 
 STATES_OF_CHECKS = {"satisfied": GOOD, "not decided": LOOK, "NOT satisfied": DOUBTFUL}  # how the results of a check by a code are coloured

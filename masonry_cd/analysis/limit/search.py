@@ -18,7 +18,7 @@ with the normal forces of the one before, move it on.
 
 In space a stone may turn like a door about an upright edge through which all passes that bears on it. Nothing that is pressed slides, and
 no load at all starts it; real joints, pressed over an area, do not allow it. So strips of the corners of a joint share a little of their
-width, which leads descents past such mechanisms and is no part of g.
+width, which leads descents past such mechanisms and is no part of g; where a descent comes to no pair so, it is made without.
 
 A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is no proof but the agreement
 of starts. The first begins at the associated mechanism, the second at the least normal forces in equilibrium, which press together nothing
@@ -41,7 +41,7 @@ import numpy as np
 from masonry_cd.analysis.limit.mechanism import STILL
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.programme import Programme, programme
-from masonry_cd.analysis.limit.solution import Optimum, Unbounded
+from masonry_cd.analysis.limit.solution import ALIKE, LeastFound, Optimum, Unbounded, merged
 from masonry_cd.mechanics.solvers.options import cores
 
 ROUNDS = 24  # of a descent at most
@@ -58,8 +58,6 @@ NO_POWER = 0.5  # w_1 . v of a programme of strips below which its factor is the
 BEYOND = 0.4  # share of the least factor known by which a descent lies above it that is given up: e* of a mechanism is seldom below 0.7
 LARGE = 1_000  # contact points from which on descents go on in several threads
 CAP = 10.0  # times the associated factor: the largest that is looked for
-ALIKE = 2e-3  # factors that differ by no more than this share of the least agree
-AGREE = 2  # starts that come to the least factor before it counts as known: one start alone may miss it
 
 Pair = tuple[Optimum, float]  # forces and velocities, and g over the power of the loads
 _SEEN: ContextVar[Callable[[int, int], object]] = ContextVar("_SEEN", default=lambda begun, ended: None)
@@ -73,37 +71,6 @@ def watched(seen: Callable[[int, int], object]) -> Iterator[None]:
         yield
     finally:
         _SEEN.reset(token)
-
-
-@dataclass(frozen=True, eq=False)
-class LeastFound:
-    """The least factor of sliding without dilation that was found."""
-
-    optimum: Optimum
-    gap: float  # g over the power of the loads
-    starts: int
-    ends: tuple[Optimum, ...]  # of each start that came to an end
-
-    @property
-    def found(self) -> tuple[float, ...]:
-        """The factors of the starts that came to an end."""
-        return tuple(end.factor for end in self.ends)
-
-    @property
-    def agreeing(self) -> int:
-        """Starts that came to it."""
-        best = self.optimum.factor
-        return sum(factor <= best + ALIKE * abs(best) for factor in self.found)
-
-    @property
-    def agreed(self) -> bool:
-        """Whether starts enough came to it for it to count as known, which is no proof that it is the least."""
-        return self.agreeing >= AGREE
-
-    @property
-    def spread(self) -> float:
-        """The largest factor found less the least, over the least."""
-        return (max(self.found) - self.optimum.factor) / max(abs(self.optimum.factor), 1e-300)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +89,10 @@ class Begin:
 
     velocity: np.ndarray | None = None
     normal: np.ndarray | None = None
+
+
+class _GivenUp(Unbounded):
+    """A descent stays far above what is known."""
 
 
 class Search:
@@ -154,7 +125,7 @@ class Search:
         except Unbounded:
             return None
 
-    def mechanism_of(self, normal: np.ndarray) -> np.ndarray:
+    def mechanism_of(self, normal: np.ndarray, spread: float = SPREAD) -> np.ndarray:
         """The velocities (unknowns,) with w_1 . v = 1 of least g for forces with normal parts r'_n (P,), but for what strips share.
 
         Raises:
@@ -163,7 +134,7 @@ class Search:
         if self.problem.axis is None:
             joint = self.problem.points.joint
             mean = np.bincount(joint, normal) / np.maximum(np.bincount(joint), 1)
-            normal = (1.0 - SPREAD) * normal + SPREAD * mean[joint]
+            normal = (1.0 - spread) * normal + spread * mean[joint]
         found = self._strips.within(self.problem.mu * normal).solved(refined=False)
         power = float(self.problem.live @ found.velocity)
         if power < NO_POWER:
@@ -199,14 +170,19 @@ class Search:
         ``begin`` is M_k of the first round: from LARGEST on, the descent stays close to its mechanism.
         """
         best: Pair | None = None
-        try:
-            for pair in self._pairs(velocity, begin):
-                best = pair if best is None or pair[0].factor < best[0].factor else best
-        except Unbounded:
-            pass
+        for spread in (0.0,) if self.problem.axis is not None else (SPREAD, 0.0):
+            try:
+                for pair in self._pairs(velocity, begin, spread):
+                    best = pair if best is None or pair[0].factor < best[0].factor else best
+            except _GivenUp:
+                break
+            except Unbounded:
+                pass
+            if best is not None:
+                break
         return best
 
-    def _pairs(self, velocity: np.ndarray, begin: float) -> Iterator[Pair]:
+    def _pairs(self, velocity: np.ndarray, begin: float, spread: float) -> Iterator[Pair]:
         """The pairs with a small g on the way down from a mechanism.
 
         Raises:
@@ -224,7 +200,7 @@ class Search:
             last, gap = (factor, gap), float(shares.sum())
             factor, normal, before = found.factor, normal_forces(self.problem, found), found
             if (number or begin >= LARGEST) and factor > self.known + BEYOND * abs(self.known):
-                return
+                raise _GivenUp
             if gap <= self.exact:
                 yield replace(found, velocity=velocity, method=self._method), gap
                 if factor >= least * (1.0 - LOWER):
@@ -237,7 +213,7 @@ class Search:
                 if loosened == LOOSENED:
                     return
                 normal, penalty, before, loosened = self._loosened(normal), np.full(len(penalty), AGAIN), None, loosened + 1
-            velocity = self.mechanism_of(normal)
+            velocity = self.mechanism_of(normal, spread)
 
     def _loosened(self, normal: np.ndarray) -> np.ndarray:
         """Normal forces r'_n (P,) after some rounds of strips alone."""
@@ -336,15 +312,6 @@ def _found(ends: Sequence[Pair], starts: int) -> LeastFound | None:
         return None
     best, gap = min(ends, key=lambda end: end[0].factor)
     return LeastFound(best, gap, starts, tuple(optimum for optimum, _ in ends))
-
-
-def merged(one: LeastFound | None, other: LeastFound | None, starts: int) -> LeastFound | None:
-    """Two searches as one of so many starts; None where neither found anything."""
-    both = [each for each in (one, other) if each is not None]
-    if not both:
-        return None
-    best = min(both, key=lambda each: each.optimum.factor)
-    return LeastFound(best.optimum, best.gap, starts, tuple(end for each in both for end in each.ends))
 
 
 def close_to(problem: LimitProblem, normal: np.ndarray, cap: float) -> Optimum | None:

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+ALIKE = 2e-3  # factors that differ by no more than this share of the least agree
+AGREE = 2  # starts that come to the least factor before it counts as known: one start alone may miss it
+
 
 class Unbounded(RuntimeError):
     """No answer: the programme has none, or the solver found none. The message is the solver's."""
@@ -23,3 +26,43 @@ class Optimum:
     iterations: int
     method: str
     stopped: str = ""  # the solver's word where it ended before its tolerance
+
+
+@dataclass(frozen=True, eq=False)
+class LeastFound:
+    """The least factor of sliding without dilation that was found."""
+
+    optimum: Optimum
+    gap: float  # g over the power of the loads
+    starts: int
+    ends: tuple[Optimum, ...]  # of each start that came to an end
+
+    @property
+    def found(self) -> tuple[float, ...]:
+        """The factors of the starts that came to an end."""
+        return tuple(end.factor for end in self.ends)
+
+    @property
+    def agreeing(self) -> int:
+        """Starts that came to it."""
+        best = self.optimum.factor
+        return sum(factor <= best + ALIKE * abs(best) for factor in self.found)
+
+    @property
+    def agreed(self) -> bool:
+        """Whether starts enough came to it for it to count as known, which is no proof that it is the least."""
+        return self.agreeing >= AGREE
+
+    @property
+    def spread(self) -> float:
+        """The largest factor found less the least, over the least."""
+        return (max(self.found) - self.optimum.factor) / max(abs(self.optimum.factor), 1e-300)
+
+
+def merged(one: LeastFound | None, other: LeastFound | None, starts: int) -> LeastFound | None:
+    """Two searches as one of so many starts; None where neither found anything."""
+    both = [each for each in (one, other) if each is not None]
+    if not both:
+        return None
+    best = min(both, key=lambda each: each.optimum.factor)
+    return LeastFound(best.optimum, best.gap, starts, tuple(end for each in both for end in each.ends))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import CAP, Collapse, Options, collapse_of, largest_factor
+from masonry_cd.analysis.limit.analysis import CAP, Collapse, NoFiniteFactor, Options, collapse_of, largest_factor
 from masonry_cd.analysis.limit.following import LOCKED, Motion, motion
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism, mechanism
@@ -154,6 +154,8 @@ class Stages:
         """Whether any factor of the load is borne by blocks where they are."""
         try:
             largest_factor(self._problem(moved.assembly, moved.loads, moved.joints)[1])
+        except NoFiniteFactor:  # any multiple is
+            return True
         except Unbounded:
             return False
         return True

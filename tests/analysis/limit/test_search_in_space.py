@@ -12,7 +12,8 @@ from limit_loads import joined, push_loads
 from models import box, ground
 
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, searched, with_more_starts
-from masonry_cd.analysis.limit.search import CAP, Search, merged
+from masonry_cd.analysis.limit.search import CAP, Search
+from masonry_cd.analysis.limit.solution import merged
 from masonry_cd.limit.case import limit_case
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints

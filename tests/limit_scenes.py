@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes of limit analysis about a few blocks, and all that the command says of one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from models import box, ground
+
+from masonry_cd.limit.case import LimitCase
+from masonry_cd.limit.words import lines
+from masonry_cd.mechanics.model.blocks import Block
+from structures.files import blockfile
+
+PUSH = '[[loads]]\nkind = "push"\ndirection = "x"\nrate = 0.1\n'
+TILT = '[[loads]]\nkind = "tilt"\ndirection = "x"\nrate = 0.1\n'
+TIE = '[[loads]]\nkind = "tie"\nname = "rod"\nblocks = ["a", "ground"]\npoints = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]\n'
+
+
+def scene(folder: Path, blocks: list[Block], tables: str, mu: float = 0.65, joints: str = "") -> Path:
+    """A scene file about blocks."""
+    blockfile.write(folder / "blocks.json", blocks)
+    path = folder / "scene.toml"
+    path.write_text(
+        f'structure = {{kind = "file", path = "blocks.json"}}\nmaterial = {{density = 2000.0, friction = {mu}{joints}}}\n'
+        f"run = {{dt = 1e-3, duration = 1.0}}\n{tables}"
+    )
+    return path
+
+
+def pillar() -> list[Block]:
+    return [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 1.5))]
+
+
+def said(case: LimitCase) -> list[str]:
+    """All that the command says of an analysis."""
+    return [*lines(case), *case.notes]
