@@ -42,8 +42,9 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     damage = {} if run is None else _damage(case, run)
     own_files.begin(folder, EVERY)
     own_files.remove(folder, (name for name in EVERY if name != NAME))
-    own_files.begin(folder / PARTS, ("*.png",))
-    own_files.remove(folder / PARTS, ("*.png",))
+    if case.parts or (folder / PARTS).exists():
+        own_files.begin(folder / PARTS, ("*.png",))
+        own_files.remove(folder / PARTS, ("*.png",))
     found, check, whole = facts(case), case.check, case.whole
     write_json(folder / "limit.json", found)
     written = [folder / "limit.json", *write_mechanisms(found["mechanisms"], folder)]
