@@ -21,7 +21,6 @@ from masonry_cd.analysis.code_check.ground import Ground, ground_of
 from masonry_cd.analysis.code_check.level import Level, foundation_of, level_of
 from masonry_cd.analysis.code_check.verdicts import (
     NON_LINEAR,
-    WORST_FIRST,
     Basis,
     CheckResult,
     MechanismRow,
@@ -113,9 +112,9 @@ class Checked:
         return min(self.check.verdicts, key=how_grave)
 
     @property
-    def capacity(self) -> float:
-        """By which the table is in order: the ratio of the check that decides, or a0* [m/s2] without one."""
-        return self.one.oscillator.acceleration() if self.check is None else self.decides.ratio
+    def severity(self) -> tuple[int, float]:
+        """By which the table is in order: how grave the check that decides is, or a0* [m/s2] without one."""
+        return (0, self.one.oscillator.acceleration()) if self.check is None else how_grave(self.decides)
 
     @property
     def words(self) -> str:
@@ -137,7 +136,7 @@ class Checked:
 
 
 def checked(parts: Sequence[PartLooked], table: CheckTable | None, folder: Path, assembly: Assembly) -> tuple[Checked, ...]:
-    """All mechanisms of parts, the gravest first: by the least ratio, without a check by the least a0*.
+    """All mechanisms of parts, the gravest first, and without a check by the least a0*.
 
     Args:
         parts: what was found.
@@ -152,7 +151,7 @@ def checked(parts: Sequence[PartLooked], table: CheckTable | None, folder: Path,
         made = [Checked(looked, one, None, None) for looked in parts for one in looked.part.mechanisms]
     else:
         made = list(_by_code(parts, table, ground_of(table, folder), foundation_of(table, assembly)))
-    return tuple(sorted(made, key=lambda each: (each.one.stones, each.capacity, each.row.element, each.row.push)))
+    return tuple(sorted(made, key=lambda each: (each.one.stones, each.severity, each.row.element, each.row.push)))
 
 
 def _by_code(parts: Sequence[PartLooked], table: CheckTable, ground: Ground, foot: float) -> Iterator[Checked]:
@@ -185,7 +184,7 @@ def gravest(rows: Sequence[Checked]) -> Checked | None:
     None without a check.
     """
     made = [each for each in rows if each.check is not None]
-    return min(made, key=lambda each: (WORST_FIRST.index(each.decides.state), each.one.stones, each.decides.met), default=None)
+    return min(made, key=lambda each: (each.severity[0], each.one.stones, each.severity[1]), default=None)
 
 
 def in_full(each: Checked, rows: Sequence[Checked], tied: bool) -> CodeCheck:
