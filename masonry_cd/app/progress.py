@@ -69,7 +69,7 @@ class Progress:
             self._show(now - self._begin)
 
     def more(self, begun: int, ended: int) -> None:
-        """Count so many that have begun beside those known before, and so many that have ended."""
+        """Add the number of steps that have begun to the total, and the number that have ended to those done."""
         self.total, self._grows = self.total + begun, True
         self(self.done + ended)
 

@@ -6,7 +6,6 @@ Each is left out by itself, and the associated factor found again, a programme e
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -31,13 +30,15 @@ class Without:
 
     assumed: str  # bond, crushing or fill
     words: str  # what is left out
-    factor: float | None  # None where it is not finite, 0 where the structure does not stand without it
+    factor: float | None  # None where there is no finite one, 0 where the structure does not stand without it
+    why: str = ""  # why there is none
 
     @property
     def line(self) -> str:
         """In words."""
-        factor = "no finite factor" if self.factor is None else f"load factor {self.factor:.4g}" if self.factor else "it does not stand"
-        return f"without {self.words}: {factor}"
+        if self.factor is None:
+            return f"without {self.words}: {self.why}"
+        return f"without {self.words}: {f'load factor {self.factor:.4g}' if self.factor else 'it does not stand'}"
 
     def numbers(self) -> dict[str, Any]:
         """For limit.json."""
@@ -49,7 +50,7 @@ def without_assumptions(whole: WholeAnalysis) -> tuple[Without, ...]:
     if not whole.has_factor or whole.analysis.bears_nothing or whole.analysis.problem.moves_support:
         return ()
     return tuple(
-        Without(assumed, words, _factor(whole, assembly, loads)) for assumed, words, assembly, loads in _left_out(whole, whole.loads.at())
+        Without(assumed, words, *_factor(whole, assembly, loads)) for assumed, words, assembly, loads in _left_out(whole, whole.loads.at())
     )
 
 
@@ -66,12 +67,12 @@ def _left_out(whole: WholeAnalysis, loads: Loads) -> Iterator[tuple[str, str, As
         yield "fill", "fill that resists", assembly, replace(loads, bars=bars)
 
 
-def _factor(whole: WholeAnalysis, assembly: Assembly, loads: Loads) -> float | None:
-    """The associated factor of blocks under loads; 0 where they do not stand, None where it is not finite."""
+def _factor(whole: WholeAnalysis, assembly: Assembly, loads: Loads) -> tuple[float | None, str]:
+    """The associated factor of blocks under loads, 0 where they do not stand; or None, and why there is no finite one."""
     try:
         found = analyse(assembly, whole.joints, loads, ALONE)
-    except InputError:
-        return 0.0
+    except InputError as failure:
+        return None, f"no answer, {failure}"
     if not found.stands:
-        return 0.0
-    return None if found.unlimited or math.isinf(found.associated.factor) else found.associated.factor
+        return 0.0, ""
+    return (None, "no finite load factor") if found.unlimited else (found.associated.factor, "")

@@ -26,7 +26,7 @@ from masonry_cd.app.progress import Progress
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.assumed import Without, without_assumptions
-from masonry_cd.limit.checked import Checked, PartLooked, checked, gravest, in_full
+from masonry_cd.limit.checked import Checked, PartLooked, checked, gravest, in_full, in_order
 from masonry_cd.limit.kept import Kept
 from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
 from masonry_cd.limit.search import doubt_of, search_numbers, ways
@@ -72,13 +72,12 @@ class LimitCase:
 
     structure: LimitStructure  # with the scene
     wanted: Wanted
+    ground: Ground | None  # whose motion a check asks for; None without one
     whole: WholeAnalysis | None  # None where the scene multiplies nothing and parts alone are looked at
     crossing: Crossing | None  # of a vehicle whose worst place was looked for
     parts: tuple[ElementAnalysis, ...]  # macro-elements, one for each and each push
     mechanisms: tuple[Checked, ...]  # of the whole and of all parts, the gravest first
     decides: Checked | None  # the mechanism with the verdict; None without a check
-    verdict: Verdict | None  # the one that all outputs show; None where no check is asked for
-    without: tuple[Without, ...]  # the factor of the whole without each thing that is assumed of it
     notes: tuple[str, ...]  # what must not be overlooked
     modelled: tuple[str, ...]  # masses, ties, floors and fill, in words
     seconds: float
@@ -89,10 +88,14 @@ class LimitCase:
         return self.structure.scene
 
     @cached_property
-    def ground(self) -> Ground | None:
-        """The motion of the ground that a check asks for; None without one."""
-        asked = self.structure.asked.check
-        return None if asked is None else ground_of(asked, self.scene.folder)
+    def without(self) -> tuple[Without, ...]:
+        """The load factor of the whole without each thing that is assumed of it."""
+        return () if self.whole is None else without_assumptions(self.whole)
+
+    @cached_property
+    def verdict(self) -> Verdict | None:
+        """The verdict that all outputs show; None without a check."""
+        return None if self.structure.asked.check is None else _verdict(self.decides, self.whole, self.without)
 
     @cached_property
     def check(self) -> CodeCheck | None:
@@ -128,26 +131,27 @@ def limit_case(
     if whole_too := wanted.whole and (not with_parts or has_pattern(scene)):
         structure, crossing = at_worst(structure, wanted.quiet)
     with scene.locating():
-        if structure.asked.check is not None:  # refused before anything is computed
-            foundation_of(structure.asked.check, structure.assembly)
-            ground_of(structure.asked.check, scene.folder)
-        parts, notes = _parts(structure, wanted, keep) if with_parts else ([], [])
+        asked, ground = structure.asked.check, None
+        if asked is not None:  # refused before anything is computed
+            foundation_of(asked, structure.assembly)
+            ground = ground_of(asked, scene.folder)
+        parts, rows, notes = _parts(structure, ground, wanted, keep) if with_parts else ([], [], [])
         whole, of_whole = _whole(structure, parts, wanted) if whole_too else (None, [])
-        asked, assembly = structure.asked.check, structure.assembly if whole is None else whole.assembly
-        rows = checked([*of_whole, *parts], asked, scene.folder, assembly)
+        assembly = structure.assembly if whole is None else whole.assembly
+        rows = in_order([*checked(of_whole, asked, ground, assembly), *rows])
         decides = gravest(rows)
-        without = () if whole is None else without_assumptions(whole)
-        verdict = None if asked is None else _verdict(decides, whole, without)
         loads = structure.loads_of_parts() if whole is None else whole.loads
     on_whole = [] if whole is None else _notes_on(whole, asked)
     notes = [*on_whole, *notes, *_notes_on_structure(structure), *loads.notes]
     modelled, seconds = (masses(assembly), *structure.made.notes), time.perf_counter() - begin
     elements = tuple(one.part for one in parts)
-    return LimitCase(structure, wanted, whole, crossing, elements, rows, decides, verdict, without, tuple(notes), modelled, seconds)
+    return LimitCase(structure, wanted, ground, whole, crossing, elements, tuple(rows), decides, tuple(notes), modelled, seconds)
 
 
-def _parts(structure: LimitStructure, wanted: Wanted, keep: Callable[[LimitStructure], Kept] | None) -> tuple[list[PartLooked], list[str]]:
-    """The macro-elements that a scene asks for, each under its pushes, and what is to be said of them.
+def _parts(
+    structure: LimitStructure, ground: Ground | None, wanted: Wanted, keep: Callable[[LimitStructure], Kept] | None
+) -> tuple[list[PartLooked], list[Checked], list[str]]:
+    """The macro-elements that a scene asks for, each under its pushes, their mechanisms with checks on a ground, and notes on them.
 
     Raises:
         InputError: what a check of parts does not know, or a table that names no part.
@@ -163,13 +167,16 @@ def _parts(structure: LimitStructure, wanted: Wanted, keep: Callable[[LimitStruc
     pushes, effort = asked_for(structure, wanted.parts), effort_of(asked, scene.run.seed)
     whole = whole_of(structure, structure.loads_of_parts())
     kept = None if keep is None else keep(structure)
-    found: list[PartLooked] = []
+    found, rows = list[PartLooked](), list[Checked]()
     for one in analysed(whole, pushes, effort, (wanted.jobs or cores(), wanted.quiet), kept):
         found.append(PartLooked.of(one, doubt_of(one, effort)))
+        rows += checked(found[-1:], asked.check, ground, structure.assembly)
         if kept is not None:
-            kept.add(one, checked(found, asked.check, scene.folder, structure.assembly))
+            kept.add(one, in_order(rows))
     notes = in_pieces(list(dict.fromkeys(element for element, _ in pushes)), structure.joints)
-    return found, [*notes, *(f"{one.part.element.name}: {remark}" for one in found for remark in one.part.remarks)]
+    if kept is not None and kept.others:
+        notes.append(f"{kept.others} kept parts are of another scene, other blocks or another version: they were analysed again")
+    return found, rows, [*notes, *(f"{one.part.element.name}: {remark}" for one in found for remark in one.part.remarks)]
 
 
 def _whole(structure: LimitStructure, parts: Sequence[PartLooked], wanted: Wanted) -> tuple[WholeAnalysis, list[PartLooked]]:

@@ -11,13 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from masonry_cd.analysis.code_check.check import check_at
-from masonry_cd.analysis.code_check.ground import Ground, ground_of
+from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.level import Level, foundation_of, level_of
 from masonry_cd.analysis.code_check.verdicts import (
     NON_LINEAR,
@@ -135,23 +134,28 @@ class Checked:
         return verdict_of(self.check.verdicts, self.row, self.looked.numbers)
 
 
-def checked(parts: Sequence[PartLooked], table: CheckTable | None, folder: Path, assembly: Assembly) -> tuple[Checked, ...]:
+def checked(parts: Sequence[PartLooked], table: CheckTable | None, ground: Ground | None, assembly: Assembly) -> list[Checked]:
     """All mechanisms of parts, the gravest first, and without a check by the least a0*.
 
     Args:
         parts: what was found.
         table: the check, None without one.
-        folder: from which the path of a record is read.
+        ground: whose motion is asked for; None without a check.
         assembly: the blocks, from the lowest of which heights count where the table says nothing else.
 
     Raises:
-        InputError: a record that cannot be read, or a foundation above the blocks.
+        InputError: a foundation above the blocks.
     """
-    if table is None:
+    if table is None or ground is None:
         made = [Checked(looked, one, None, None) for looked in parts for one in looked.part.mechanisms]
     else:
-        made = list(_by_code(parts, table, ground_of(table, folder), foundation_of(table, assembly)))
-    return tuple(sorted(made, key=lambda each: (each.one.stones, each.severity, each.row.element, each.row.push)))
+        made = list(_by_code(parts, table, ground, foundation_of(table, assembly)))
+    return in_order(made)
+
+
+def in_order(rows: Sequence[Checked]) -> list[Checked]:
+    """Mechanisms in the order of the table."""
+    return sorted(rows, key=lambda each: (each.one.stones, each.severity, each.row.element, each.row.push))
 
 
 def _by_code(parts: Sequence[PartLooked], table: CheckTable, ground: Ground, foot: float) -> Iterator[Checked]:

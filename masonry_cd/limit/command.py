@@ -22,7 +22,7 @@ class Files:
     Attributes:
         folder: for them, made if need be.
         force: overwrite those that are there.
-        resume: go on where an analysis of this scene was stopped in this folder, with the parts that it was done with.
+        resume: continue an analysis of this scene that was stopped in this folder; parts that are kept there are not analysed again.
         pictures: draw them.
         view: of the pictures.
         run: folder of a run, whose damage stands beside the parts.

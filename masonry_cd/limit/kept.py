@@ -20,6 +20,7 @@ import numpy as np
 
 from masonry_cd.analysis.limit.macro import ElementAnalysis
 from masonry_cd.foundation import own_files
+from masonry_cd.foundation.errors import InputError
 
 if TYPE_CHECKING:
     from masonry_cd.app.limit_structure import LimitStructure
@@ -51,15 +52,25 @@ class Kept:
     stamp: bytes
     known: dict[tuple[str, tuple[float, ...]], ElementAnalysis] = field(default_factory=dict)
     begun: bool = False  # whether the file is that of this analysis
+    others: int = 0  # records of another scene, other blocks or another version, which are of no use
 
     @classmethod
     def to(cls, folder: Path, structure: LimitStructure, resume: bool) -> Kept:
-        """The parts kept in a folder where an analysis is to be resumed; none of a new one."""
-        made = cls(folder, _stamp(structure))
-        for record in _records(folder / NAME) if resume else ():
-            if record.startswith(made.stamp):
+        """The parts kept in a folder where an analysis is to be resumed; none of a new one.
+
+        Raises:
+            InputError: a record that is none of ours.
+        """
+        made, file = cls(folder, _stamp(structure)), folder / NAME
+        for record in _records(file) if resume else ():
+            if not record.startswith(made.stamp):
+                made.others += 1
+                continue
+            try:
                 part = _Reader(io.BytesIO(record[len(made.stamp) :])).load()
-                made.known[_key(part)] = part
+            except (pickle.UnpicklingError, EOFError, ValueError, TypeError) as failure:
+                raise InputError(file, f"is damaged, {failure}; --force begins again") from None
+            made.known[_key(part)] = part
         return made
 
     def of(self, push: tuple[MacroElement, Sequence[float]]) -> ElementAnalysis | None:

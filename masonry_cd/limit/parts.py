@@ -90,7 +90,7 @@ def analysed(
         whole: their structure.
         pushes: the parts, each with where to.
         effort: how much is looked for.
-        how: on so many processes that share the structure, and whether it is not said how long they still take.
+        how: number of processes, which share the structure, and whether no progress is reported.
         kept: the parts that are done already.
 
     Raises:

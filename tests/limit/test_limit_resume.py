@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit import parts
 from masonry_cd.limit.kept import NAME, Kept
 
@@ -68,7 +69,8 @@ def test_a_record_that_is_cut_short_or_of_another_scene_is_analysed_again(tmp_pa
     (folder / NAME).write_bytes(whole)
     (tmp_path / "other").mkdir()
     other = limit_structure(read_scene(scene(tmp_path / "other", slabs(), TABLES, mu=0.5)))
-    assert Kept.to(folder, other, True).of(push) is None
+    kept = Kept.to(folder, other, True)
+    assert kept.of(push) is None and kept.others == 1
 
 
 def test_a_record_runs_no_code(tmp_path: Path) -> None:
@@ -77,5 +79,11 @@ def test_a_record_runs_no_code(tmp_path: Path) -> None:
     folder.mkdir()
     record = Kept.to(folder, structure, False).stamp + pickle.dumps(print)
     (folder / NAME).write_bytes(len(record).to_bytes(8, "big") + record)
-    with pytest.raises(pickle.UnpicklingError, match="print"):
+    with pytest.raises(InputError, match="print"):
         Kept.to(folder, structure, True)
+
+
+def test_where_nothing_is_kept_all_is_analysed(tmp_path: Path) -> None:
+    path = scene(tmp_path, slabs(), TABLES, mu=0.6)
+    assert command(path, tmp_path / "resumed", "--resume").exit_code == 0 and command(path, tmp_path / "whole").exit_code == 0
+    assert facts(tmp_path / "resumed") == facts(tmp_path / "whole")

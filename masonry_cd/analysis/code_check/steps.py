@@ -134,7 +134,7 @@ class CodeCheck:
         return out
 
     def lines(self) -> list[str]:
-        """The check in words, without the verdict that it comes to."""
+        """The lines of the check; its verdict is not among them."""
         state = f", {self.limit_state}" if self.limit_state else ""
         head = f"{self.edition}{state}; {self.ground}"
         said = [*(one.words for one in self.verdicts), *(one.words for one in self.borne), *self.notes]

@@ -57,7 +57,7 @@ class MechanismRow:
     ratio: float | None  # capacity over demand of the check that decides
     state: str  # of it; empty without a check
     doubt: str  # why e* = 1 is taken, if it is
-    undecided: str  # why the state is doubtful, in words; empty where it is not
+    undecided: str  # reason why the state is doubtful; empty where it is not
     check: str = ""  # linear, by accelerations, or non-linear, by displacements: the one that decides
     last: float | None = None  # d0*, where the factor vanishes [m]; None where it is not known
     displacement: float | None = None  # borne, the share of d0* of the limit state [m]

@@ -203,7 +203,7 @@ def _scale(problem: LimitProblem) -> float:
 def searched(
     problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0, known: LeastFound | None = None
 ) -> LeastFound | None:
-    """The least factor without dilation that so many starts come to, those before the ``first`` left out, which found what is ``known``.
+    """The least factor without dilation of a number of starts, from the ``first`` one on; those before it found what is ``known``.
 
     None of none, and where none came to an end.
     """
