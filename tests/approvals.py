@@ -13,10 +13,12 @@ import difflib
 import re
 import tempfile
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from html import unescape
 from pathlib import Path
 from typing import Any
 
+import made_assessment
 import numpy as np
 from block_files import write_plate_scene
 from command_line import masonry_cd
@@ -25,12 +27,16 @@ from made_study import Made, write_study_folder
 from places import EXAMPLES, ROOT
 from scipy import sparse
 
+from masonry_cd.analysis.assessment.assessment import Assessment
 from masonry_cd.analysis.damage.part_damage import part_damage
+from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.io.problem_files import write_problem
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.friction.problem import LocalProblem
 from masonry_cd.mechanics.model.blocks import Block
+from reports.assess.outputs import write_assessment
+from reports.assess.tables import text_table
 from reports.page import write_page
 
 APPROVED = ROOT / "tests" / "approved"
@@ -146,11 +152,36 @@ def study(made: Made) -> Callable[[Path], str]:
     return text
 
 
+def compared(folder: Path) -> str:
+    """What is said of two runs that differ by the slip of a block."""
+    for name, slip in (("weak", 0.006), ("strong", 0.03)):
+        (folder / name).mkdir()
+        write_run(folder / name / "result.h5", stack(), states(slip=slip), "Two blocks", scene=DRY, ended=True)
+    return typed("compare {}/weak {}/strong", "compare {}/weak")(folder)
+
+
+def assessed(found: Assessment) -> Callable[[Path], str]:
+    """The table of an assessment in the terminal, and the words of its page."""
+
+    def text(folder: Path) -> str:
+        write_assessment(made_assessment.written(folder, found))
+        return f"{text_table(found)}\n\n{in_lines((folder / 'assess.html').read_text(encoding='utf-8'))}"
+
+    return text
+
+
+FAILED = RunRow("failed", "blocks <overlap>", 0.1)
+TRIED = made_assessment.made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): made_assessment.row(120.0, steps_missed=3)})
 MORTAR = DRY.replace("friction = 0.6\n", "") + (
     "[material.friction]\ndefault = 0.6\nwall-base = 0.4\n"
     "[material.joints.wall-wall]\nnormal_stiffness = 2e10\ncohesion = 1.5e5\ntension = 1e5\n"
 )
 TITLED = DRY + '[report]\nproject = "Garden wall <3>"\nclient = "City//Works"\nauthor = "A. Engineer"\ndate = "May 2025"\n'
+LOADED = DRY + (
+    '[[loads]]\nkind = "settlement"\nsupports = ["base"]\ndirection = "-z"\ndisplacement = 0.03\nduration = 0.5\n'
+    '[[loads]]\nkind = "point"\nblock = "upper"\nforce = [0.0, 0.0, -400e3]\n'
+    '[[loads]]\nkind = "tie"\nblocks = ["upper", "base"]\ndiameter = 0.02\ntension = 5e3\n'
+)
 TILT = DRY + '[[loads]]\nkind = "tilt"\ndirection = "x"\nrate = 3.0\n'
 FLOOR = DRY + '[[structure.floors]]\nheight = 3.0\nthickness = 0.2\nmass = 300.0\nwalls = ["*"]\n'
 FACTOR = {"end": 0.3, "limit": 2e-3, "given_way": 0.25, "given_way_time": 1.5}
@@ -199,6 +230,11 @@ TEXTS: dict[str, Callable[[Path], str]] = {
     "page_factor_of_one_value": page(DRY, bracket(0.2712, 0.2712)),
     "page_factor_wedged": page(DRY, bracket(0.1667, None)),
     "page_shaking_and_ties": page(DRY, SOUND | {"loads": {"tables": SHAKEN}, "ties": [TIE, TIE | {"name": "nave", "yield_time": 0.5123}]}),
+    "modal": typed("modal {examples}/arch.toml -o {}/m --set structure.voussoirs=7 --modes 2 --pictures 0 --method joints --young 3e9"),
+    "compare": compared,
+    "assess": assessed(TRIED),
+    "assess_without_base": assessed(replace(TRIED, members=(replace(TRIED.members[0], row=FAILED), *TRIED.members[1:]))),
+    "page_loads": page(LOADED, SOUND | {"modelled": ["masses: 4 t free to move, wall 4 t"]}),
     "study_stripes": study(Made(records=6, levels=(1.5, 3.0, 5.0), by_friction=0.2)),
 }
 

@@ -20,6 +20,13 @@ def masonry_cd(*words: object) -> Result:
         return CliRunner().invoke(app, typed)
 
 
+def done(*words: object) -> Result:
+    """What a command line comes to that has to end well."""
+    result = masonry_cd(*words)
+    assert result.exit_code == 0, result.output
+    return result
+
+
 def refusal(result: Result) -> InputError:
     """What a command was refused for, which it printed, alone, before it ended with exit code 2."""
     error: BaseException | None = result.exception

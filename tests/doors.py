@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import copy
+import json
+import re
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
@@ -16,6 +18,7 @@ from block_files import write_plate_and_block, write_plate_scene
 from bridge_scenes import bridge
 from click.testing import Result
 from command_line import masonry_cd, refusal
+from hostile import TETRA
 from models import box
 from places import ROOT
 from studied import write_records, write_study
@@ -23,10 +26,14 @@ from studied import write_records, write_study
 import loads
 import structures
 from loads.signal import measures
+from masonry_cd.analysis.modal.measured_modes import read_measured
+from masonry_cd.app.case import make_structures
+from masonry_cd.app.commands.modal import modal
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_text import assign, dump_toml
-from masonry_cd.foundation import own_files
+from masonry_cd.foundation.errors import parse_table
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.studies.study.study_case import plan_of
 from structures import Made
 
@@ -53,6 +60,11 @@ def changed(table: Mapping[str, Any], changes: Mapping[str, Any], dropped: Seque
     for key, value in changes.items():
         assign(out, key, value)
     return out
+
+
+def repeated(text: str) -> str:
+    """A text in which «x*9» stands for nine times x."""
+    return re.sub(r"«(.*?)\*(\d+)»", lambda found: found[1] * int(found[2]), text)
 
 
 def write_quake(folder: Path) -> None:
@@ -86,7 +98,21 @@ def scene(folder: Path, group: Mapping[str, Any], old: str, new: str) -> Callabl
 def changes(folder: Path, group: Mapping[str, Any], *given: str) -> Callable[[], Any]:
     """A scene that is changed as by --set."""
     (folder / "scene.toml").write_text(group["base"], encoding="utf-8")
-    return lambda: read_scene(folder / "scene.toml", given)
+    return lambda: read_scene(folder / "scene.toml", [repeated(change) for change in given])
+
+
+def blocks(folder: Path, group: Mapping[str, Any], old: str, new: str, keys: str = "", file: str = "") -> Callable[[], Any]:
+    """The blocks of a scene in whose text something is written otherwise, of a file of one block with more keys, or of a text."""
+    (folder / "scene.toml").write_text(group["base"].replace(old, repeated(new), 1), encoding="utf-8")
+    own = json.dumps(TETRA)[:-1] + f", {keys}" * bool(keys) + "}"
+    (folder / "b.json").write_text(repeated(file or f'{{"blocks": [{own}]}}'), encoding="utf-8")
+    return lambda: make_structures(read_scene(folder / "scene.toml"))
+
+
+def modal_check(folder: Path, _: Mapping[str, Any], options: Mapping[str, Any]) -> Callable[[], Any]:
+    """The modal check of a block on a plate, with options as Python gives them."""
+    scene = read_scene(write_plate_scene(folder))
+    return lambda: modal(scene, options, folder / "out")
 
 
 def structure(folder: Path, group: Mapping[str, Any], changes: Mapping[str, Any], dropped: Sequence[str] = ()) -> Callable[[], Any]:
@@ -110,16 +136,15 @@ def command(
     """
     keys, base = dict(changed_keys or {}), group.get("base")
     if base is None:
-        write_plate_scene(folder, **keys)
+        write_plate_scene(folder, **{key: repeated(str(line)) for key, line in keys.items()})
     else:
         write_plate_and_block(folder)
         (folder / "scene.toml").write_text(base if isinstance(base, str) else dump_toml(changed(base, keys)), encoding="utf-8")
     write_quake(folder)
     (folder / "text").write_text("text")
-    own_files.begin(folder / "ran", ())
+    (folder / "ran").mkdir()
     blocks = [made_run.box("base", (-1, -1, -1), (1, 1, 0), "base", fixed=True), made_run.box("stone", (-0.5, -0.5, 0), (0.5, 0.5, 1))]
     made_run.write_run(folder / "ran" / "result.h5", blocks, [made_run.at_rest(blocks)] * 3, scene=RAN, ended=True)
-    own_files.note(folder / "ran" / "result.h5")
     more = shlex.split(words) if isinstance(words, str) else words
     typed = [word.replace("{}", str(folder)).replace("{root}", str(ROOT)) for word in [*shlex.split(group.get("command", "")), *more]]
     return lambda: raised(masonry_cd(*typed))
@@ -130,6 +155,18 @@ def raised(result: Result) -> None:
     raise refusal(result)
 
 
+def measured(folder: Path, _: Mapping[str, Any], text: str) -> Callable[[], Any]:
+    """A file of measured modes; none for no text."""
+    if text:
+        (folder / "measured.csv").write_text(repeated(text), encoding="utf-8")
+    return lambda: read_measured(folder / "measured.csv")
+
+
+def material(_: Path, __: Mapping[str, Any], keys: Mapping[str, Any]) -> Callable[[], Any]:
+    """The keys of a material."""
+    return lambda: parse_table(Material, {"density": 2000.0, "friction": 0.6, **keys}, "material")
+
+
 DOORS: dict[str, Door] = {
     "load": load,
     "measure": measure,
@@ -138,4 +175,8 @@ DOORS: dict[str, Door] = {
     "structure": structure,
     "study": study,
     "command": command,
+    "blocks": blocks,
+    "modal": modal_check,
+    "measured": measured,
+    "material": material,
 }

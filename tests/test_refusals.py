@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from doors import DOORS
+from doors import DOORS, repeated
 from places import ROOT
 
 from masonry_cd.foundation.errors import LINE, Fault, InputError
@@ -32,7 +32,8 @@ def named(fault: Fault, folder: Path) -> str:
     """The place of a fault as a user reads it: file and line, key or option, and the key of a table with which its text begins."""
     key = re.match(r"[\w.]+(?=: )", fault.text)
     parts = (fault.source, fault.place, key.group() if key else "")
-    return ": ".join(part for part in parts if part).replace(f"{folder}/", "").replace(f"{ROOT}/", "").replace(str(folder), ".")
+    said = ": ".join(part for part in parts if part).replace(f"{folder}/", "").replace(f"{ROOT}/", "").replace(str(folder), ".")
+    return said.encode("utf-8", "backslashreplace").decode()
 
 
 def contents(folder: Path) -> dict[Path, bytes | None]:
@@ -46,7 +47,7 @@ def test_it_names_the_place_and_leaves_nothing(group: dict[str, Any], places: li
     before = contents(tmp_path)
     with pytest.raises(InputError) as refused:
         try_it()
-    assert [named(fault, tmp_path) for fault in refused.value.faults] == places
+    assert [named(fault, tmp_path) for fault in refused.value.faults] == [repeated(place) for place in places]
     assert all(line.isprintable() and len(line) <= LINE for line in refused.value.lines)
     assert contents(tmp_path) == before
 

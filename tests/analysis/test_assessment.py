@@ -106,13 +106,6 @@ def test_where_an_assumption_decides_no_single_grade_stands_first() -> None:
     assert on_the_whole(made(idle)).sure == "good" and on_the_whole(made(idle)).grade == "D2 in all runs"
 
 
-def test_without_a_base_case_there_is_no_verdict() -> None:
-    first, *others = made().members
-    broken = replace(first, row=FAILED)
-    found = type(made())("Made", "made.toml", KNOWN, (), (broken, *others))
-    assert lines_of(found) == ["Made: no verdict, the base case is no data: blocks overlap"]
-
-
 def test_a_pair_that_is_more_than_its_parts_is_named() -> None:
     levels = ("joint stiffness", "E 700 MPa", "friction", "0.4")
     plain = next(line for line in lines_of(made(pairs={levels: 241.0})) if line.startswith("pairs"))

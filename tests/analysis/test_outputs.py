@@ -7,6 +7,7 @@ import runpy
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,16 +15,25 @@ from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis import outputs
 from masonry_cd.analysis.damage.part_damage import part_damage
+from masonry_cd.analysis.limit.outcome import on_the_whole
+from masonry_cd.analysis.outputs.folders import FOLDERS, files_of
 from masonry_cd.analysis.outputs.measured import Measured
+from masonry_cd.analysis.pushover import PushCurve
+from masonry_cd.app.commands.modal import METHODS
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
+from masonry_cd.limit.curve import CURVE_OUTPUTS
+from masonry_cd.limit.vehicle import CROSSING_OUTPUTS
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.studies.study import numbers
+from reports.assess import outputs as assess
 from reports.compare.comparison import compare
 from reports.damage import write_joint_damage
 from reports.page import section, write_page
 from reports.settings import Report
+from reports.study.joint_maps import TABLE
+from reports.study.outputs import FILES
 
 SCENE = '[structure]\nkind = "file"\npath = "b.json"\n[material]\ndensity = 2000.0\nfriction = 0.6\n'
 COMPUTED = {"steps": 1, "solver": {"steps_missed": 0, "error_max": 0.0}}
@@ -126,3 +136,81 @@ def test_names_and_units_are_said_once_for_each_number():
 
 def test_the_reference_is_up_to_date():
     assert DOCS["PAGE"].read_text(encoding="utf-8") == DOCS["reference"](), "python docs/write_output_reference.py"
+
+
+def test_what_writes_a_file_finds_it_declared():
+    assert {*CURVE_OUTPUTS, *CROSSING_OUTPUTS, "limit.json", "mechanisms.csv", "limit.html"} <= {*files_of("limit")}
+    assert {f"{what}_{method}.{form}" for what, form in (("shapes", "csv"), ("modes", "png")) for method in METHODS} <= {*files_of("modal")}
+    assert {assess.CSV, assess.FILE, assess.PICTURE, assess.PAGE} == {*files_of("assess")}
+    assert {TABLE, "fragility.csv", "study.html"} <= {*FILES}
+    assert "runs.csv" not in FILES  # which a study makes run by run, and no report takes away
+    assert all(meaning for files in FOLDERS.values() for meaning in files.values())
+
+
+FOUND: dict[str, Any] = {
+    "stands": True, "bears_nothing": False, "no_finite_factor": False, "associated": 0.25, "verdict": None, "certificate": {"gap": 1e-12},
+    "least": {"factor": 0.24, "agreeing": 4, "starts": 4}, "without": [],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "grade", "sure"),
+    [
+        ({}, "load factor 0.24", "good"),
+        ({"least": {"factor": 0.20, "agreeing": 1, "starts": 9}}, "load factor 0.2", "look"),
+        ({"least": {"factor": 0.20, "agreeing": 1, "starts": 1}}, "load factor 0.2", "look"),  # one start agrees with nothing
+        (
+            {"least": {"factor": 0.2499, "agreeing": 1, "starts": 9}},
+            "load factor 0.2499",
+            "good",
+        ),  # next to the upper value
+        ({"least": None}, "load factor at most 0.25", "look"),
+        ({"certificate": {"gap": 0.1}}, "load factor 0.25", "doubtful"),
+        ({"no_finite_factor": True, "associated": None, "certificate": None}, "load factor 0.24", "look"),
+        ({"no_finite_factor": True, "associated": None, "certificate": None, "least": None}, "no finite load factor", "look"),
+        ({"stands": False}, "does not stand", "doubtful"),
+        ({"bears_nothing": True}, "bears no such load", "good"),
+        ({"verdict": {"state": "NOT satisfied", "confidence": "certain", "because": "", "reason": "too little"}}, "NOT satisfied", "good"),
+        ({"verdict": {"state": "not decided", "confidence": "doubtful", "because": "no search", "reason": ""}}, "not decided", "look"),
+    ],
+)
+def test_the_factor_and_how_sure_it_is(changes, grade, sure):
+    found = on_the_whole(FOUND | changes)
+    assert (found.grade, found.sure) == (grade, sure)
+    assert found.line.startswith(f"verdict: {grade}")
+
+
+FORCE, YIELDS, END = 1000.0, 1e-3, 1e-2  # [N], [m]
+
+
+def pushed(yields: float) -> PushCurve:
+    """A push at one speed, whose force grows in proportion up to a displacement and then stays."""
+    u = np.linspace(0.0, END, 2001)[1:]
+    force = FORCE * np.minimum(1.0, u / yields) if yields else np.full(len(u), FORCE)
+    return PushCurve("wall", "push", (1.0, 0.0, 0.0), np.arange(1.0, 2001.0), u, force, np.zeros(2000), np.zeros(2000))
+
+
+def test_an_elastic_and_plastic_push_has_its_stiffness_and_is_its_own_idealisation() -> None:
+    found = pushed(YIELDS).numbers()
+    assert found.peak_force == FORCE
+    assert found.stiffness == pytest.approx(FORCE / YIELDS, rel=0.02)
+    assert found.bilinear.yield_force == pytest.approx(FORCE, rel=0.01)
+    assert found.bilinear.ductility == pytest.approx(END / YIELDS, rel=0.05)
+
+
+def test_a_rigid_push_has_a_peak_and_neither_stiffness_nor_ductility() -> None:
+    found = pushed(0.0).numbers()
+    assert found.peak_force == FORCE
+    assert found.stiffness is None
+    assert found.bilinear is None
+
+
+@pytest.mark.parametrize("left", [0.0, 3e-7, -3e-7])
+def test_a_cycle_that_ends_at_zero_but_for_rounding_is_whole(left: float) -> None:
+    """A friction joint of force F, pushed to u, -u and back: the loop has 4 F u, and an equivalent damping of 2 / pi."""
+    u = np.concatenate([np.linspace(0.0, END, 501)[1:], np.linspace(END, -END, 1001)[1:], np.linspace(-END, left, 501)[1:]])
+    force = FORCE * np.sign(np.diff(u, prepend=0.0))
+    count = len(u)
+    (cycle,) = PushCurve("b", "push", (1.0, 0.0, 0.0), np.arange(1.0, count + 1.0), u, force, np.zeros(count), np.zeros(count)).cycles()
+    assert cycle.dissipated == pytest.approx(4.0 * FORCE * END, rel=1e-3)
+    assert cycle.damping == pytest.approx(2.0 / np.pi, rel=1e-3)

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page on Python speaks of the interface as it is: its snippets run one after the other, and its tables are those that there are."""
+"""The pages on Python, the notebooks and the docstrings of the interface run, and speak of it as it is."""
 
 from __future__ import annotations
 
+import doctest
 import re
 import shutil
 import textwrap
+from importlib import import_module
 from pathlib import Path
 
+import nbformat
 import pytest
+from nbclient import NotebookClient
 from places import EXAMPLES, ROOT
 
 import masonry_cd as mc
@@ -60,3 +64,54 @@ def test_twenty_lines_are_twenty_and_run(tmp_path: Path, monkeypatch: pytest.Mon
     said = capsys.readouterr().out
     assert "joint 0 opens at" in said and "tilted by 5 degrees" in said
     assert isinstance(names["run"], mc.Run)
+
+
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+PICTURES = {"arch": 5, "own_blocks": 3, "stepping": 3, "study": 3, "sweep": 3}  # that each shows, at least
+
+
+def shown(notebook: nbformat.NotebookNode) -> list[nbformat.NotebookNode]:
+    """What the cells of a notebook show."""
+    return [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+
+
+def test_all_are_tried() -> None:
+    assert {path.stem for path in NOTEBOOKS} == set(PICTURES)
+
+
+@pytest.mark.slow(reason="a kernel of Jupyter runs a whole notebook")
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_it_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    assert shown(notebook) == []
+    assert all(cell.execution_count is None for cell in notebook.cells if cell.cell_type == "code")
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    done = NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    assert sum("image/png" in output.get("data", {}) for output in shown(done)) >= PICTURES[path.stem]
+    said = "".join(output.text for output in shown(done) if output.output_type == "stream" and output.name == "stderr")
+    assert "Warning" not in said, said
+
+
+MODULES = sorted(path.stem for path in (ROOT / "masonry_cd" / "interface").glob("*.py"))
+WITH_EXAMPLES = {
+    "assessing",
+    "comparison",
+    "limit",
+    "macro",
+    "modal",
+    "results",
+    "run_stress",
+    "running",
+    "scenes",
+    "simulation",
+    "studies",
+}
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)  # where the scenes of the examples lie
+    found = doctest.testmod(import_module(f"masonry_cd.interface.{name}"))
+    assert found.failed == 0
+    assert (found.attempted > 0) == (name in WITH_EXAMPLES)

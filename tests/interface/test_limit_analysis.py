@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""mc.limit_analysis: what the command finds, as values, DataFrames and images."""
+"""mc.limit_analysis and mc.macro_elements: what the command finds, as values, DataFrames and images."""
 
 from __future__ import annotations
 
+import csv
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -59,6 +61,22 @@ def test_no_curve_is_none_and_its_picture_a_line() -> None:
         found.capacity_curve()
 
 
-def test_a_scene_without_a_load_is_refused() -> None:
-    with pytest.raises(mc.InputError, match="no load to multiply"):
-        mc.limit_analysis(mc.scene(two_blocks()))
+CHECK = {"spectrum": "EC8", "ag": 2.0}
+
+
+def test_tables_and_verdict_are_those_of_the_command(tmp_path: Path) -> None:
+    found = mc.macro_elements(mc.scene(two_blocks(), limit={"check": CHECK}), tmp_path / "out", jobs=1)
+    made = json.loads((tmp_path / "out" / "limit.json").read_text())
+    with (tmp_path / "out" / "mechanisms.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert list(found.mechanisms.columns) == list(rows[0]) and len(found.mechanisms) == len(rows)
+    assert found.parts["ratio"].is_monotonic_increasing and len(found.parts) == len(found.parts[["element", "push"]].drop_duplicates())
+    assert found.verdict is not None and found.verdict["words"] == made["verdict"]["words"] and found.verdict["reason"] in str(found)
+    assert found.verdict["state"] in repr(found)
+    with pytest.raises(mc.InputError, match="force"):
+        found.write(tmp_path / "out")
+
+
+def test_without_a_check_there_is_no_verdict() -> None:
+    found = mc.macro_elements(mc.scene(two_blocks()), jobs=1)
+    assert found.verdict is None and found.parts["ratio"].isna().all() and found.parts["a0_m_s2"].is_monotonic_increasing

@@ -33,23 +33,6 @@ def test_importing_it_imports_nothing_else(tmp_path: Path) -> None:
     assert python(tmp_path, code).stdout == "[]\n"
 
 
-def test_a_bad_scene_is_refused_before_numba_comes(tmp_path: Path) -> None:
-    code = (
-        "import sys, masonry_cd as mc\n"
-        f"try: mc.scene({str(ARCH)!r}, 'run.dt=-1')\n"
-        "except mc.InputError as error: print(error, [name for name in ('numba', 'pandas', 'matplotlib') if name in sys.modules])\n"
-    )
-    assert python(tmp_path, code).stdout == "--set run.dt=-1: run.dt: input should be greater than 0, got -1 s []\n"
-
-
-def test_a_file_of_ones_own_that_hides_a_room_is_named(tmp_path: Path) -> None:
-    (tmp_path / "loads.py").write_text("mine = 1\n")
-    said = python(tmp_path, "import masonry_cd as mc; mc.scene").stderr.strip().splitlines()[-1]
-    assert said.startswith(
-        f'masonry_cd.foundation.errors.InputError: {tmp_path / "loads"}.py hides the package "loads" of masonry_cd: rename it'
-    )
-
-
 def test_every_name_is_there_and_no_other() -> None:
     assert all(getattr(mc, name) is not None for name in mc.__all__)
     assert set(mc.__all__) <= set(dir(mc))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Simulations: the bits of a run, states and contacts as arrays, own forces and motions, events, copies and checkpoints."""
+"""Simulations: the bits of a run, states and contacts as arrays, own forces and motions, events, checkpoints; what can be set."""
 
 from __future__ import annotations
 
@@ -206,3 +206,17 @@ def test_it_records_what_a_run_does_and_says_that_python_took_part(tables: dict[
 def test_forces_that_are_none_are_refused(tables: dict[str, Any], forces: Any, words: str) -> None:
     with pytest.raises(mc.InputError, match=words):
         mc.Simulation(still(tables), forces=forces, velocities={"b2": (0, 0, 1)}).step()
+
+
+def test_what_can_be_set_is_set_and_what_is_read_is_not(tables: dict[str, Any]) -> None:
+    sim = mc.Simulation(mc.scene(tables))
+    sim.step()
+    for name in ("friction", "report", "scene", "structure", "time"):
+        with pytest.raises(AttributeError, match=name):
+            setattr(sim, name, 0.2)
+    sim.state = sim.state.changed("b1", velocity=(0.0, 0.0, 0.0))
+    other = sim.copy()
+    assert other.step() is other.report and sim.report is not other.report
+    for made in (sim.state, sim.contacts, sim.joints, sim.report, sim.structure[0], sim.structure, sim.scene):
+        with pytest.raises(AttributeError):
+            made.friction = 0.2  # type: ignore[union-attr]

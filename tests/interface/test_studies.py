@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
-from command_line import masonry_cd
+from command_line import done
 from hostile import refused_at
 from made_run import box
 from made_study import Made, write_study_folder
@@ -20,6 +22,8 @@ from places import ROOT
 from studied import GRID, rows_without_seconds, write_scene, write_study
 
 import masonry_cd as mc
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.interface.study_plots import StudyPlots
 from masonry_cd.studies.study.progress import StudyProgress
 
 GRID_TABLES: dict[str, Any] = {
@@ -51,9 +55,7 @@ def made(tmp_path: Path) -> mc.Study:
 def test_the_rows_are_those_of_the_command_line_which_continues_the_folder(folder: Path) -> None:
     before = rows_without_seconds(folder / "out")
     assert len(before) == 7
-    done = masonry_cd("study", folder / "study.toml", "-o", folder / "out", "--resume", "--workers", "1")
-    assert done.exit_code == 0, done.output
-    assert "6 runs, 0 of them to be made" in done.output
+    assert "6 runs, 0 of them to be made" in done("study", folder / "study.toml", "-o", folder / "out", "--resume", "--workers", "1").output
     assert rows_without_seconds(folder / "out") == before
     assert {"study.html", "summary.json", "study.toml"} <= {path.name for path in (folder / "out").iterdir()}
 
@@ -83,9 +85,7 @@ def test_arrays_become_files_with_which_the_command_line_goes_on(tmp_path: Path,
     assert kept.scene.tables["structure"]["path"] == str(tmp_path / "out" / "blocks.json")
     assert kept.joints.shape[0] == 1
     monkeypatch.chdir(tmp_path)
-    done = masonry_cd("study", "out/study.toml", "-o", "out", "--workers", "1")
-    assert done.exit_code == 0, done.output
-    assert "2 runs, 0 of them to be made" in done.output
+    assert "2 runs, 0 of them to be made" in done("study", "out/study.toml", "-o", "out", "--workers", "1").output
 
 
 @pytest.mark.slow(reason="starts workers twice")
@@ -203,7 +203,47 @@ def test_a_study_without_joints_says_so(tmp_path: Path) -> None:
         study.joint_probabilities  # noqa: B018
 
 
-def test_the_page_is_written_and_shown(made: mc.Study) -> None:
-    page = made.plot.page()
-    assert page.path == made.folder / "study.html"
-    assert "<iframe srcdoc=" in page._repr_html_()
+SCENE = {
+    "title": "A block pushed",
+    "structure": {"blocks": [mc.box((-1, -1, -0.5), (2, 2, 0)), mc.box((0, 0, 0), (0.5, 1, 1))], "fixed": "b0"},
+    "material": {"density": 2000.0, "friction": 0.3},
+    "loads": [{"kind": "push", "control": "displacement", "direction": "x", "blocks": "b1", "targets": [0.004], "speed": 0.008}],
+    "run": {"dt": 5e-3},
+    "report": {"crack_map": False},
+}
+WEIGHT = 0.5 * 2000.0 * 9.81  # [N]
+
+
+def plots_of(folder_plots: Path, *runs: str) -> StudyPlots:
+    """The plots of a study in a folder, as if these had been its runs."""
+    study = SimpleNamespace(folder=folder_plots, text=lambda column: list(runs))
+    return StudyPlots(cast(Any, SimpleNamespace(study=study)), lambda: None)
+
+
+@pytest.fixture(scope="module")
+def folder_plots(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Of a study that kept two runs and lost one."""
+    folder_plots = tmp_path_factory.mktemp("study")
+    mc.run(mc.scene(SCENE), folder_plots / "runs" / "low", progress=False)
+    shutil.copytree(folder_plots / "runs" / "low", folder_plots / "runs" / "high")
+    return folder_plots
+
+
+def test_the_curves_of_all_runs_are_laid_over_each_other_beside_the_measured_one(folder_plots: Path) -> None:
+    (folder_plots / "test.csv").write_text("displacement [m],force [N]\n0,0\n0.001,2000\n0.004,2900\n")
+    figure = plots_of(folder_plots, "low", "lost", "high").force_displacement(measured=folder_plots / "test.csv")
+    lines = {str(line.get_label()): line for line in figure.axes[0].get_lines() if not str(line.get_label()).startswith("_")}
+    assert list(lines) == ["test", "low", "high"]
+    assert list(lines["test"].get_ydata()) == pytest.approx([0.0, 2.0, 2.9])  # in kN
+    assert max(lines["low"].get_ydata()) == pytest.approx(1e-3 * 0.3 * WEIGHT, rel=0.02)
+    assert max(lines["high"].get_xdata()) == pytest.approx(4.0, rel=0.02)  # in mm
+
+
+def test_what_cannot_be_drawn_is_said(folder_plots: Path) -> None:
+    with pytest.raises(InputError, match=r'no run was kept; a study with run = \{keep = "all"\}'):
+        plots_of(folder_plots, "lost").force_displacement()
+    (folder_plots / "bad.csv").write_text("displacement,force\n0,0\n1e-3,much\n")
+    with refused_at("bad.csv:3"):
+        plots_of(folder_plots, "low").force_displacement(measured=folder_plots / "bad.csv")
+    with refused_at("none.csv"):
+        plots_of(folder_plots, "low").force_displacement(measured=folder_plots / "none.csv")

@@ -12,7 +12,7 @@ from hostile import refused_at
 from two_blocks import shaking, two_blocks
 
 import masonry_cd as mc
-from masonry_cd.interface.tables import UNIT_OF, frame_of
+from masonry_cd.interface.tables import UNIT_OF
 from reports.damage import write_part_damage
 from reports.page.motion import rotation_vectors
 
@@ -167,7 +167,3 @@ def test_modal_frequencies_come_from_the_scene() -> None:
     assert len(made["models"]["joints"]["frequency_hz"]) == 3
     with refused_at("modal.yung"):
         mc.modal(two_blocks(), yung=1e9)
-
-
-def test_a_table_without_rows_has_none() -> None:
-    assert len(frame_of({})) == 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""loads.kinds.record: a record becomes a base velocity that starts and ends at rest, in true units, on the run's times."""
+"""loads.kinds.record: a base velocity that starts and ends at rest, in true units, on the run's times; and its picture."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hostile import refused_at
+from pictures import main_colours
 from places import SHARED
 
 import loads
 from loads.motion import STANDARD_GRAVITY
+from loads.picture import AFTER, BEFORE, file_picture, thin_curve
 from loads.signal.baseline import integrate
 from masonry_cd.foundation.errors import InputError
 
@@ -187,3 +189,42 @@ def test_intensity_is_reported(folder: Path) -> None:
     assert numbers(loading)["arias"] == pytest.approx(4.0 * numbers(build(folder))["arias"])
     assert 1.0 < numbers(loading)["significant_duration"] < 9.0
     assert any("Arias intensity" in line and "significant duration" in line for line in loading.lines)
+
+
+TIME_PICTURE = 0.01 * np.arange(1001)
+WAVE_PICTURE = 2.0 * np.sin(np.pi * TIME_PICTURE / 10.0) ** 2 * np.sin(2 * np.pi * 1.3 * TIME_PICTURE)
+
+
+@pytest.fixture
+def quake(tmp_path: Path) -> Path:
+    file = tmp_path / "quake.txt"
+    file.write_text("t a_m_s2\n" + "".join(f"{t:.2f} {a + 0.5:.9g}\n" for t, a in zip(TIME_PICTURE, WAVE_PICTURE, strict=True)))
+    return file
+
+
+def test_a_file_is_drawn_and_its_numbers_returned(quake: Path) -> None:
+    picture = quake.with_name("quake.png")
+    processed = file_picture(quake, picture, band=[0.1, 25.0], taper=0.5)
+    assert {BEFORE, AFTER} <= main_colours(picture)
+    numbers = processed.numbers()
+    assert numbers["before"]["pga"] == pytest.approx(abs(WAVE_PICTURE + 0.5).max(), rel=1e-6)
+    assert numbers["after"]["pga"] == pytest.approx(abs(WAVE_PICTURE).max(), rel=0.02)
+    assert abs(numbers["after"]["end_displacement"]) < 1e-12
+
+
+def test_long_curves_keep_their_peaks_when_thinned() -> None:
+    values = np.zeros(300_000)
+    values[[77_777, 123_456]] = 3.0, -4.0
+    times, drawn = thin_curve(np.arange(300_000.0), values)
+    assert len(drawn) <= 20_000
+    assert (drawn.max(), drawn.min()) == (3.0, -4.0)
+    assert (np.diff(times) >= 0.0).all()
+
+
+def test_bad_keys_and_places_are_named(quake: Path) -> None:
+    with refused_at("record.windw"):
+        file_picture(quake, quake.with_name("p.png"), windw=[0, 1])
+    with refused_at("no/p.png"):
+        file_picture(quake, quake.parent / "no" / "p.png")
+    with refused_at("p.tiffany"):
+        file_picture(quake, quake.with_name("p.tiffany"))

@@ -112,8 +112,3 @@ def test_a_pier_goes_down_with_its_foot(three_piers: Assembly) -> None:
         run.step()
     down = (run.state.position - assembly.centre)[:, 2]
     assert down == pytest.approx([0.0, -0.02, 0.0, 0.0, -0.02, 0.0], abs=1e-6)
-
-
-def test_a_run_too_short_for_the_settlement_says_so(three_piers: Assembly) -> None:
-    table = {"kind": "settlement", "supports": ["foot1"], "displacement": 0.02, "start": 0.5, "duration": 1.5}
-    assert any("displacement" in line and "run.duration" in line for line in build(three_piers, table, steps=1000).lines)

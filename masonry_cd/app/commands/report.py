@@ -56,11 +56,11 @@ def report(
     from reports.settings import report_of
 
     with Results.open(folder / "result.h5") as results:
-        own_files.begin(folder, set(names_of_run()) - {NAME}, is_run)  # a damaged summary.json is replaced
         made = report_of(results.tables, **settings, **({"energy": True} if energy else {}))
         outputs.check_again(made, results)
         chosen = outputs.parse_times(results, times) if times is not None else []
         made = made.model_copy(update={"times": tuple(chosen)})
+        own_files.begin(folder, set(names_of_run()) - {NAME}, is_run)  # a damaged summary.json is replaced
         summary, words = _summary_of(results, folder)
         summary |= damage_files.write_joint_damage(results, folder, made)
         wanted = {"damage": True, "crack_map": crack_map, "stress": stress_map or results.has_stress, "stress_map": stress_map}

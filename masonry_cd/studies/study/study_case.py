@@ -134,6 +134,9 @@ def make_runs(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways) 
         here.require_own()
     else:
         require_own(plan, folder)
+    known = {} if options.force else here.finished(options.retry)
+    if any(run.name not in known for run in plan.runs):
+        options.warn(ways.check(plan))  # before anything is written
     with locked(folder):
         if options.force:
             here.clear()
@@ -164,7 +167,6 @@ class _Making:
         more = " so far" if self.plan.adapts else ""
         self.say(f"{self.plan.maker.study.title}: {len(known)} runs{more}, {len(missing)} of them to be made")
         if missing:
-            self.options.warn(self.ways.check(self.plan))
             self.folder.forget_hangs(missing)
             try:
                 self.execute(missing, len(known))

@@ -199,23 +199,6 @@ def test_grades_are_the_highest_reached_and_the_users(tmp_path: Path) -> None:
     assert (grade.name, grade.label, grade.reason) == ("D2", "c", "crack 2.5 m (D2 from 2 m)")
 
 
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"widht": [1, 2, 3, 4, 5]}, 'report.grades.widht: unknown key (did you mean "width"?)'),
-        ({"width": [1, 2, 3]}, "report.grades.width: should be five numbers, for D1 to D5"),
-        ({"drift": [5, 4, 3, 2, 1]}, "report.grades.drift: should not fall from D1 to D5"),
-        ({"lost": [0, 1, 2, 3, 4]}, "report.grades.lost: should be positive numbers or inf"),
-        ({"labels": ["none"]}, "report.grades.labels: should be six texts, for D0 to D5"),
-    ],
-)
-def test_bad_grades_are_one_line(table: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError) as error:
-        grades.read_grades(table)
-    assert str(error.value).startswith(message)
-    assert "\n" not in str(error.value)
-
-
 def test_the_files_hold_the_same_numbers(tmp_path: Path) -> None:
     rest = at_rest(PIER)
     hinge = turned_together(rest, (2, 3, 4), (0.5, 0, 1.0), 0.6, (0, 1, 0))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verdict on a run: by its checks, and in place of a grade wherever a grade stands."""
+"""The verdict on a run: by its checks, in place of a grade wherever one stands, and provisional where the end is not final."""
 
 from __future__ import annotations
 
@@ -8,20 +8,24 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.fragility.limits import LimitState, LimitTable
 from masonry_cd.analysis.outputs.summary import in_short
 from masonry_cd.analysis.run_row import DONE, RunRow
-from masonry_cd.app.closing_lines import part_lines, verdict_lines
+from masonry_cd.app.closing_lines import part_lines
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.io.summary_tables import Solver
+from masonry_cd.mechanics.model.state import State
 from masonry_cd.studies.study import numbers
+from reports import damage as damage_files
 from reports.compare.comparison import compare
 from reports.damage import damage_of, write_joint_damage, write_part_damage
 from reports.page import write_page
@@ -163,30 +167,88 @@ def test_a_comparison_and_a_study_give_it_no_grade(tmp_path):
     assert exceeded == [None, True]
 
 
-def test_the_closing_lines_begin_with_grade_how_sure_and_why():
-    row = {"grade": "D2", "grade_label": "moderate damage", "grade_reason": "sliding 8 mm in joint 0"}
-    sound, broken = checks_of(Summary(**SOUND), Thresholds()), checks_of(Summary(**SOUND | solver(steps_missed=9)), Thresholds())
-    (line,) = verdict_lines(sound.as_summary(row))
-    assert line == "verdict: D2, moderate damage (sliding 8 mm in joint 0); all checks of the computation are good"
-    (line,) = verdict_lines(broken.as_summary(row))
-    assert line.startswith("verdict: not graded; do not rely on this run before it is mended: contact forces (9 of 200 steps missed")
-
-
-def test_page_summary_and_terminal_begin_with_one_verdict(tmp_path):
-    out = run_in(tmp_path / "ended", ended=True)
-    with Results.open(out / "result.h5") as results:
-        summary = write_joint_damage(results, out, Report())
-        write_page(results, out / "report.html", summary, parts=damage_of(results, Report()))
-    found = summary.verdict
-    assert (found.grade, found.means, found.sure) == ("D2", "moderate damage", found.verdict)
-    page = (out / "report.html").read_text(encoding="utf-8")
-    first = page[page.index("</h1>") : page.index('<dl class="block">')]
-    assert '<span class="grade D2">D2</span>' in first and f'<span class="verdict {found.sure}">' in first
-    assert found.because.partition(" in joint")[0] in first and "D2, moderate damage" in verdict_lines(summary)[0]
-
-
 def test_groups_that_no_table_of_parts_can_have_are_not_graded(tmp_path):
     named = [box("base", (0, 0, -0.2), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 0.5), "structure")]
     write_run(tmp_path / "result.h5", named, [at_rest(named)], scene=SCENE, ended=True)
     with Results.open(tmp_path / "result.h5") as results:
         assert write_joint_damage(results, tmp_path, Report()).verdict.grade == ""
+
+
+PAIR = [
+    box("base", (-1, 0, -0.5), (3, 1, 0), "base", fixed=True),
+    box("lower", (0, 0, 0), (1, 1, 1), "pier"),
+    box("upper", (0, 0, 1), (1, 1, 2), "pier"),
+]
+
+
+def moving(linear: tuple[float, float, float] = (0, 0, 0), turning: float = 0.0, base: float = 0.0) -> State:
+    """The pier, its upper block slid by 2 mm and moving, on a base that moves along x."""
+    state = shifted(at_rest(PAIR), 2, (0.002, 0, 0))
+    state.velocity[:, 0] = base
+    state.velocity[2, :3] += linear
+    state.velocity[2, 4] = turning
+    state.orientation[2, [0, 2]] = np.cos(0.1 * turning), np.sin(0.1 * turning)  # by what it turns in 0.2 s
+    return state
+
+
+def results_of(folder: Path, last: State, scene: str = "") -> Results:
+    return Results.open(write_run(folder / "result.h5", PAIR, [at_rest(PAIR), last], scene=scene))
+
+
+@pytest.mark.parametrize(
+    ("last", "said"),
+    [
+        (moving(), ""),
+        (moving((0.0009, 0, 0)), ""),
+        (moving((0, 0.019, 0)), 'provisional: still moving at 19 mm/s ("upper") at 0.1 s'),
+        (moving(turning=0.1), f'provisional: still moving at {100 * np.sqrt(0.75):.3g} mm/s ("upper") at 0.1 s'),
+        (moving(base=0.2), "provisional: the base still moving at 200 mm/s at 0.1 s"),
+    ],
+    ids=["still", "slower than 1 mm/s", "a block moves", "a block turns", "the base moves"],
+)
+def test_what_moves_at_the_end_is_named(tmp_path: Path, last: State, said: str) -> None:
+    with results_of(tmp_path, last) as results:
+        assert end_state(results).provisional == said
+
+
+@pytest.mark.parametrize("still", [True, False], ids=["ended still", "ended by its time"])
+def test_a_block_that_rattles_and_goes_nowhere_is_still(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, still: bool) -> None:
+    """If the run ended because it was; else two frames alike may be those of a structure that sways."""
+    last = at_rest(PAIR)
+    last.velocity[2] = 0.007, -0.005, 0.0, 0.0, 0.02, 0.0
+    monkeypatch.setattr(Results, "closing", Summary(stopped="", ended_still=still))
+    with results_of(tmp_path, last) as results:
+        end = end_state(results)
+    assert (end.provisional == "") is still
+    assert end.rattles.startswith('"upper" at ') is still
+
+
+def test_a_block_that_has_fallen_may_roll(tmp_path: Path) -> None:
+    last = shifted(at_rest(PAIR), 2, (2.0, 0, -1.0))
+    last.velocity[2, 0] = 0.5
+    with results_of(tmp_path, last) as results:
+        assert end_state(results).provisional == ""
+
+
+def test_a_run_that_was_killed_is_provisional(tmp_path: Path) -> None:
+    """Its scene is kept, and no closing words."""
+    with results_of(tmp_path, moving(), "[run]\ndt = 1e-3\nduration = 9.0\n") as results:
+        assert end_state(results).provisional == "provisional: the run was cut off at 0.1 s"
+
+
+def test_tables_summary_text_and_page_say_so(tmp_path: Path) -> None:
+    said = 'provisional: still moving at 19 mm/s ("upper") at 0.1 s'
+    with results_of(tmp_path, moving((0, 0.019, 0))) as results:
+        summary = damage_files.write_joint_damage(results, tmp_path, Report())
+        damage = damage_of(results, Report())
+        damage_files.write_part_damage(damage, tmp_path)
+        write_page(results, tmp_path / "report.html", parts=damage)
+    assert summary.provisional == said
+    assert summary.end.speed == pytest.approx(0.019)
+    for name in ("joints.csv", "damage.csv"):
+        with (tmp_path / name).open(newline="") as file:
+            assert {row["provisional"] for row in csv.DictReader(file)} == {said}, name
+    assert damage_files.as_json(damage)["provisional"] == said
+    assert part_lines(in_short(damage.parts))[-1] == f"grades, mechanisms and what is left are {said}"
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Grades and what is left are provisional: still moving at 19 mm" in page

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Elastic modes against closed forms: beams, bars and chains."""
+"""Elastic modes against closed forms, beams, bars and chains; measured modes, the MAC and the pairing with computed ones."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from beams import CLAMPED, FREE, HINGED, Beam, chain
 from models import box, tower
 from scipy.optimize import brentq
 
+from masonry_cd.analysis.modal.measured_modes import fit_factor, mac, pair, read_measured
 from masonry_cd.analysis.modal.modes import Modes, modal
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
@@ -206,33 +206,88 @@ def test_a_block_in_the_air_is_named(method: str) -> None:
         modal(blocks, YOUNG, method=method)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"young": 3.0}, "modal.young: should be between 1e5 and 1e13 Pa, got 3"),
-        ({"young": {"bloc": 1e9}}, 'modal.young.bloc: "bloc" is no group of blocks \\(did you mean "block"'),
-        ({"young": {"base": 1e9}}, "modal.young: no value for the group block"),
-        ({"poisson": 0.5}, "modal.poisson: must be at least 0 and below 0.5"),
-        ({"method": "continum"}, 'unknown method "continum" \\(did you mean "continuum"'),
-        ({"modes": 0}, "modal.modes: must be 1 to 10000, got 0"),
-        ({"modes": 10**9}, "modal.modes: must be 1 to 10000, got 1000000000"),
-        ({"size": 1e-9}, r"modal.mesh_size: 1e-09 m makes about [0-9.]+e\+27 tetrahedra, at most 1e\+06 are allowed"),
-        ({"size": 1e-200}, r"modal.mesh_size: 1e-200 m makes about inf tetrahedra, at most 1e\+06 are allowed"),
-        ({"size": -1.0}, "modal.mesh_size: must be above 0 m"),
-        ({"restraint": {"roof": "z"}}, 'modal.restraint.roof: "roof" is no group of supports'),
-        ({"restraint": {"base": "up"}}, "modal.restraint.base: should be made of the letters x, y and z"),
-        ({"stiffness": (1e9, 0.0), "method": "joints"}, "stiffnesses of joints must be above 0 Pa/m"),
-    ],
-)
-def test_wrong_values_are_reported_in_one_line(options: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError, match=message) as caught:
-        modal(tower(2), **({"young": YOUNG} | options))  # type: ignore[arg-type]
-    assert "\n" not in str(caught.value)
+SHAPED = """\
+# ambient vibration test
+mode,frequency_hz,point,x_mm,y_mm,z_mm,ux,uz
+1,4.0,top,0,0,2000,1.0,0.1
+1,,middle,0,0,1000,0.4,
+2, 9.5 ,top,0,0,2000,,1.0
+"""
 
 
-def test_importing_the_packages_loads_no_heavy_package() -> None:
-    code = "import sys, masonry_cd.analysis.modal.modes, masonry_cd.app.commands.modal, masonry_cd.analysis.modal.continuum\n"
-    code += "import masonry_cd.analysis.modal.elastic_joints, reports.modes_picture as _\n"
-    code += "print([m for m in ('gmsh', 'skfem', 'matplotlib', 'pyvista', 'vtk', 'pandas') if m in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+@pytest.fixture(scope="module")
+def modes() -> Modes:
+    """Eight blocks on a rectangular footprint, so that no two frequencies coincide."""
+    blocks: list[Block] = [tower(1)[0]]
+    blocks += [box(f"b{k}", (-0.3, -0.2, k * 0.25), (0.3, 0.2, (k + 1) * 0.25)) for k in range(8)]
+    return modal(blocks, 2e9, method="joints", modes=6)
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "measured.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_shapes_units_and_gaps_are_read(tmp_path: Path) -> None:
+    first, second = read_measured(written(tmp_path, SHAPED))
+    assert (first.mode, first.frequency, second.mode, second.frequency) == (1, 4.0, 2, 9.5)
+    assert first.points == pytest.approx(np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 1.0]]))
+    assert np.array_equal(np.isnan(first.shape), [[False, True, False], [False, True, True]])
+    assert second.has_shape and second.shape[0, 2] == 1.0
+
+
+def test_periods_and_bare_frequencies(tmp_path: Path) -> None:
+    modes = read_measured(written(tmp_path, "mode,period_s\n2,0.1\n1,0.25\n"))
+    assert [(m.mode, m.frequency) for m in modes] == [(1, 4.0), (2, pytest.approx(10.0))]
+    assert not modes[0].has_shape
+
+
+def test_mac_is_blind_to_sign_and_scale_and_to_what_was_not_measured() -> None:
+    a = np.array([1.0, 2.0, -1.0, 0.5])
+    assert mac(a, -3.0 * a) == pytest.approx(1.0)
+    assert mac(np.array([1.0, 0.0]), np.array([0.0, 2.0])) == 0.0
+    assert mac(np.array([1.0, 1.0]), np.array([1.0, 0.0])) == pytest.approx(0.5)
+    assert mac(np.array([1.0, np.nan]), np.array([7.0, 5.0])) == pytest.approx(1.0)
+
+
+def test_measured_modes_find_the_computed_ones_that_they_resemble(modes: Modes, tmp_path: Path) -> None:
+    """The computed modes, written in another order and with a few per cent of noise."""
+    noise = np.random.default_rng(0)
+    moving = np.flatnonzero(np.abs(modes.shapes).max(axis=(1, 2)) > 0.1)  # torsion does not move the centroids
+    order = moving[[2, 0, 1]].tolist()
+    lines = ["mode,frequency_hz,x_m,y_m,z_m,ux,uy,uz"]
+    for number, k in enumerate(order, start=1):
+        for point, shape in zip(modes.points, modes.shapes[k], strict=True):
+            moved = -2.0 * shape + 0.03 * noise.standard_normal(3)
+            lines.append(",".join(map(str, [number, 1.1 * modes.frequencies[k], *point, *moved])))
+    pairs = pair(modes, read_measured(written(tmp_path, "\n".join(lines))))
+    assert [p.mode for p in pairs] == [k + 1 for k in order]
+    assert min(p.mac for p in pairs) > 0.99
+    assert [p.error_percent for p in pairs] == pytest.approx([100 * (1 / 1.1 - 1)] * 3)
+
+
+def test_fit_meets_the_first_measured_frequency(modes: Modes, tmp_path: Path) -> None:
+    measured = read_measured(written(tmp_path, f"mode,frequency_hz\n1,{1.3 * modes.frequencies[0]}\n"))
+    factor = fit_factor(modes, measured)
+    assert factor == pytest.approx(1.69)
+    assert pair(modes.scaled(factor), measured)[0].error_percent == pytest.approx(0.0, abs=1e-9)
+
+
+def test_more_modes_measured_than_computed(modes: Modes, tmp_path: Path) -> None:
+    pairs = pair(modes, read_measured(written(tmp_path, "mode,frequency_hz\n1,4\n50,900\n")))
+    assert pairs[0].mode == 1
+    assert pairs[1].mode is None
+
+
+def test_a_point_far_from_the_structure_is_an_error(modes: Modes, tmp_path: Path) -> None:
+    text = "mode,frequency_hz,x_m,y_m,z_m,ux\n1,4.0,0,0,2000,1.0\n"
+    with pytest.raises(InputError, match=r"measured.csv:2: the point \(0, 0, 2000\) m lies 2e\+03 m outside the structure"):
+        pair(modes, read_measured(written(tmp_path, text)))
+
+
+def test_components_of_any_size_resemble_alike() -> None:
+    shape = np.array([[1.0, np.nan, 0.5], [0.2, 0.1, -0.3]])
+    for size in (1e308, 1e-300, -1e200):
+        assert mac(size * shape, shape) == pytest.approx(1.0)
+    assert mac(0.0 * shape, shape) == 0.0

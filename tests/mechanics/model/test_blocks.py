@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Exact mass properties, the friction table, and the flat arrays that detection reads."""
 
+from __future__ import annotations
+
 import numpy as np
 import pytest
 from models import box, ground, tower
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components as by_scipy
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.geometry import mass_properties
 from masonry_cd.mechanics.model.polygon import clip, clip_loops
 from masonry_cd.mechanics.model.state import rotation_matrices
@@ -69,3 +74,22 @@ def test_polygons_are_clipped_corner_by_corner_and_those_beyond_the_plane_go():
     assert left[:4].tolist() == [[0, 0], [1, 0], [1, 1], [0, 1]]  # the point on a side follows the corner before it
     assert left[4:].tolist() == (square - [1.5, 0.0]).tolist()
     assert clip(square, np.array([1.0, -1e-9, -1e-9, 1.0]), 1e-8).tolist() == square.tolist()  # on the plane
+
+
+def test_components_are_numbered_by_their_lowest_nodes():
+    assert connected_components(np.array([4, 2, 5]), np.array([2, 0, 3]), 7).tolist() == [0, 1, 0, 2, 0, 2, 3]
+
+
+def test_a_graph_without_links_has_a_component_for_each_node():
+    none = np.empty(0, dtype=np.int64)
+    assert connected_components(none, none, 3).tolist() == [0, 1, 2]
+    assert connected_components(none, none, 0).tolist() == []
+
+
+def test_components_are_those_of_scipy():
+    random = np.random.default_rng(7)
+    for _ in range(100):
+        nodes, links = int(random.integers(1, 60)), int(random.integers(0, 60))
+        first, second = random.integers(0, nodes, links), random.integers(0, nodes, links)
+        expected = by_scipy(coo_array((np.ones(links), (first, second)), shape=(nodes, nodes)), directed=False)[1]
+        assert connected_components(first, second, nodes).tolist() == expected.tolist()

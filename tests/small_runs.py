@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes of a few blocks from file to summary, and Ctrl-C on their way."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from masonry_cd.app.case import prepare
+from masonry_cd.app.run_case import run_case
+from masonry_cd.app.scene import read_scene
+from masonry_cd.io.summary import Summary
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.model.blocks import Block
+from structures.files import blockfile
+
+
+def write_scene(folder: Path, blocks: Sequence[Block], text: str) -> Path:
+    """scene.toml beside blocks.json: the tables of a text, and blocks of the file."""
+    blockfile.write(folder / "blocks.json", list(blocks))
+    path = folder / "scene.toml"
+    path.write_text(f'structure = {{kind = "file", path = "blocks.json"}}\n{text}', encoding="utf-8")
+    return path
+
+
+def ran(scene: Path, *changes: str) -> Summary:
+    """The summary of a run of a scene, into the folder ``out`` beside it."""
+    return run_case(prepare(read_scene(scene, changes)), scene.parent / "out")
+
+
+@contextmanager
+def ctrl_c_before_step(number: int) -> Iterator[None]:
+    """Runs of this process feel Ctrl-C before their step of a number."""
+    advance = Stepper.step
+
+    def step(self: Stepper) -> object:
+        if self.steps == number:
+            signal.raise_signal(signal.SIGINT)
+        return advance(self)
+
+    with pytest.MonkeyPatch.context() as pressed:
+        pressed.setattr(Stepper, "step", step)
+        yield
