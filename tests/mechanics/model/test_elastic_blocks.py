@@ -8,10 +8,13 @@ import pytest
 from models import tower
 
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model import block_mesh as meshing
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.deformation import hooke, principal_axes
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks, Elasticity
+from masonry_cd.mechanics.model.geometry import Polyhedron
 from masonry_cd.mechanics.model.materials import Material
+from structures.geometry.prism import box
 
 GROUPS = ("base", "arch", "pier-east", "pier-west")
 
@@ -94,3 +97,21 @@ def test_an_assembly_that_is_moved_takes_the_axes_along() -> None:
     assert made.deformation is not None
     assert moved.deformation is not None
     np.testing.assert_allclose(moved.deformation.axes, quarter @ made.deformation.axes, atol=1e-15)
+
+
+CUBE = Polyhedron(*box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)))
+
+
+@pytest.mark.parametrize("axis", [-1, 1])
+@pytest.mark.parametrize("size", [1e-3, 1e-6, 1e-200])
+def test_a_mesh_far_too_fine_is_not_made(size: float, axis: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(meshing, "gmsh_session", lambda: pytest.fail("gmsh was called"))
+    with pytest.raises(InputError, match=r'material\.mesh_size: block "b" would get about \S+ nodes with \S+ m, and \d+ are the most'):
+        meshing.block_mesh("b", CUBE, size, axis)
+
+
+@pytest.mark.parametrize("axis", [-1, 1])
+def test_the_number_is_about_that_of_the_mesh(axis: int) -> None:
+    """Those on the surface, which weigh where elements are large, come on top."""
+    mesh = meshing.block_mesh("b", CUBE, 0.25 if axis < 0 else 0.08, axis)
+    assert 0.3 * len(mesh.nodes) < meshing.likely_nodes(CUBE, 0.25 if axis < 0 else 0.08, axis) < 1.5 * len(mesh.nodes)
