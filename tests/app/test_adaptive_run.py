@@ -76,9 +76,9 @@ def machine(**settings):
     return stepper(wall(2, 4), TICKS, support_velocity=velocity, **({"dt": "auto", "solver": "auto", "tolerance": 1e-8} | settings))
 
 
-@pytest.fixture
-def unbroken(tmp_path):
-    path, m = tmp_path / "unbroken.h5", machine()
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory):
+    path, m = tmp_path_factory.mktemp("run") / "unbroken.h5", machine()
     joints = find_joints(m.assembly)
     with ResultWriter(path, m.assembly, joints, "scene") as writer:
         return path, run(m, joints, writer, Plan(TICKS, FRAME))

@@ -5,22 +5,27 @@ from __future__ import annotations
 
 import json
 import shutil
-import signal
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import h5py
 import numpy as np
 import pytest
-from command_line import masonry_cd
+from block_files import cuboid
+from command_line import done, masonry_cd
 from datasets import contents
 from forked import ended
 from places import ROOT
+from small_runs import ctrl_c_before_step
 
+from masonry_cd.app import run_loop
 from masonry_cd.app.case import prepare
 from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
+from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 LIMIT = 300  # seconds after which a process counts as hanging
@@ -39,15 +44,9 @@ def asked(name: str, out: Path) -> tuple[object, ...]:
 @pytest.fixture(scope="module", params=SCENES)
 def stopped(request, tmp_path_factory) -> tuple[str, Path]:
     """A scene, and the folder of its run that Ctrl-C ended on its way."""
-    name, out, advance = request.param, tmp_path_factory.mktemp(request.param) / "out", Stepper.step
+    name, out = request.param, tmp_path_factory.mktemp(request.param) / "out"
 
-    def step(self: Stepper) -> object:
-        if self.steps == SCENES[name][1]:
-            signal.raise_signal(signal.SIGINT)
-        return advance(self)
-
-    with pytest.MonkeyPatch.context() as pressed:
-        pressed.setattr(Stepper, "step", step)
+    with ctrl_c_before_step(SCENES[name][1]):
         assert masonry_cd(*asked(name, out)).exit_code == 130
     shutil.copytree(out, out.with_name("tried"))  # so that the processes below find all that they import
     assert masonry_cd(*asked(name, out.with_name("tried")), "--resume").exit_code == 0
@@ -165,22 +164,15 @@ def test_the_one_before_is_taken_where_the_last_is_no_good(stopped, tmp_path):
     saved = out / checkpoint.NAME
     arrays, numbers = checkpoint.load(saved)
     checkpoint.save(saved, arrays | {"position": arrays["position"][:-1]}, numbers)  # the good one becomes the one before
-    result = masonry_cd(*asked(name, out), "--resume")
-    assert result.exit_code == 0, result.output
+    result = done(*asked(name, out), "--resume")
     assert "going on from the one before it" in result.stderr
     assert contents(out / "result.h5") == contents(folder.with_name("tried") / "result.h5")
 
 
 def test_inputs_that_changed_are_named(block_on_plate, tmp_path):
-    scene, out, advance = block_on_plate(duration="duration = 0.02"), tmp_path / "out", Stepper.step
+    scene, out = block_on_plate(duration="duration = 0.02"), tmp_path / "out"
 
-    def step(self: Stepper) -> object:
-        if self.steps == 7:
-            signal.raise_signal(signal.SIGINT)
-        return advance(self)
-
-    with pytest.MonkeyPatch.context() as pressed:
-        pressed.setattr(Stepper, "step", step)
+    with ctrl_c_before_step(7):
         assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 130
     blocks, kept = tmp_path / "blocks.json", (tmp_path / "blocks.json").read_text()
     table = json.loads(kept)
@@ -193,3 +185,72 @@ def test_inputs_that_changed_are_named(block_on_plate, tmp_path):
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
     blocks.write_text(kept)
     assert masonry_cd("run", scene, "-o", out, "-q", "--resume").exit_code == 0
+
+
+STEPS, SAVED, KILLED = 60, 37, 45  # the last before the kill, which leaves rows of a frame and of steps beyond the checkpoint
+PLATE = cuboid((-1.0, -1.0, -0.2), (1.0, 1.0, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}
+
+
+def block(name: str, low: float) -> dict[str, Any]:
+    """A cube of 0.2 m whose lower face is at a height [m]."""
+    return cuboid((-0.1, -0.1, low), (0.1, 0.1, low + 0.2)) | {"name": name}
+
+
+SCENES_JOINTS = {  # blocks, and direction of gravity
+    "no joints": ([PLATE, block("a", 0.05), block("b", 0.5)], -1.0),
+    "one block": ([block("a", 0.0)], -1.0),
+    "no motion": ([PLATE, block("a", 0.0), block("b", 0.2)], -1.0),
+    "joints that vanish": ([PLATE, block("a", 0.0), block("b", 0.2)], 1.0),
+}
+
+
+def run(scene: Path, out: Path, *more: str) -> dict[str, Any]:
+    """A run by the command line, with its damage; its summary."""
+    words = ["run", str(scene), "-o", str(out), "-q", "--set", "report.damage=true", "--set", "run.until_still=false", *more]
+    done(*words)
+    return json.loads((out / "summary.json").read_text())
+
+
+class Killed(BaseException):
+    """Stands for a kill between two steps."""
+
+
+@pytest.mark.parametrize("name", SCENES_JOINTS)
+def test_a_killed_run_ends_as_the_unbroken_one(tmp_path, monkeypatch, name):
+    blocks, up = SCENES_JOINTS[name]
+    (tmp_path / "blocks.json").write_text(json.dumps({"units": "m", "blocks": blocks}))
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        '[structure]\nkind = "file"\npath = "blocks.json"\n[material]\ndensity = 2000.0\nfriction = 0.5\n'
+        f"[run]\ndt = 4e-3\nduration = {STEPS * 4e-3}\nframes_per_second = 50\ngravity = [0.0, 0.0, {up * 9.81}]\n"
+    )
+    whole = run(scene, tmp_path / "whole")
+
+    def save(loop: Any) -> None:
+        if loop.report.steps == SAVED:
+            loop.save(loop.save_to)
+        if loop.report.steps == KILLED:
+            raise Killed
+
+    with monkeypatch.context() as kill:
+        kill.setattr(run_loop._Loop, "save_when_due", save)
+        with pytest.raises(Killed):
+            run(scene, tmp_path / "broken")
+    with Results.open(tmp_path / "broken" / "result.h5") as results:
+        assert results.rows("step_time") == KILLED
+        assert results.words == ()
+    resumed = run(scene, tmp_path / "broken", "--resume")
+    assert contents(tmp_path / "broken" / "result.h5") == contents(tmp_path / "whole" / "result.h5")
+    assert shapes(tmp_path / "broken" / "result.h5") == shapes(tmp_path / "whole" / "result.h5")  # empty rows have no bytes to compare
+    for table in tmp_path.glob("whole/*.csv"):
+        assert (tmp_path / "broken" / table.name).read_bytes() == table.read_bytes()
+    seconds = {"wall_seconds", "stepping_seconds"}
+    assert {key: resumed[key] for key in resumed.keys() - seconds} == {key: whole[key] for key in whole.keys() - seconds}
+
+
+def shapes(path: Path) -> dict[str, tuple[int, ...]]:
+    """Of all datasets but the segments, which end where checkpoints were."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: found.update({name: getattr(item, "shape", ())}) if "segments" not in name else None)
+    return {name: shape for name, shape in found.items() if name != "closing"}

@@ -151,12 +151,6 @@ def test_a_sine_is_judged_by_its_peak_acceleration(amplitude: float, pga: float,
     assert [said in line and line.startswith("loads[0].amplitude = ") for line in found] == ([True] if said else [])
 
 
-def test_a_sine_in_cm_a_second_is_asked_about_in_that_unit() -> None:
-    load = 'loads=[{kind="sinusoidal", direction="x", amplitude=20, frequency=2.0, cycles=1}]'
-    (line,) = lines(load, summaries=({"after": {"pga": 251.3}},))
-    assert 'if cm/s is meant: "20 cm/s";' in line
-
-
 def test_a_force_on_the_one_block_of_a_group_is_compared_with_it() -> None:
     grouped = Assembly.from_blocks([*PAIR.blocks[:1], replace(PAIR.blocks[1], group="top")], 0.6)
     load = 'loads=[{kind="point", block="top", force=[0, 0, -40.0]}]'

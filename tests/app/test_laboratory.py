@@ -11,7 +11,6 @@ import pytest
 import masonry_cd as mc
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
-from masonry_cd.foundation.errors import InputError
 
 BLOCKS = [
     mc.box((-2, -2, -0.5), (3, 3, 0)),
@@ -74,22 +73,3 @@ def test_a_run_that_is_resumed_in_the_middle_of_a_push_has_the_same_bits(tmp_pat
     first, second = whole.force_displacement(), resumed.force_displacement()
     assert first.to_numpy().tobytes() == second.to_numpy().tobytes()
     assert whole.gauge("b1 - b2").to_numpy().tobytes() == resumed.gauge("b1 - b2").to_numpy().tobytes()
-
-
-@pytest.mark.parametrize(
-    ("output", "said"),
-    [
-        ({"point": [{"place": [9.0, 0.0, 0.0]}]}, r"output\.point\[0\]\.place: .* off the structure"),
-        ({"point": [{"block": "c2"}]}, r'output\.point\[0\]\.block: "c2" is no block'),
-        ({"point": [{"block": "block"}]}, r'"block" is a group of 2 blocks; give one of them, "b1"'),
-        ({"point": [{"block": "b2", "place": [0.0, 0.0, 0.0]}]}, r"output\.point\[0\]\.place: .* outside block"),
-        ({"point": [{"block": "b2", "corner": "zx"}]}, r"output\.point\.0\.corner|output\.point\[0\]\.corner"),
-        ({"joint": [{"blocks": ["b2", "b0"]}]}, r"output\.joint\[0\]\.blocks: no joint is between"),
-        ({"crack": [{"points": [[0.0, 0.5, 0.1], [0.0, 0.5, 0.2]]}]}, r"output\.crack\[0\]\.points: both are on block"),
-        ({"support": [{"block": "b2"}]}, r'output\.support\[0\]\.block: "b2" is not fixed'),
-    ],
-)
-def test_outputs_off_the_structure_are_refused(output: dict[str, object], said: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=said):
-        mc.run(mc.scene(SCENE | {"output": output}), tmp_path / "out", progress=False)
-    assert not (tmp_path / "out" / "result.h5").exists()

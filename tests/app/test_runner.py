@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The run loop: what it records, and runs that are stopped and resumed."""
 
+from __future__ import annotations
+
 import os
 import signal
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +16,11 @@ import numpy as np
 import pytest
 from datasets import contents
 from forked import need_fork
-from models import gravity, stepper, still, tower, wall
+from models import box, gravity, stepper, still, tower, wall
 
 from masonry_cd.analysis.damage.joint_damage import bonds, joint_damage
 from masonry_cd.app import recorder, run_loop
+from masonry_cd.app.recorder import staying_support
 from masonry_cd.app.run_loop import Checkpoints, Plan, run
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.foundation.errors import InputError
@@ -24,7 +28,9 @@ from masonry_cd.io import checkpoint, result_writer, segments
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
-from masonry_cd.mechanics.dynamics.moreau_jean import ENERGIES, StepReport
+from masonry_cd.mechanics.dynamics.moreau_jean import ENERGIES, Stepper, StepReport
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import JointLaw
 from reports.damage import write_joints_csv
 
@@ -37,9 +43,9 @@ def machine(columns: int = 2, **settings: float):
     return stepper(wall(columns, 3), STEPS, support_velocity=velocity, tolerance=1e-6, max_iterations=300, **settings)
 
 
-@pytest.fixture
-def unbroken(tmp_path):
-    path, m = tmp_path / "unbroken.h5", machine()
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory):
+    path, m = tmp_path_factory.mktemp("run") / "unbroken.h5", machine()
     joints = find_joints(m.assembly)
     with ResultWriter(path, m.assembly, joints, "scene") as writer:
         return path, run(m, joints, writer, Plan(STEPS, 7))
@@ -192,14 +198,6 @@ def test_a_checkpoint_of_another_structure_is_refused(tmp_path):
         run(other, find_joints(other.assembly), writer, Plan(3), checkpoints=Checkpoints(tmp_path / "kept.npz", resume=True))
 
 
-def test_a_missing_or_broken_checkpoint_is_named(tmp_path):
-    with pytest.raises(InputError, match="nothing to resume from"):
-        checkpoint.load(tmp_path / checkpoint.NAME)
-    (tmp_path / checkpoint.NAME).write_bytes(b"not a checkpoint")
-    with pytest.raises(InputError, match="not a readable checkpoint"):
-        checkpoint.load(tmp_path / checkpoint.NAME)
-
-
 def test_a_checkpoint_of_another_version_is_refused(tmp_path, monkeypatch):
     saved = tmp_path / checkpoint.NAME
     with monkeypatch.context() as older:
@@ -282,3 +280,43 @@ def test_bonds_are_written_and_counted(tmp_path):
     head, first, second = (tmp_path / "joints.csv").read_text().splitlines()
     assert head.endswith(",state,bonded")
     assert (first.rpartition(",")[2], second.rpartition(",")[2]) == ("0", "1")
+
+
+STEPS_RECORDER = 100
+BLOCKS = [
+    box("stone", (0, 0, 0), (6, 1, 1)),
+    box("sinks", (0, 0, -1), (1, 1, 0), fixed=True),
+    box("stays", (2, 0, -1), (3, 1, 0), fixed=True),
+    box("stays as well", (4, 0, -1), (5, 1, 0), fixed=True),
+]
+
+
+def support_where(velocity: np.ndarray, support_of: list[int], blocks: list[Block] = BLOCKS) -> int:
+    assembly = replace(Assembly.from_blocks(blocks, 0.6), support_of=np.array(support_of))
+    return staying_support(
+        Stepper(assembly, velocity, gravity(STEPS_RECORDER), Run(dt=1e-3, duration=STEPS_RECORDER * 1e-3)), find_joints(assembly)
+    )
+
+
+def test_it_is_the_first_of_those_that_the_loads_move_least():
+    velocity = np.zeros((STEPS_RECORDER + 1, 2, 3))
+    velocity[:, :, 0] = 0.1 * np.sin(np.linspace(0, 6, STEPS_RECORDER + 1))[:, None]  # all shake
+    assert support_where(velocity, [-1, 0, 1, 1]) == 1
+    velocity[20:40, 0, 2] = -0.2  # and one settles
+    assert support_where(velocity, [-1, 0, 1, 1]) == 2
+
+
+def test_one_that_goes_and_comes_back_has_not_stayed():
+    velocity = np.zeros((STEPS_RECORDER + 1, 2, 3))
+    velocity[:, 0, 0] = np.sin(2 * np.pi * np.linspace(0, 1, STEPS_RECORDER + 1))
+    velocity[:, 1, 2] = -1e-3
+    assert support_where(velocity, [-1, 0, 1, 1]) == 2
+
+
+def test_a_ground_on_which_nothing_stands_is_none():
+    """Both abutments sink alike, and the ground between them stays."""
+    velocity = np.zeros((STEPS_RECORDER + 1, 2, 3))
+    velocity[:, 0, 2] = -1e-3
+    blocks = [*BLOCKS[:3], box("ground", (-1, -1, -2), (7, 2, -1.5), fixed=True)]
+    assert support_where(velocity, [-1, 0, 0, 1], blocks) == 1
+    assert support_where(velocity, [-1, 0, 1, 1], blocks) == 2

@@ -1,19 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene file: what it means, and that every slip of the pen is reported in one line that names it."""
+"""The scene file: what it means, and values with units, which are the numbers that they say."""
 
 from __future__ import annotations
 
+import json
+import math
+import re
+import subprocess
+import sys
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hostile import refused_at
+from json_schema import faults
+from places import EXAMPLES
+from pydantic import BaseModel
 
-from masonry_cd.app.scene import read_scene
-from masonry_cd.app.scene_text import dump_toml
+import loads
+import masonry_cd as mc
+from masonry_cd.app.case import prepare
+from masonry_cd.app.scene import parse_scene, read_scene
+from masonry_cd.app.scene_schema import scene_schema
+from masonry_cd.app.scene_text import dump_toml, parse_toml
+from masonry_cd.app.scene_units import scene_in_si, unit_of_key
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.units import KINDS
+from masonry_cd.limit.case import limit_case
 from masonry_cd.mechanics.dynamics.settings import Run
-from masonry_cd.mechanics.solvers import SOLVERS
+from structures import KINDS as STRUCTURES
+from structures.tables import CommonTable
 
 GOOD = """\
 title = "A test"
@@ -134,16 +152,6 @@ def test_a_mark_of_the_encoding_at_the_head_is_no_error(tmp_path):
     assert read_scene(path).run.duration == 8.0
 
 
-def test_a_missing_file_a_folder_and_a_binary_file(tmp_path):
-    with pytest.raises(InputError, match="no such scene file"):
-        read_scene(tmp_path / "none.toml")
-    with pytest.raises(InputError, match="is a folder"):
-        read_scene(tmp_path)
-    (tmp_path / "b.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="not a text file"):
-        read_scene(tmp_path / "b.toml")
-
-
 def located(scene, place, text):
     """The error of a place as a command shows it."""
     with pytest.raises(InputError) as caught, scene.locating():
@@ -158,15 +166,6 @@ def test_errors_of_other_packages_get_file_and_line(write):
     assert str(located(scene, "record.csv:7", "not a number")) == "record.csv:7: not a number"
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_a_scene_takes_every_solver(write, solver):
-    assert read_scene(write(GOOD), [f"run.solver={solver}"]).run.solver == solver
-
-
-def test_these_solvers_come_with_the_program():
-    assert set(SOLVERS) == {"accelerated", "admm", "auto", "interior", "newton", "nlgs", "pivoting"}
-
-
 def test_an_error_elsewhere_names_its_line_in_the_file_whatever_was_changed(write):
     with refused_at("run.dt"):
         read_scene(write(GOOD.replace("dt = 1e-3", "dt = -1e-3")), ["run.seed=3"])
@@ -174,3 +173,176 @@ def test_an_error_elsewhere_names_its_line_in_the_file_whatever_was_changed(writ
     assert str(located(scene, "structure.radius", "bad")).endswith("scene.toml:4: structure.radius: bad")
     assert str(located(scene, "structure.radius[1]", "bad")).endswith("scene.toml:4: structure.radius[1]: bad")  # item of a list
     assert str(located(scene, "structure.thickness", "bad")) == "--set structure.thickness=-1: structure.thickness: bad"
+
+
+@pytest.mark.parametrize("change", ['title="\udcff"', "tit\udcffle=1"])
+def test_bytes_that_are_no_text_are_refused(write, tmp_path, change):
+    with refused_at(f"--set {change}"):
+        read_scene(write(GOOD), [change])
+    (tmp_path / "a\udcff.toml").write_text(GOOD, encoding="utf-8")
+    with refused_at("a\udcff.toml"):
+        read_scene(tmp_path / "a\udcff.toml")
+
+
+NUMBERS = """
+quiet_checks = ["loads[1].force"]
+[structure]
+kind = "column"
+height = 1.5
+diameter = 0.3
+drums = 2
+foundations = { x = [0.0] }
+[material]
+density = 1900.0
+friction = 0.6
+compressive_strength = { shaft = 5e6, default = 1e7 }
+[material.joints]
+normal_stiffness = 1e10
+[[loads]]
+kind = "settlement"
+supports = "*.x2"
+displacement = 0.03
+duration = 0.1
+[[loads]]
+kind = "point"
+block = "drum1"
+force = [0.0, 0.0, -4000.0]
+[[loads]]
+kind = "sinusoidal"
+direction = "x"
+amplitude = 0.2
+frequency = 5.0
+cycles = 1
+delay = { seconds = { "*.x2" = 0.005 } }
+[run]
+dt = 1e-3
+duration = 0.3
+gravity = [0.0, 0.0, -9.81]
+[report]
+opened = 1e-4
+times = [0.1, 0.2]
+[report.grades]
+width = [1e-4, 5e-3, 15e-3, 25e-3, inf]
+[limit]
+push = "x"
+[limit.check]
+spectrum = "EC8"
+ag = 2.4516625
+"""
+UNITS = {
+    "height = 1.5": 'height = "150 cm"', "diameter = 0.3": 'diameter = "300 mm"', "x = [0.0]": 'x = ["0 mm"]',
+    "density = 1900.0": 'density = "1.9 t/m3"', "shaft = 5e6": 'shaft = "5 MPa"', "= 1e10": '= "10 N/mm3"',
+    "displacement = 0.03": 'displacement = "30 mm"', "duration = 0.1": 'duration = "100 ms"', "-4000.0]": '"-4 kN"]',
+    "amplitude = 0.2": 'amplitude = "20 cm/s"', "frequency = 5.0": 'frequency = "5 Hz"', "= 0.005 }": '= "5 ms" }',
+    "dt = 1e-3": 'dt = "1 ms"', "duration = 0.3": 'duration = "0.3 s"', "-9.81]": '"-9.81 m/s2"]', "opened = 1e-4": 'opened = "0.1 mm"',
+    "[0.1, 0.2]": '["100 ms", 0.2]', "[1e-4, 5e-3,": '["0.1 mm", "5 mm",', "ag = 2.4516625": 'ag = "0.25 g"',
+}  # fmt: skip
+WITH_UNITS = NUMBERS
+for number, text in UNITS.items():
+    assert NUMBERS.count(number) == 1, number
+    WITH_UNITS = WITH_UNITS.replace(number, text)
+
+
+def test_a_scene_with_units_is_the_scene_with_numbers() -> None:
+    plain, given = (parse_scene(text, Path("scene.toml")) for text in (NUMBERS, WITH_UNITS))
+    assert scene_in_si(parse_toml(WITH_UNITS, Path("a"))) == parse_toml(NUMBERS, Path("a"))
+    assert (given.run, given.material, given.text) == (plain.run, plain.material, WITH_UNITS)
+    assert limit_case(given).whole.loads.constant.tolist() == limit_case(plain).whole.loads.constant.tolist()
+    one, other = prepare(plain), prepare(given)
+    assert (one.loading.support_velocity == other.loading.support_velocity).all()
+    assert one.warnings == other.warnings
+    assert [block.vertices.tolist() for block in one.assembly.blocks] == [block.vertices.tolist() for block in other.assembly.blocks]
+    assert one.joints.polygon.tolist() == other.joints.polygon.tolist()
+    assert faults(parse_toml(WITH_UNITS, Path("a")), scene_schema()) == []
+
+
+def stated(value: Any, tables: dict[str, Any], key: str = "") -> Any:
+    """Tables whose numbers state the unit of their key, where it has one."""
+    if isinstance(value, dict):
+        return {name: stated(item, tables, f'{key}."{name}"' if key else name) for name, item in value.items()}
+    if isinstance(value, list):
+        return [stated(item, tables, f"{key}[{i}]") for i, item in enumerate(value)]
+    unit = unit_of_key(tables, key) if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) else ""
+    return f"{value!r} {unit}" if unit else value
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_number_of_the_examples_may_state_its_unit(path: Path) -> None:
+    tables = parse_toml(path.read_text(encoding="utf-8"), path)
+    made = stated(tables, tables)
+    assert scene_in_si(made) == tables
+    assert "design" in tables or '"' in json.dumps(made["run"]["dt"])
+    if "design" not in tables:
+        assert parse_scene(dump_toml(made), path).run == parse_scene(path.read_text(encoding="utf-8"), path).run
+
+
+PURE = {
+    *("accept", "tolerance", "theta", "strain_theta"),  # of errors and of the scheme
+    *("friction", "rolling_friction", "poisson", "damping", "drift", "lost", "core_shares", "shares"),
+    *("axis", "direction", "push", "tilt"),  # vectors of any length
+    *("cycles", "scale", "calibration", "initial", "peak"),  # initial is an angle in a tilt and a share in a push
+    *("junction", "bond", "stages", "passive", "passive_shaken"),  # shares of courses, of a force, of the passive pressure
+    *("active_at", "gone_at"),  # movement over depth
+    *("behaviour_factor", "building_damping", "confidence_factor", "f0", "participation"),
+}
+"""Keys whose numbers have no unit."""
+
+
+def test_every_key_takes_a_unit_or_has_none() -> None:
+    assert set(bare(scene_schema())) == PURE
+
+
+def bare(schema: Any, key: str = "") -> Iterator[str]:
+    """The keys that take numbers alone."""
+    if isinstance(schema, list):
+        for choice in schema:
+            yield from bare(choice, key)
+    elif isinstance(schema, dict):
+        if schema.get("type") == "number":
+            yield key
+        for word in ("anyOf", "oneOf", "items", "additionalProperties"):
+            yield from bare(schema.get(word), key)
+        for name, inner in schema.get("properties", {}).items():
+            yield from bare(inner, name)
+
+
+def test_set_takes_a_unit_bare_or_in_quotes_and_python_takes_it_in_a_dict() -> None:
+    for change in ("loads[0].displacement=30 mm", 'loads[0].displacement="30 mm"'):
+        scene = parse_scene(NUMBERS, Path("scene.toml"), [change])
+        assert loads.parse_load(scene.loads[0], "").displacement == 0.03  # type: ignore[attr-defined]
+        assert 'displacement = "30 mm"' in scene.text
+    tables: dict[str, Any] = parse_toml(WITH_UNITS, Path("a"))
+    assert mc.scene(tables).checked.run == parse_scene(NUMBERS, Path("a")).run
+    assert mc.scene(tables, run={"dt": "2 ms"}).checked.run.dt == 0.002
+
+
+def test_units_of_keys_by_their_path() -> None:
+    tables = parse_toml(NUMBERS, Path("a"))
+    paths = {
+        "structure.height": "m", "material.joints.normal_stiffness": "N/m3", "loads[1].force": "N", "loads[2].frequency": "Hz",
+        "run.dt": "s", "material.friction": "", "loads[7].force": "", "nothing.at.all": "", "": "", "limit.check.ag": "m/s2",
+        "report.grades.width": "m", 'loads[2].delay.seconds."*.x2"': "s",
+    }  # fmt: skip
+    assert {path: unit_of_key(tables, path) for path in paths} == paths
+
+
+def test_no_text_of_a_key_repeats_a_unit_that_its_field_declares() -> None:
+    """It is written once, in the field; schema and reference put it behind the text."""
+    schema = json.dumps(scene_schema())
+    said = [text for text in re.findall(r'"description": "((?:[^"\\]|\\.)*)"', schema) if text.count("[") > 1]
+    twice = [text for text in said if len(re.findall(r"\[([^\]]+)\]", text)) > 1 and sum(f"[{unit}]" in text for unit in KINDS) > 1]
+    assert twice == []
+    tables: list[type[BaseModel]] = [CommonTable, *(load.table for load in loads.KINDS.values())]
+    tables += [kind.table for kind in STRUCTURES.values() if kind.table is not None]
+    texts = [(table.__name__, name, field.description) for table in tables for name, field in table.model_fields.items()]
+    assert [where for where in texts if where[2] and any(f"[{unit}]" in where[2] for unit in KINDS)] == []
+
+
+def test_pint_is_imported_where_a_unit_is_met_and_nowhere_else() -> None:
+    code = (
+        "import sys; from pathlib import Path; from masonry_cd.app.scene import parse_scene; from masonry_cd.app.case import structure_of\n"
+        "text = sys.stdin.read(); structure_of(parse_scene(text, Path('a'))); print('pint' in sys.modules)"
+    )
+    for text, there in ((NUMBERS, "False"), (WITH_UNITS, "True")):
+        out = subprocess.run([sys.executable, "-c", code], input=text, capture_output=True, text=True, check=True)
+        assert out.stdout.split() == [there]
