@@ -139,7 +139,7 @@ def test_no_second_process_outlives_a_killed_first_one(monkeypatch, tmp_path):
     assert lives()
     first.kill()
     first.communicate()
-    for _ in range(600):
+    for _ in range(6000):
         if not lives():
             return
         time.sleep(0.1)

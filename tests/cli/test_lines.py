@@ -1,21 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scene asks for after the run is refused before its first step: one line, exit code 2, nothing written."""
+"""What is asked for after a run is refused before it; what numpy warns of is a line; -q is quiet; README speaks of the program as it is."""
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
+import typer
 from command_line import masonry_cd
+from doc_pages import fences
 from hostile import refused_at
 from made_run import at_rest, box, write_run
+from places import ROOT
+from typer.testing import CliRunner
 
 import structures
+from masonry_cd.app.case import prepare
+from masonry_cd.app.scene import read_scene
+from masonry_cd.cli.app import app
+from masonry_cd.cli.printing import errors_reported
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary, read_summary
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from reports import outputs
 from reports.settings import Report
+from structures.files.blockfile import read
 
 
 @pytest.fixture
@@ -77,3 +89,67 @@ def test_whole_numbers_beyond_the_range_of_others(block_on_plate, tmp_path: Path
         assert (len(number), str(result.exception)) == (31, "a step was made")
     else:
         assert all("loads[" in line for line in result.stderr.splitlines())
+
+
+def test_a_warning_that_was_not_expected_is_one_line(capsys):
+    with errors_reported():
+        for _ in range(3):
+            np.array([1e308]) * 10.0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("masonry-cd: warning: overflow encountered in multiply (test_lines.py, line ")
+
+
+def test_one_that_is_named_at_its_place_is_none(capsys):
+    with errors_reported(), np.errstate(over="ignore"):
+        np.array([1e308]) * 10.0
+    assert capsys.readouterr().err == ""
+
+
+def test_beside_a_refusal_it_says_nothing(capsys):
+    with pytest.raises(typer.Exit) as ended, errors_reported():
+        np.array([1e308]) * 10.0
+        raise InputError("material.density", "not finite")
+    assert ended.value.exit_code == 2
+    assert capsys.readouterr().err == "masonry-cd: error: material.density: not finite\n"
+
+
+def test_other_warnings_pass():
+    with pytest.warns(UserWarning, match="of another kind"), errors_reported():
+        warnings.warn("of another kind", UserWarning, stacklevel=1)
+
+
+def test_limit_is_quiet_where_it_is_asked_to_be(tmp_path: Path) -> None:
+    asked = ["limit", str(ROOT / "examples" / "arch.toml"), "--set", 'limit.push="x"', "--no-picture"]
+    loud = CliRunner().invoke(app, [*asked, "-o", str(tmp_path / "loud")])
+    quiet = CliRunner().invoke(app, [*asked, "-o", str(tmp_path / "quiet"), "-q"])
+    assert (loud.exit_code, quiet.exit_code) == (0, 0)
+    assert "written: " in loud.output
+    assert quiet.stdout == "" and quiet.stderr == loud.stderr != ""
+    assert (tmp_path / "quiet" / "limit.json").exists()
+
+
+README = ROOT / "README.md"
+BLOCKS = ROOT / "docs" / "howto" / "blocks.md"
+
+
+def fenced(page: Path, language: str) -> str:
+    """The first code block of a language."""
+    return next(fence.text for fence in fences(page) if fence.language == language)
+
+
+def test_the_scene_of_the_readme_is_sound(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(fenced(README, "toml"))
+    case = prepare(read_scene(scene, ["run.duration=0.01"]))
+    assert case.assembly.count >= 150
+
+
+def test_the_block_file_of_the_page_is_sound(tmp_path):
+    (tmp_path / "blocks.json").write_text(fenced(BLOCKS, "json"))
+    plinth, stone = read(tmp_path / "blocks.json", 2000.0)
+    assert (plinth.name, plinth.density, plinth.fixed) == ("plinth", 2000.0, True)
+    assert (stone.name, stone.density, stone.group) == ("stone", 2400, "stones")
+
+
+def test_the_readme_stays_an_introduction():
+    assert len(README.read_text().splitlines()) <= 120
