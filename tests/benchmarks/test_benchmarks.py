@@ -6,21 +6,28 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
+from places import EXAMPLES
 
-from benchmarks import element_kinds, memory, memory_per_contact, parts, peers, problem_files, rocking, scaling
-from benchmarks.counters import Counters
+from benchmarks import constants, element_kinds, memory_per_contact, parts, peers, problem_files, rocking
+from benchmarks.constants import SCENES, switched
+from benchmarks.false_contacts import Count, Watch
+from benchmarks.joint_points import costs
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
+from benchmarks.profile import PHASES, line_of_steps, profile, tables
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
 from benchmarks.sitting import numbers_of
-from masonry_cd.mechanics.dynamics import islands
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.dynamics import moreau_jean
 from masonry_cd.mechanics.friction.problem import natural_map_error
 from masonry_cd.mechanics.model.geometry import mass_properties
 from masonry_cd.mechanics.model.state import rotation_matrices
-from masonry_cd.mechanics.solvers import SOLVERS, Options
+from masonry_cd.mechanics.solvers import SOLVERS, Options, admm, auto, interior, newton, nlgs
 
 # --- scenes -----------------------------------------------------------------------------------------------------------------------
 
@@ -77,22 +84,6 @@ def test_ours_measures_a_run():
     assert sum(out.reasons.values()) == 20
 
 
-def test_instructions_are_those_of_this_thread():
-    counters = Counters.open()
-    if counters is None:
-        pytest.skip("this machine gives no counters of the processor")
-
-    def counted(turns: int) -> int:
-        before = counters.read()[0]
-        for _ in range(turns):
-            pass
-        return counters.read()[0] - before
-
-    one, ten = counted(100_000), counted(1_000_000)
-    assert 8.0 * one < ten < 12.0 * one
-    assert one > 100_000
-
-
 def test_ours_says_when_a_tolerance_is_missed():
     assert measure(tower(3), 5, "nlgs", 1e-12, max_iterations=1).missed == 5
 
@@ -100,11 +91,6 @@ def test_ours_says_when_a_tolerance_is_missed():
 def test_in_space_there_are_twice_the_contacts_of_a_plane():
     flat, full = (measure(arcade(1), 3, "nlgs", 1e-3, planar=planar) for planar in (True, False))
     assert full.contacts == 2 * flat.contacts > 0
-
-
-def test_an_unknown_solver_is_named():
-    with pytest.raises(ValueError, match='no solver "magic"'):
-        measure(tower(1), 1, "magic")
 
 
 SIZES = ("wall10x10", "wall20x24")
@@ -118,14 +104,6 @@ def test_memory_per_contact_is_that_of_the_scene():
     assert large.resident > 1.5 * small.resident
     with pytest.raises(ValueError, match="steps: at least 4"):
         memory_per_contact.measure(tower(2), 3)
-
-
-def test_memory_is_sampled_on_the_way():
-    found = memory.measure(tower(2), 3 * 256)
-    assert found.steps == [256, 512, 768]
-    assert min(found.resident) > max(found.held) > 0.0
-    assert found.held[-1] - found.held[0] < 1.0
-    assert found.growth()[0] == pytest.approx(found.resident[2] / found.resident[1] - 1.0)
 
 
 # --- LMGC90's results by our measure ----------------------------------------------------------------------------------------------
@@ -208,42 +186,12 @@ def test_ours_rocks_as_housner_does():
 # --- tables -----------------------------------------------------------------------------------------------------------------------
 
 
-def test_the_table_without_a_peer(capsys, monkeypatch, tmp_path):
-    kept = tmp_path / "numbers.json"
-    command = "peers scenes tower3 --runs 1 --steps 5 --solver nlgs --tolerances 1e-3 --json"
-    monkeypatch.setattr(sys, "argv", [*command.split(), str(kept)])
-    peers.main()
-    row = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("| tower3"))
-    assert len(row.split("|")) == len(peers.HEAD.splitlines()[0].split("|"))
-    assert json.loads(kept.read_text())["tower3"]["ours, 1e-03"]["error_max"] <= 1e-3
-
-
-def test_the_table_compares_times():
-    peer, own = peers.Rows(), peers.Rows()
-    for ms in (9.0, 10.0, 50.0):
-        peer.add(
-            3 * ms, ms, 2 * ms, {"blocks": 4, "steps": 9, "contacts": 8.0, "iterations": 50.0, "error_median": 1e-3, "error_max": 1e-2}
-        )
-    own.add(15.0, 2.0, 5.0, peer.last | {"missed": 0})
-    assert "| 2.0 | 5.0 | 4.0 |" in peers.table_lines("tower3", {"LMGC90": peer, "ours": own})[1]
-
-
 def test_a_peer_that_is_not_there_is_reported_in_one_line(capsys, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["peers", "scenes", "tower3", "--runs", "1", "--lmgc90-python", sys.executable])
     with pytest.raises(SystemExit) as end:
         peers.main()
     assert end.value.code == 2
     assert capsys.readouterr().err == "LMGC90: ModuleNotFoundError: No module named 'compas_lmgc90'\n"
-
-
-def test_sizes_of_the_scaling_table():
-    for family, tolerance in (("wall", 0.05), ("arcade", 0.02)):
-        for wanted, name in zip((500, 2000), scaling.names(family, [500, 2000], []), strict=True):
-            assert len(scene(name).blocks) == pytest.approx(wanted, rel=tolerance)
-    assert len(scene(scaling.names("church", [2000], [])[0]).blocks) == pytest.approx(2000, rel=0.2)
-    small = {"blocks": 10, "contacts": 20, "mean_ms": 1.0, "iterations": 5.0, "first_iterations": 8}
-    large = {"blocks": 100, "contacts": 400, "mean_ms": 20.0, "iterations": 10.0, "first_iterations": 8}
-    assert "cost per block x 2.00, per contact x 1.00; iterations x 2.00, of the first step x 1.00" in scaling.growth([small, large])
 
 
 def test_each_part_of_a_run_has_its_own_seconds():
@@ -258,23 +206,6 @@ def test_each_part_of_a_run_has_its_own_seconds():
     assert all("x 1.00" in line for line in lines if line.startswith("| all"))
 
 
-def test_the_clock_of_a_part_stops_while_another_one_runs(monkeypatch):
-    now = iter([0.0, 1.0, 5.0, 7.0])
-    monkeypatch.setattr(parts.time, "process_time", lambda: next(now))
-    clocks = parts.Clocks()
-    inner = clocks.timed("inner", lambda: None)
-    clocks.timed("outer", inner)()
-    assert clocks.seconds == {"inner": 4.0, "outer": 3.0}
-
-
-def test_the_second_solve_of_a_step_with_impacts_has_a_name_of_its_own():
-    clocks = parts.Clocks()
-    solver = clocks.timed("iterations", lambda problem, start, kind: problem)
-    clocks.told_apart(lambda solve: [solve(0, None, kind) for kind in (islands.FORCES, islands.IMPACTS)])(solver)
-    solver(0, None, islands.FORCES)
-    assert clocks.calls == {"iterations": 2, "iterations of impacts": 1}
-
-
 def test_a_problem_of_a_scene_goes_to_a_file_and_back(tmp_path):
     problem = problem_files.of_step("tower2", 1)
     problem_files.save(problem, tmp_path / "problem.npz")
@@ -286,14 +217,6 @@ def test_a_problem_of_a_scene_goes_to_a_file_and_back(tmp_path):
     assert answer[:, 0].sum() == pytest.approx(1.5 * weight)  # the joint carries one block, the base two
 
 
-def test_the_peers_files_stand_alone():
-    folder = Path(peers.__file__).parent
-    for name in ("lmgc90.py", "siconos_solve.py"):
-        text = (folder / name).read_text()
-        assert "import masonry_cd" not in text
-        assert "from benchmarks" not in text
-
-
 def test_kinds_of_blocks_are_timed_on_the_same_scene(monkeypatch):
     """A rigid tower has six unknowns a block in space and three in its plane; one cut into triangles has those of its mesh."""
     monkeypatch.setitem(element_kinds.SCENES, "wall", "tower2")
@@ -303,3 +226,89 @@ def test_kinds_of_blocks_are_timed_on_the_same_scene(monkeypatch):
     assert rigid[:2] == (0, 3)
     assert cut[:2] == (5, 10)
     assert cut[4] > 0.0
+
+
+def test_steps_phases_and_methods_are_counted() -> None:
+    """Each step once; the phases are no longer than the steps, and the methods no longer than the phase that solves."""
+    places = [(moreau_jean, name) for name in PHASES]
+    places += [(admm, "run_by_team"), (newton, "over_bodies"), (interior, "over_bodies"), (nlgs, "run_by_team")]
+    before = [getattr(owner, name) for owner, name in places]
+    found = profile(EXAMPLES / "arch.toml", ["run.duration=0.05"])
+    assert [getattr(owner, name) for owner, name in places] == before
+    assert len(found.seconds) == len(found.errors) == len(found.contacts) > 0
+    assert set(found.phases) == set(PHASES)
+    assert sum(each.iterations for each in found.methods.values()) > 0
+    assert sum(each.seconds for each in found.methods.values()) <= found.phases["solve"] <= sum(found.seconds)
+    assert all(each.moved > 0.0 for each in found.methods.values() if each.iterations)
+    assert sum(line.startswith(("| predict", "| solve")) for line in tables(found)) == 2
+    assert line_of_steps(found) in tables(found)
+
+
+def test_all_that_is_spent_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The thrown walls take ADMM, and two of them Newton."""
+    spent: dict[str, int] = dict.fromkeys(auto.METHODS, 0)
+
+    def noted(name: str, method: Any) -> SimpleNamespace:
+        def solve(*problem: Any) -> Any:
+            found = method.solve(*problem)
+            spent[name] += found.iterations
+            return found
+
+        return SimpleNamespace(solve=solve)
+
+    methods = {name: noted(name, method) for name, method in auto.METHODS.items()}
+    monkeypatch.setattr(auto, "METHODS", methods)
+    found = constants.measure(SCENES["thrown walls"])
+    assert found.iterations == spent
+    assert spent["admm"] > 0
+    assert found.cost > 0.0
+    assert (found.steps, found.missed) == (3, 0)
+    assert auto.METHODS is methods
+
+
+def test_a_switched_constant_shows_in_the_counts_and_is_put_back() -> None:
+    """With few iterations of ADMM others have to do more."""
+    usual, limit = constants.measure(SCENES["thrown walls"]), auto.MOST
+    with switched("MOST", 1):
+        other = constants.measure(SCENES["thrown walls"])
+    assert other.iterations["newton"] > usual.iterations["newton"]
+    assert limit == auto.MOST
+    assert constants.measure(SCENES["thrown walls"]).iterations == usual.iterations
+
+
+@pytest.mark.parametrize(("lowered", "overlaps", "early"), [(0.0, 0, 0), (0.1, 1, 0), (-0.1, 0, 1)])
+def test_a_gap_that_jumps_is_counted_once(monkeypatch: pytest.MonkeyPatch, lowered: float, overlaps: int, early: int) -> None:
+    """Of the last pair of a tower at rest, in one detection: 100 mm deeper than before, or back from 100 mm above."""
+    machine, detect, made, seen = stepper(tower(3, amplitude=0.0), 8), Detector.detect, Count(), []
+
+    def shifted(self: Detector, *where: Any) -> Any:
+        found = detect(self, *where)
+        seen.append(len(found.gap))
+        if len(seen) == 5:
+            found.gap[found.pair == found.pair.max()] -= lowered
+        return found
+
+    monkeypatch.setattr(Detector, "detect", shifted)
+    Watch(machine, made)
+    state = machine.state
+    for _ in range(8):
+        machine.detector.detect(state.position, rotation_matrices(state.orientation), state.velocity, 1e-3, 1e-3, np.zeros(3))
+    assert (made.overlaps, made.steps_with_overlaps, made.early, made.pairs) == (overlaps, overlaps, early, 8 * 3)
+    assert made.deepest == pytest.approx(0.1 if overlaps else 0.0, abs=0.01)
+
+
+WALL = """
+structure = { kind = "wall", length = 0.8, height = 0.6, thickness = 0.2, unit_length = 0.4, course_height = 0.2 }
+material = { density = 2000.0, friction = 0.6, joints = { normal_stiffness = 1e9 } }
+run = { dt = 2e-3, duration = 0.2, tolerance = 1e-5 }
+loads = [{ kind = "sinusoidal", direction = "y", amplitude = 0.3, frequency = 3.0, cycles = 2 }]
+"""
+
+
+def test_what_rings_cost_is_tabled_beside_three_points_and_rings_in_all_joints(tmp_path: Path) -> None:
+    scene = tmp_path / "wall.toml"
+    scene.write_text(WALL)
+    _, _, *rows = costs(scene, [], 60).splitlines()
+    names, contacts = zip(*((cells[1].strip(), int(cells[2])) for cells in (row.split("|") for row in rows)), strict=True)
+    assert names == ("3", "7", "9", "11", "9 in all joints")
+    assert contacts[0] < contacts[1] < contacts[2] < contacts[3] and contacts[2] <= contacts[4]

@@ -69,16 +69,6 @@ def test_what_differs_is_described(before, after, lines):
     assert baseline.describe(np.array(before), np.array(after)) == lines
 
 
-def test_another_machine_is_reported(tmp_path, monkeypatch):
-    file = tmp_path / "bits.json"
-    baseline.save(file, "made", {"a": np.ones(1)})
-    assert baseline.machine_lines(baseline.load(file)) == []
-    monkeypatch.setattr(baseline, "machine", lambda: {"cpu": "abacus"})
-    assert "another machine: cpu was " in baseline.machine_lines(baseline.load(file))[0]
-    baseline.save(file, "new", {"a": np.ones(1)})
-    assert list(baseline.load(file)["cases"]) == ["new"]  # two machines are not mixed
-
-
 def test_a_scene_that_fails_counts_as_a_difference(tmp_path, capsys):
     missing = {"missing": Case(tmp_path / "missing.toml")}
     file = tmp_path / "bits.json"

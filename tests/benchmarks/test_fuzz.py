@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -80,38 +78,6 @@ def test_changes_repeat_and_mostly_change_something(change: str) -> None:
     assert len(set(first)) > 40
 
 
-def test_changed_trees_are_mostly_read(tmp_path: Path) -> None:
-    """Else only the parser of the format would be tried."""
-    read = 0
-    for k in range(40):
-        try:
-            tomllib.loads(mutators.of_toml(GOOD[inputs.TOML], np.random.default_rng(k)).decode())
-            json.loads(mutators.of_json(GOOD[inputs.JSON], np.random.default_rng(k)))
-            read += 1
-        except (ValueError, RecursionError):
-            pass
-    assert read > 20
-
-
-def test_a_link_that_leads_to_itself_does_not_end_the_search(tmp_path: Path) -> None:
-    """A second change of the same dataset then finds nothing by its name."""
-    import h5py
-
-    with h5py.File(tmp_path / "a.hdf5", "w") as file:
-        file["only"] = np.arange(3.0)
-    content = (tmp_path / "a.hdf5").read_bytes()
-    looped = 0
-    for k in range(100):
-        try:
-            (tmp_path / "changed.hdf5").write_bytes(mutators.of_hdf5(content, np.random.default_rng(k)))
-        except (OSError, KeyError, TypeError, ValueError):  # a link to nowhere, letters that have no sum: then bytes are changed
-            continue
-        with h5py.File(tmp_path / "changed.hdf5") as file:
-            link = file.get("only", getlink=True)
-            looped += isinstance(link, h5py.SoftLink) and link.path == "/only"
-    assert looped > 1
-
-
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs os.fork")
 @pytest.mark.parametrize("text", [texts.SCENES["sine"].replace("dt =", "td ="), "\0", ""])
 def test_a_case_is_refused_in_a_process_of_its_own(tmp_path: Path, text: str) -> None:
@@ -122,17 +88,6 @@ def test_a_case_is_refused_in_a_process_of_its_own(tmp_path: Path, text: str) ->
     assert (outcome.code, outcome.output, outcome.left) == (2, False, ())
     assert outcome.stderr.startswith("masonry-cd: error: scene.toml")
     assert promises.broken(outcome) == ""
-
-
-def test_what_a_case_leaves_is_seen(tmp_path: Path) -> None:
-    (tmp_path / "a.toml").touch()
-    before = {"a.toml"}
-    (tmp_path / "written").mkdir()
-    (tmp_path / "written" / "result.h5").touch()
-    assert promises.left_behind(tmp_path, before, "written") == ()
-    (tmp_path / "written" / "result.part.h5").touch()
-    (tmp_path / "stray").touch()
-    assert promises.left_behind(tmp_path, before, "written") == ("stray", "written/result.part.h5")
 
 
 @pytest.mark.skipif(not (together.PEAK.exists() and hasattr(os, "fork")), reason="needs os.fork and Linux")

@@ -7,17 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pictures import main_colours
 
 from benchmarks.counted_cost import BESIDE, counted
 from benchmarks.ours import stepper
 from benchmarks.scenes import arch, tower
-from benchmarks.stability import DRIFT, StabilityCase, cases, main, row, run, sheet
-from benchmarks.stability_picture import draw
+from benchmarks.stability import DRIFT, StabilityCase, cases, main, row, run
 from benchmarks.strong_shaking import rest_cases, strong_cases
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
-from reports.drawing.figure import COLOURS, FAINT
 
 
 @pytest.fixture(scope="module")
@@ -120,15 +117,6 @@ def test_costs_of_steps_are_counted():
     assert [method.solve for method in methods] == before
     assert costs[0].steps == costs[1].steps
     assert costs[0].worst == max(costs[0].steps[1:]) / np.median(costs[0].steps[1:]) > 1.0
-
-
-def test_page_and_picture(standing, tmp_path):
-    failed = replace(standing, name="another", group="size", penetration=1e9)
-    text = sheet([standing, failed])
-    assert "1 of 2 cases pass" in text
-    assert text.count("\n| ") == 3  # heading and two cases
-    draw([standing, failed], tmp_path / "s.png")
-    assert {COLOURS[0], COLOURS[1], FAINT} <= main_colours(tmp_path / "s.png")
 
 
 def test_an_unknown_case_is_refused(capsys):
