@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from limit_scenes import pillar, said, scene
 from models import GRAVITY, box, ground
+from small_runs import ran, write_scene
 
 from masonry_cd.analysis.limit import search
 from masonry_cd.app.carried import largest_carried
@@ -24,25 +25,15 @@ from masonry_cd.io.summary import Summary
 from masonry_cd.io.summary_tables import LimitBracket, LoadFactor
 from masonry_cd.limit.case import LimitCase, Wanted, limit_case
 from masonry_cd.mechanics.model.blocks import Block
-from structures.files import blockfile
 
 
 def push_over(
     folder: Path, blocks: list[Block], load: str, mu: float, dt: float, seconds: float, solver: str = "nlgs", way: str = "x"
 ) -> Summary:
     """The summary of a run of some blocks under a table [[loads]]."""
-    blockfile.write(folder / "blocks.json", blocks)
-    (folder / "scene.toml").write_text(
-        f"""
-structure = {{kind = "file", path = "blocks.json"}}
-material = {{density = 2000.0, friction = {mu}}}
-run = {{dt = {dt}, duration = {seconds}, solver = "{solver}", tolerance = 1e-6}}
-[[loads]]
-direction = "{way}"
-{load}
-"""
-    )
-    return run_case(prepare(read_scene(folder / "scene.toml")), folder / "out")
+    run = f'run = {{dt = {dt}, duration = {seconds}, solver = "{solver}", tolerance = 1e-6}}'
+    material = f"material = {{density = 2000.0, friction = {mu}}}"
+    return ran(write_scene(folder, blocks, f'{material}\n{run}\n[[loads]]\ndirection = "{way}"\n{load}\n'))
 
 
 def test_a_block_gives_way_at_its_coefficient_of_friction_or_not_at_all(tmp_path: Path) -> None:

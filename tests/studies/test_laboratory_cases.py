@@ -28,16 +28,6 @@ def test_the_closed_form_of_the_bed() -> None:
         assert exact(way) == pytest.approx(force, rel=1e-3)
 
 
-def test_the_command_lists_the_cases_and_refuses_others(tmp_path: Path) -> None:
-    listed = masonry_cd("validate")
-    assert listed.exit_code == 0
-    assert all(name in listed.output for name in CASES)
-    refused = masonry_cd("validate", "bde", "-o", tmp_path / "out")
-    assert refused.exit_code == 2
-    assert 'did you mean "bed"' in refused.output
-    assert not (tmp_path / "out").exists()
-
-
 def test_the_threshold_of_overturning_falls_towards_that_of_uplift() -> None:
     """A long pulse overturns whatever lifts off, at g tan(alpha); a short one by its impulse a t, which then decides alone."""
     assert overturning.exact(1e2) / 9.81 == pytest.approx(0.1, rel=1e-6)
@@ -82,14 +72,6 @@ def test_the_bridge_is_computed_once_and_its_scene_gives_the_same_load_again(tmp
     (fill,) = structures.make(read_scene(tmp_path / "scene.toml").structure, 1800.0, tmp_path).fills
     assert (fill.passive, fill.density) == (0.5, 2040.0)
     assert fill.level == pytest.approx(1.428 + 0.22 + 0.165, abs=1e-2)  # crown of a faceted ring
-
-
-def test_what_was_not_found_of_a_bridge_is_named() -> None:
-    assert {test.name: test.absent for test in field_tests.TESTS if test.absent} == {
-        **{name: ["rise", "thickness", "cover", "width"] for name in ("Torksey", "Shinafoot", "Strathmashie", "Barlae")},
-        "laboratory arch": ["thickness", "cover", "width"],
-    }
-    assert all(test.sources for test in field_tests.TESTS)
 
 
 def test_walls_are_as_high_and_long_as_those_tested() -> None:

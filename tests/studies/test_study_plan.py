@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hostile import refused_at
 from scipy.stats import lognorm, norm, truncnorm
 from studied import GRID, RECORDS, SCENE, STEP, wave, write_records, write_scene, write_study
 
@@ -17,6 +18,8 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.checks import bound_doubts, scene_of_run
 from masonry_cd.studies.study.designs.ida import next_level
 from masonry_cd.studies.study.plan import Plan
+from masonry_cd.studies.study.record_tables import RecordsTable
+from masonry_cd.studies.study.records import matched
 from masonry_cd.studies.study.study_case import plan_of
 from masonry_cd.studies.study.study_file import IdaTable
 from masonry_cd.studies.study.varied import Correlation, Distribution, Varied
@@ -318,11 +321,6 @@ def test_the_runs_of_an_ida_do_not_depend_on_the_order_in_which_they_end(tmp_pat
 # --- bad input ----------------------------------------------------------------------------------------------------------------------
 
 
-def test_a_distribution_is_kept_in_the_allowed_range_by_its_bounds(tmp_path: Path) -> None:
-    bounded = '[vary]\n"material.friction" = {distribution = "normal", mean = 0.4, std = 0.1, low = 0.1}\n'
-    assert len(with_records(tmp_path, RECORDS + bounded).runs) == 9
-
-
 def test_a_pattern_of_too_many_brackets_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError) as refused:
         with_records(tmp_path, RECORDS, pattern=f"pattern = '{'(' * 2000}a{')' * 2000}'")
@@ -335,3 +333,17 @@ def test_a_pattern_of_too_many_brackets_is_refused(tmp_path: Path) -> None:
 def test_a_bound_of_a_limit_state_in_mm_draws_a_line(quantity: str, above: float, said: str) -> None:
     found = bound_doubts({"cracked": LimitTable(quantity=quantity, above=above)})
     assert [line.startswith("limit_states.cracked.above") and said in line for line in found] == [True] * bool(said)
+
+
+NAMES = ["AQV_x.acc", "notes.txt", "città_y.acc"]
+
+
+def test_names_give_motions_and_components() -> None:
+    pattern = RecordsTable.model_fields["pattern"].default
+    assert matched(pattern, NAMES) == [("AQV_x.acc", "AQV", "x"), ("città_y.acc", "città", "y")]
+
+
+@pytest.mark.parametrize("pattern", [r"(?P<motion>(\w+)+)!(?P<component>x)", r"(?P<motion>(.|[^_])*)!(?P<component>x)"])
+def test_one_that_backtracks_for_ever_is_refused(pattern: str) -> None:
+    with refused_at("records.pattern"):
+        matched(pattern, [60 * "a"], longest=0.5)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import studied
-from command_line import masonry_cd
+from command_line import done, masonry_cd
 from studied import GRID, LONG, PATIENCE, SCENE, row_names, rows_without_seconds, started, wait_until, write_scene, write_study
 from typer.testing import Result
 
@@ -78,8 +78,7 @@ def test_the_table_has_a_row_of_each_run(study: Path) -> None:
 
 
 def test_the_numbers_are_those_of_a_run(study: Path, tmp_path: Path) -> None:
-    result = masonry_cd("run", study.parent / "scene.toml", "-o", tmp_path / "run")
-    assert result.exit_code == 0, result.output
+    done("run", study.parent / "scene.toml", "-o", tmp_path / "run")
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     row = next(row for row in read_rows(study) if row["values"] == {"loads[0].amplitude": 0.4, "material.friction": 0.4})
     assert row["displacement_max"] == summary["displacement_max"]
@@ -356,4 +355,4 @@ def test_nothing_wrong_with_all_runs_gets_as_far_as_a_worker(tmp_path: Path) -> 
     result = invoke(path)
     assert result.exit_code == 2
     assert "phase: unknown key" in result.stderr
-    assert not (tmp_path / "out" / "runs.csv").exists()
+    assert not (tmp_path / "out").exists()
