@@ -9,10 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hostile import refused_at
 from made_run import at_rest, box, shifted, write_run
 
-from masonry_cd.foundation.errors import InputError
 from reports.compare import comparison, comparison_files
 from reports.drawing.palette import GRADES
 from reports.page.document import filled
@@ -84,13 +82,6 @@ def test_the_table_as_csv_markdown_and_picture(tmp_path: Path) -> None:
     assert image.shape[1] == 1300 and image[..., :3].std() > 0.05
 
 
-def test_lengths_are_rounded_to_sense(tmp_path: Path) -> None:
-    (run,) = comparison.compare([made(tmp_path / "a", 0.006), made(tmp_path / "b", 0.03)]).runs[:1]
-    values = (1.93e-9, 0.0, 0.000189, -0.0049, 4.55, None)
-    table = comparison_files.markdown(comparison.Comparison([run], [("opening", "m", [value]) for value in values]))
-    assert [line.split("|")[3].strip() for line in table.splitlines()[2:]] == ["<0.001", "0", "0.189", "-4.9", "4550", "–"]
-
-
 def test_folders_of_equal_names_are_distinguished(tmp_path: Path) -> None:
     (tmp_path / "x").mkdir()
     (tmp_path / "y").mkdir()
@@ -107,21 +98,6 @@ def test_nested_tables_get_the_keys_that_users_write() -> None:
         "loads[1].kind": "y",
         "title": "t",
     }
-
-
-def test_bad_folders_are_one_line(tmp_path: Path) -> None:
-    good = made(tmp_path / "good", 0.001)
-    (tmp_path / "empty").mkdir()
-    with refused_at("empty/result.h5"):
-        comparison.compare([good, tmp_path / "empty"])
-    with refused_at("compare"):
-        comparison.compare([good])
-    with pytest.raises(InputError, match=r"is named twice$"):
-        comparison.compare([good, tmp_path / "empty" / ".." / "good"])
-    other = made(tmp_path / "other", 0.001)
-    (other / "summary.json").write_text('{"steps": 1')
-    with refused_at("other/summary.json"):
-        comparison.compare([good, other])
 
 
 def test_counts_have_whole_ticks_and_grades_the_colours_of_the_page(tmp_path):

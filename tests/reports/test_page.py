@@ -21,7 +21,6 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.io.summary_tables import Solver
-from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.state import rotation_matrices
 from reports.drawing.palette import OPENING, SLIDING
 from reports.drawing.parts import Scale
@@ -87,21 +86,6 @@ def page(window: browsers.Browser, folder: Path):
 
 def test_the_file_names_no_outside_address(folder):
     assert not ADDRESS.search((folder / "report.html").read_text(encoding="utf-8"))
-
-
-def test_in_print_it_is_a4_with_page_numbers_a_date_and_headings_on_each_page(folder):
-    text = (folder / "report.html").read_text(encoding="utf-8")
-    printed = text[text.index("@media print") : text.index("</style>")]
-    for rule in (
-        "size: A4",
-        "counter(page)",
-        "counter(pages)",
-        "table-header-group; break-inside: avoid",
-        ".printed { display: block; }",
-        "overflow: visible",
-    ):
-        assert rule in printed, rule
-    assert '<p class="printed" id="printed"></p>' in text
 
 
 def test_joints_are_coloured_by_the_peaks_of_all_steps_and_blocks_unlike_them(folder):
@@ -174,27 +158,6 @@ def test_a_killed_run_has_a_page_too(tmp_path):
     with Results.open(write_run(tmp_path / "result.h5", pillar(), pillar_states(3), peaks=False)) as results:
         write_page(results, tmp_path / "report.html")
     assert "The run has no summary" in (tmp_path / "report.html").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("stones", "down", "sentence", "tiles"),
-    [
-        (1, 1, "none of 1 blocks and 1 of 2 spheres fell", ["blocks fallen", "spheres fallen"]),
-        (0, 1, "1 of 2 spheres fell", ["spheres fallen"]),
-        (0, 0, "no sphere fell", ["spheres fallen"]),
-        (1, 0, "no block and no sphere fell", ["blocks fallen", "spheres fallen"]),
-    ],
-)
-def test_fallen_spheres_are_called_spheres(stones, down, sentence, tiles, tmp_path):
-    """One of two balls rolls off the floor, beside a stone or alone."""
-    balls = [Block.sphere(f"ball{k}", np.array([0.3 * k, 0.0, 0.1]), 0.1, 2000.0) for k in range(2)]
-    blocks = [box("floor", (-1, -1, -1), (1, 1, 0), fixed=True), *balls, *[box("stone", (-0.8, 0, 0), (-0.5, 0.3, 0.3))][:stones]]
-    states = [at_rest(blocks), shifted(at_rest(blocks), 2, (2.0, 0.0, -40.0 * down))]
-    with Results.open(write_run(tmp_path / "result.h5", blocks, states)) as results:
-        write_page(results, tmp_path / "report.html")
-    text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert f"; {sentence}.<" in text
-    assert re.findall(r"<dt>(\w+ fallen)</dt>", text) == tiles
 
 
 def test_bad_settings_are_reported(tmp_path):
@@ -339,12 +302,6 @@ def test_the_table_is_sorted_and_filtered(page):
     assert page.run("return document.querySelector('th[data-name=max_sliding]').getAttribute('aria-sort')") == "ascending"
     page.run("const s = document.getElementById('search'); s.value = 'UPPER'; s.dispatchEvent(new Event('input'))")
     assert len(page.run(column)) == 1
-
-
-def test_an_unknown_block_is_reported(page):
-    page.run("document.getElementById('block-name').value = 'nobody'")
-    page.click("#find-block button[type=submit]")
-    assert page.run("return document.getElementById('no-block').textContent") == "There is no block “nobody”."
 
 
 def test_no_tile_stands_alone_on_a_wide_page(page):

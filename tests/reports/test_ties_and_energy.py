@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""reports.ties: what ties had to bear, in tables, pictures and on the page, drawn from the result file alone."""
+"""What ties had to bear, and the picture of the energies, which closes: drawn from the result file alone."""
 
 from __future__ import annotations
 
@@ -10,21 +10,28 @@ import browser as browsers
 import h5py
 import numpy as np
 import pytest
-from pictures import crack_map
+from command_line import done
+from models import stepper, still, wall
+from pictures import crack_map, main_colours
 from PIL import Image
 from places import EXAMPLES
 
 from masonry_cd.analysis.ties import histories
+from masonry_cd.app import run_loop
 from masonry_cd.app.case import make_structures, prepare
 from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import read_summary
-from reports.drawing.figure import Sheet
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from reports.drawing.figure import COLOURS, Sheet
 from reports.drawing.palette import PULLING
 from reports.drawing.solids import structure_scene
+from reports.outputs import energy as picture
+from reports.outputs.energy import GOES, WORKS, energies, energy_figure
 from reports.page import write_page
 from reports.ties import tie_lines, tie_tensions
 from structures.ties import lines_of
@@ -143,3 +150,52 @@ def test_ties_that_are_damaged_in_the_file_are_named(run, tmp_path):
             file.attrs["ties"] = text
         with pytest.raises(InputError, match="damaged: its blocks, its joints or its scene are not those that were written"):
             Results.open(path)  # the checksum
+
+
+@pytest.fixture(scope="module")
+def shaken(tmp_path_factory) -> Path:
+    """A wall on a base that shakes so that it slides."""
+    path, steps = tmp_path_factory.mktemp("energy") / "result.h5", 120
+    velocity = still(steps)
+    velocity[:, 0, 0] = 0.8 * np.sin(2 * np.pi * 4.0 * np.arange(steps + 1) * 2e-3)
+    machine = stepper(wall(2, 2), steps, support_velocity=velocity, dt=2e-3, friction=0.4, tolerance=1e-8)
+    joints = find_joints(machine.assembly)
+    with ResultWriter(path, machine.assembly, joints, title="a wall") as writer:
+        run_loop.run(machine, joints, writer, run_loop.Plan(steps, 20))
+    return path
+
+
+def test_what_is_drawn_closes(shaken):
+    """The areas reach up to the line of what was put in, but for the balance."""
+    with Results.open(shaken) as results:
+        time, energy = energies(results)
+    assert len(time) == 120
+    put_in = sum(energy[key] for key in WORKS if key in energy)
+    went = sum(energy[key] for key in GOES if key in energy)
+    assert put_in.max() > 1.0
+    assert energy["friction"][-1] > 0.1 * put_in.max()
+    assert np.abs(put_in - went - energy["balance"]).max() < 1e-9 * put_in.max()
+    assert np.abs(put_in - went).max() < 1e-6 * put_in.max()
+
+
+def test_a_long_run_is_thinned_from_end_to_end(shaken, monkeypatch):
+    monkeypatch.setattr(picture, "POINTS", 10)
+    with Results.open(shaken) as results:
+        time, energy = energies(results)
+    assert len(time) == len(energy["kinetic"]) == 10
+    assert (time[0], time[-1]) == pytest.approx((2e-3, 0.24))
+
+
+def test_the_command_draws_it(shaken):
+    result = done("report", shaken.parent, "--energy", "--no-crack-map")
+    assert "energy.png" in result.stdout
+    assert set(COLOURS[1:3]) <= main_colours(shaken.parent / "energy.png"), "the work of the base, and that of gravity"
+
+
+def test_a_run_without_a_step_is_one_line(shaken, tmp_path):
+    (tmp_path / "result.h5").write_bytes(shaken.read_bytes())
+    with h5py.File(tmp_path / "result.h5", "r+") as file:
+        del file.attrs["format"]  # as by a version that wrote no checksums, and killed
+        file["step_time"].resize(0, axis=0)
+    with Results.open(tmp_path / "result.h5") as results, pytest.raises(InputError, match="the run made no step"):
+        energy_figure(results)
