@@ -92,12 +92,6 @@ def test_no_page_asks_another_server_for_anything(built: tuple[Path, list[str]])
     assert re.findall(r"(?:url\(|@import )[\"']?(?:https?:)?//[^)\"']*", styles) == []
 
 
-def test_a_page_that_would_ask_another_server_is_found(tmp_path: Path) -> None:
-    page = tmp_path / "page.html"
-    page.write_text('<script src="https://elsewhere/x.js"></script><img src="here.png"><a href="https://elsewhere">words</a>')
-    assert read(page).fetched == ["https://elsewhere/x.js", "here.png"]
-
-
 @pytest.mark.slow(reason="builds the whole site")
 def test_formulas_are_mathml(built: tuple[Path, list[str]]) -> None:
     page = built[0] / "theory.html"
@@ -115,12 +109,6 @@ def test_a_formula_that_cannot_be_drawn_is_refused() -> None:
     assert "<mfrac>" in hooks.mathml(r"\frac{a}{b}", "inline")
     with pytest.raises(ValueError, match=r"\\nosuchcommand"):
         hooks.mathml(r"a \nosuchcommand b", "inline")
-
-
-def test_docstrings_are_read_as_markdown() -> None:
-    rewritten = loaded(DOCS / "site" / "docstrings.py", "site_docstrings").rewritten
-    session = ">>> run.blocks(0.0)\n'ux'"
-    assert rewritten(f"Made by :func:`mc.run`.\n\n{session}\n\nMore.") == f"Made by `mc.run`.\n\n```pycon\n{session}\n```\n\nMore."
 
 
 def test_links_lead_to_where_the_site_has_its_files() -> None:
