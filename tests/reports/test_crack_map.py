@@ -178,6 +178,21 @@ def test_numbered_groups_share_a_colour_where_there_are_many() -> None:
     assert len(families_of(many[:5])) == 5
 
 
+def test_bad_input_is_one_line(tmp_path: Path) -> None:
+    rest = at_rest(COLUMN)
+    with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest])) as results:
+        with refused_at("view"):
+            crack_map(results, tmp_path / "x.png", style=framing.MapStyle(view="fornt"))
+        with refused_at("scale"):
+            framing.MapStyle(scale=0.0)
+        with refused_at("frame 1"):
+            crack_map(results, tmp_path / "x.png", frame=1)
+        with refused_at("largest"):
+            framing.MapStyle(thresholds=Thresholds(opened=0.1))
+        with refused_at("x.png"):
+            crack_map(results, tmp_path / "none" / "x.png")
+
+
 def _loads(library: str) -> bool:
     """Whether the system has a shared library."""
     try:
