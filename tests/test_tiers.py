@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import pytest
-import tiers
 
 pytest_plugins = "pytester"
 BURNS = "import time\n{mark}\ndef test_burns():\n    end = time.process_time() + 0.3\n    while time.process_time() < end: pass\n"
@@ -42,15 +41,6 @@ def test_another_process_counts_but_a_fixture_does_not_and_both_are_printed(tier
     result.assert_outcomes(passed=1, failed=1)
     lines = [r"=+ processor time, of .* s =+", r"\. \d s", r" +[0-9.]+[1-9] s  .*::test_", r" +[0-9.]+[1-9] s  .*::test_"]
     result.stdout.re_match_lines([*lines, r"resident memory of a process: (0\.0[1-9]|0\.[1-9]|[1-9]).* GB at most"])
-
-
-def test_memory_that_a_file_has_freed_goes_back_to_the_system(tier: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
-    """After each file, not after each test."""
-    given = []
-    monkeypatch.setattr(tiers, "give_back_freed_memory", lambda: given.append("back"))
-    tier.makepyfile(test_a="def test_1(): pass\ndef test_2(): pass\n", test_b="def test_3(): pass\n")
-    tier.runpytest_inprocess().assert_outcomes(passed=3)
-    assert len(given) == 2
 
 
 def test_what_is_compiled_meanwhile_is_not_held_against_a_test(tier: pytest.Pytester) -> None:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a plain install lacks is named with the extra that brings it, before anything takes its time."""
+"""What a plain install lacks is named with the extra that brings it; a user's own loads.py never takes the place of our packages."""
 
 from __future__ import annotations
 
 import ast
+import os
+import subprocess
 import sys
 import tomllib
 from operator import attrgetter, methodcaller
@@ -16,9 +18,10 @@ from places import EXAMPLES, ROOT
 import masonry_cd as mc
 from masonry_cd.foundation import extras
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.own_packages import PACKAGES
 
 ENERGY = ["--set", "report.energy=true"]
-PACKAGES = {"vtkmodules": "vtk", "PIL": "pillow", "skfem": "scikit-fem", "dask_jobqueue": "dask-jobqueue"}
+PACKAGE_OF = {"vtkmodules": "vtk", "PIL": "pillow", "skfem": "scikit-fem", "dask_jobqueue": "dask-jobqueue"}
 
 
 def absent(monkeypatch: pytest.MonkeyPatch, *modules: str) -> None:
@@ -33,7 +36,7 @@ def test_the_table_is_that_of_the_package() -> None:
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     needed = {line.partition(">=")[0] for line in declared["dependencies"]}
     for module, extra in extras.EXTRA_OF.items():
-        package = PACKAGES.get(module, module)
+        package = PACKAGE_OF.get(module, module)
         assert package in {line.partition(">=")[0] for line in declared["optional-dependencies"][extra]}, module
         assert package not in needed, module
 
@@ -67,18 +70,6 @@ def test_a_run_without_pictures_needs_none_of_them(tmp_path: Path, monkeypatch: 
     ended = masonry_cd("run", EXAMPLES / "trilithon.toml", "-o", tmp_path / "out", "-q", *short)
     assert ended.exit_code == 0 and "which is not installed" not in ended.stderr
     assert (tmp_path / "out" / "damage.json").exists()
-
-
-def test_a_module_that_no_extra_brings_is_a_fault() -> None:
-    assert extras.missing(ModuleNotFoundError("no", name="masonry_cd.gone")) is None
-    assert "masonry-cd[cad]" in str(extras.missing(ModuleNotFoundError("no", name="trimesh.util")))
-
-
-def test_a_library_that_is_there_passes(monkeypatch: pytest.MonkeyPatch) -> None:
-    extras.require("this", "matplotlib")
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(InputError, match=r'a plot needs matplotlib, which is not installed: pip install "masonry-cd\[pictures\]", or not'):
-        extras.require("a plot", "matplotlib", without=", or not")
 
 
 def test_every_import_of_an_optional_package_is_preceded_by_a_check() -> None:
@@ -155,3 +146,45 @@ def test_python_names_the_extra_that_it_lacks(short_run, monkeypatch: pytest.Mon
 def short_run(tmp_path_factory: pytest.TempPathFactory):
     folder = tmp_path_factory.mktemp("run")
     return mc.run(mc.scene(EXAMPLES / "trilithon.toml", "run.duration=0.01", "report.crack_map=false"), folder / "out", progress=False)
+
+
+def python(folder: Path, *arguments: str, path: tuple[Path, ...] = ()) -> subprocess.CompletedProcess[str]:
+    """Run Python in a folder, with further folders before this tree on its path."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (*path, ROOT)))}
+    return subprocess.run([sys.executable, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_a_file_beside_a_script_is_named_with_the_remedy(tmp_path: Path, name: str) -> None:
+    (tmp_path / f"{name}.py").write_text("mine = 1\n")
+    (tmp_path / "script.py").write_text("from masonry_cd.app.scene import read_scene\n")
+    ended = python(tmp_path, "script.py")
+    assert ended.returncode == 1
+    said = ended.stderr.strip().splitlines()[-1]
+    assert said.startswith(
+        f'masonry_cd.foundation.errors.InputError: {tmp_path / name}.py hides the package "{name}" of masonry_cd: rename it, or run'
+    )
+
+
+def test_a_module_that_is_loaded_already_is_named_too(tmp_path: Path) -> None:
+    (tmp_path / "loads.py").write_text("mine = 1\n")
+    code = "import loads, sys; sys.path.remove(sys.path[0]); import masonry_cd.app.case"
+    assert f'{tmp_path / "loads"}.py hides the package "loads"' in python(tmp_path, "-c", code).stderr
+
+
+def test_the_command_says_so_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "reports.py").write_text("mine = 1\n")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    ended = python(elsewhere, "-m", "masonry_cd", "--version", path=(tmp_path,))
+    assert (ended.returncode, ended.stdout, len(ended.stderr.splitlines())) == (2, "", 1)
+    assert ended.stderr.startswith(f"masonry-cd: error: {tmp_path}/reports.py hides the package")
+
+
+def test_the_working_folder_is_not_looked_into_by_the_module(tmp_path: Path) -> None:
+    """python -m masonry_cd in a folder with files of these names works, as the installed command does."""
+    for name in PACKAGES:
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('the wrong file')\n")
+    ended = python(tmp_path, "-m", "masonry_cd", "build", str(EXAMPLES / "trilithon.toml"), "-o", "out", "--no-picture")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert (tmp_path / "out" / "blocks.json").exists()

@@ -5,22 +5,21 @@ from __future__ import annotations
 
 import random
 import shutil
-import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from command_line import masonry_cd
+from command_line import done, masonry_cd
 from datasets import contents
 from forked import ended
 from places import ROOT
+from small_runs import ctrl_c_before_step
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import FORMAT
 from masonry_cd.io.results import Results
-from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 LIMIT = 120  # seconds after which a process counts as hanging
 SCENE = ROOT / "benchmarks" / "bits" / "tower.toml"
@@ -38,15 +37,9 @@ def seeds(core: int, most: int) -> list[object]:
 @pytest.fixture(scope="module")
 def stopped(tmp_path_factory) -> Path:
     """The folder of a run that Ctrl-C ended after 70 of its 100 steps."""
-    folder, advance = tmp_path_factory.mktemp("stopped"), Stepper.step
+    folder = tmp_path_factory.mktemp("stopped")
 
-    def step(self: Stepper) -> object:
-        if self.steps == 69:
-            signal.raise_signal(signal.SIGINT)
-        return advance(self)
-
-    with pytest.MonkeyPatch.context() as pressed:
-        pressed.setattr(Stepper, "step", step)
+    with ctrl_c_before_step(69):
         assert masonry_cd(*ASKED, folder / "out").exit_code == 130
     assert masonry_cd(*ASKED, folder / "whole").exit_code == 0
     shutil.copytree(folder / "out", folder / "tried")  # so that the processes below find all that they import
@@ -169,8 +162,7 @@ def test_peaks_that_are_damaged_give_way_to_those_of_the_frames(stopped, tmp_pat
     out = folder_with((stopped / "out" / "result.h5").read_bytes(), stopped, tmp_path / "out")
     with h5py.File(out / "result.h5", "r+") as file:
         file["joints/peak/opening"][0] = 7.0
-    result = masonry_cd("report", out, "--no-crack-map")
-    assert result.exit_code == 0
+    result = done("report", out, "--no-crack-map")
     assert result.stderr.endswith("the largest measures of the joints are damaged; those of the frames are taken\n")
     assert "7.0" not in (out / "joints.csv").read_text()
 
