@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Forces that Python gives, beside those of the scene's loads, as the step asks for them: at the places of its middle, q_m.
+"""Forces and motions that Python gives, beside those of the scene's loads, as the step asks for them: at the places of its middle, q_m.
 
 A field is a function ``f(now)`` of all blocks at once, a history the force on one block over time. Both enter the free velocity as point
 loads do, so they are explicit: one that grows with displacement, of stiffness k on a mass m, needs a time step below 2 sqrt(m / k).
+Blocks whose motion is given become supports, driven on top of what moves all supports.
 """
 
 from __future__ import annotations
@@ -14,10 +15,13 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from loads.acted import Acted, by_integral
+from loads.motion import Part
+from masonry_cd.app.case import Structure, assembled, structure_of
+from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.values import numbers
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
-from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.guides import Guide
 
 ROUNDING = 1e-9  # share of the largest force
@@ -297,3 +301,34 @@ def free_block(name: object, assembly: Assembly, where: str) -> int:
     if assembly.fixed[block]:
         raise InputError(where, f'"{name}" is a support, which moves as its loads and "motions" say')
     return block
+
+
+def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[Structure, list[Part]]:
+    """The structure of a scene with some blocks as supports, and what each of these adds to the loads.
+
+    Args:
+        scene: of the run.
+        motions: by block, its velocity over time, (3,) [m/s]; see :class:`History`.
+
+    Raises:
+        InputError: an unknown block, or no history.
+    """
+    built = structure_of(scene)
+    names = [block.name for block in built.blocks]
+    numbers = [block_named(name, names, "motions") for name in motions]
+    histories = [History(given, (3,), f'motions["{name}"]') for name, given in motions.items()]
+    blocks = [replace(block, fixed=block.fixed or i in numbers) for i, block in enumerate(built.blocks)]
+    made = replace(assembled(scene, blocks, built.notes, built.bars), fills=built.fills)
+    return made, [_part(history, number, blocks) for history, number in zip(histories, numbers, strict=True)]
+
+
+def _part(history: History, block: int, blocks: list[Block]) -> Part:
+    """What drives one block."""
+    share = np.zeros(len(blocks))
+    share[block] = 1.0
+    return Part(
+        motion=lambda times: np.array([history.at(float(t)) for t in times]),
+        share=share,
+        summary={"kind": "python", "block": blocks[block].name},
+        acted=history.acted("path"),
+    )

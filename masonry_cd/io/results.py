@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.io.block_arrays import read_blocks
+from masonry_cd.io.block_arrays import Meshes, read_blocks
 from masonry_cd.io.gauges import Gauges, read_gauges
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 from masonry_cd.io.layout import (
@@ -36,7 +36,6 @@ from masonry_cd.io.layout import (
     STEP_PEAKS,
     STRESS,
 )
-from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
 from masonry_cd.io.summary import Summary

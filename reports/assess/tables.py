@@ -10,9 +10,8 @@ from typing import Any
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, Answer, Assessment, Member
 from masonry_cd.analysis.assessment.verdict import between, heading, shown
 from masonry_cd.analysis.outputs import ANSWER, ASSESS, numbers_in
-from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.csv_files import plain, write_csv
 from masonry_cd.foundation.quantities import counted
-from masonry_cd.foundation.text_tables import plain
 
 CSV = "assess.csv"
 NUMBERS = (*numbers_in(ASSESS), "remark", "seconds")

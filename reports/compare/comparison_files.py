@@ -13,9 +13,9 @@ from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.damage.part_damage import Row
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.csv_files import markdown as table
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.figures import blank
-from masonry_cd.foundation.text_tables import markdown as table
 from reports.compare.comparison import Comparison, Run
 from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
 from reports.drawing.palette import DARK, GRADES

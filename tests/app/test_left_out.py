@@ -5,8 +5,8 @@ import pytest
 from command_line import masonry_cd
 
 from masonry_cd.app.case import prepare
-from masonry_cd.app.left_out import FEW, elasticity_left_out
 from masonry_cd.app.scene import parse_scene
+from masonry_cd.app.summary import FEW, elasticity_left_out
 from masonry_cd.io.summary import Summary, read_summary
 
 WALL = 'structure = { kind = "wall", length = 2.0, height = 1.0, thickness = 0.3, course_height = 0.25, unit_length = 0.5 }\n'

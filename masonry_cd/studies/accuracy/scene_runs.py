@@ -29,8 +29,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import in_words
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
-from masonry_cd.studies.accuracy.measurement import Measurement
-from masonry_cd.studies.accuracy.picture import Diagram, Panel, Point, exponent
+from masonry_cd.studies.accuracy.picture import Diagram, Measurement, Panel, Point, exponent
 
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 DT_FACTORS = (2.0, 1.0, 0.5)  # of the scene's time step

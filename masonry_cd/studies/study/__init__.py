@@ -2,7 +2,7 @@
 """Many runs of one scene: over records, intensities, materials and seeds, on the cores of this machine or of a cluster.
 
     study_file    the study file and its tables            varied     lists, ranges and distributions of what varies
-    records       motions found in a folder, their measures designs/   which runs there are, one file per design
+    records       motions found in a folder, their measures designs    which runs there are
     plan          a run as asked becomes a scene           task       a run, as a worker makes it
     engine        runs as futures, results as they come    clusters   where they run
     folder        what is kept of a study, to continue it  table      runs.csv and runs.parquet

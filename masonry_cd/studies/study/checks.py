@@ -12,8 +12,8 @@ from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.scene import Origin, Scene, scene_of
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.studies.study.designs import Asked, Space
 from masonry_cd.studies.study.plan import Maker, Plan
-from masonry_cd.studies.study.space import Asked, Space
 from masonry_cd.studies.study.study_file import Study
 from masonry_cd.studies.study.study_units import ROTATE, UNITS
 

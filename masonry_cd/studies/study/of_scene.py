@@ -11,8 +11,8 @@ from masonry_cd.app.scene import Scene, scene_of
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.studies.study.perturb import perturb
-from masonry_cd.studies.study.space import Space
+from masonry_cd.studies.study.designs import Space
+from masonry_cd.studies.study.plan import perturb
 from masonry_cd.studies.study.study_file import EnsembleTable, RunTable, Study, StudyTables
 from masonry_cd.studies.study.varied import Varied
 

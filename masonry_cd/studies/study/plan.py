@@ -20,15 +20,11 @@ from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.app.inputs import file_digests
 from masonry_cd.app.scene_text import assign
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.studies.study.clusters import Where
-from masonry_cd.studies.study.designs import ida
-from masonry_cd.studies.study.perturb import perturb, set_in_motion
-from masonry_cd.studies.study.space import Asked, Space
+from masonry_cd.studies.study.designs import DESIGNS, Asked, Space, next_level
 from masonry_cd.studies.study.study_file import EnsembleTable, Study
 from masonry_cd.studies.study.study_units import ROTATE
 
-DESIGNS: Extensions[Any] = Extensions("masonry_cd.studies.study.designs", "runs")
 THRESHOLDS = ("opened", "slid", "grades")  # keys of [report] that change the numbers of a run
 NAME_LENGTH = 16  # hexadecimal digits of a run's name: two of a million runs share one with a chance of 3e-8
 
@@ -190,7 +186,7 @@ class Plan:
         found = self._found.setdefault(key, {})
         assert asked.level is not None
         found[asked.level] = state.exceeded_by(row)
-        level = ida.next_level(table, found)
+        level = next_level(table, found)
         if level is not None:
             following = self.maker.planned(Asked(asked.motion, level, values=asked.values))
             self.runs.append(following)
@@ -257,3 +253,37 @@ def _replace_paths(table: Any, by: Callable[[str], str]) -> None:
                 table[key] = by(value)
             else:
                 _replace_paths(value, by)
+
+
+def set_in_motion(tables: dict[str, Any], size: float, member: int) -> None:
+    """Have the blocks begin with velocities of at most ``size`` in each direction [m/s], those of a member, in place."""
+    tables["run"]["first_velocities"] = {"size": size, "seed": member}
+
+
+def perturb(tables: dict[str, Any], what: str, change: float) -> None:
+    """Multiply the size of all motions of the base, or the friction, by 1 + change, in place.
+
+    Raises:
+        InputError: no load of the scene has a size that can be changed.
+    """
+    if what == "friction":
+        material = tables["material"]
+        material["friction"] = _times(material.get("friction"), 1.0 + change)
+        return
+    from loads import KINDS, kind_of
+
+    given = tables.get("loads", [])
+    grown = [None if (kind := kind_of(load)) is None else kind.grown for load in given]
+    tables["loads"] = [load if grow is None else grow(load, 1.0 + change) for load, grow in zip(given, grown, strict=True)]
+    if not any(grown):
+        kinds = ", ".join(name for name, kind in KINDS.items() if kind.grown is not None)
+        raise InputError("ensemble.perturb", f'no load is one of {kinds}; perturb = "friction" or "velocities" is for any scene')
+
+
+def _times(friction: Any, factor: float) -> Any:
+    """Friction, a number or one for each pair of groups, times a factor."""
+    if isinstance(friction, dict):
+        return {pair: _times(value, factor) for pair, value in friction.items()}
+    if friction is None:
+        raise InputError("ensemble.perturb", "the scene gives no material.friction")
+    return float(friction) * factor
