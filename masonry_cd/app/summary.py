@@ -129,14 +129,17 @@ def masses(assembly: Assembly) -> str:
     return f"masses: {1e-3 * assembly.mass[free].sum():.4g} t free to move, {', '.join(named)}{fill}"
 
 
-FEW_BLOCKS = 5  # free ones that are a study of mechanics rather than a building
+FEW_FREE = 5  # free ones that are a study of mechanics rather than a building
 
 
 def elasticity_left_out(case: Case) -> Summary:
     """The elastic period that rigid joints leave out, for the summary; nothing where something is elastic, or nothing shakes."""
+    from loads import shakes
+
     assembly, material = case.assembly, case.scene.material
+    shaken = case.loading.support_velocity.any() and shakes(case.scene.loads)  # a settlement moves the base once
     rigid = assembly.deformation is None and not assembly.laws.elastic.any() and not assembly.shapes.rounding.any()
-    if not rigid or (~assembly.fixed).sum() <= FEW_BLOCKS or not case.joints.count or not _shaken(case):
+    if not rigid or (~assembly.fixed).sum() <= FEW_FREE or not case.joints.count or not shaken:
         return Summary()
     from masonry_cd.analysis.modal.elastic_period import elastic_period
 
@@ -145,10 +148,3 @@ def elasticity_left_out(case: Case) -> Summary:
     velocity = case.loading.support_velocity
     moved = velocity[: case.scene.run.steps + 1].mean(axis=1)
     return elastic_period(assembly, case.joints, moved, case.scene.run.dt, moduli)
-
-
-def _shaken(case: Case) -> bool:
-    """Whether a load shakes the base; a settlement moves it once."""
-    from loads import shakes
-
-    return bool(case.loading.support_velocity.any()) and shakes(case.scene.loads)

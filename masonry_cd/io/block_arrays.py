@@ -31,17 +31,13 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
         carried = [b.carried or Carried(0.0, np.zeros(3), np.zeros((3, 3))) for b in blocks]
         for name in Carried._fields:
             group[f"carried_{name}"] = np.array([getattr(each, name) for each in carried])
-    shells = [_kept(b) for b in blocks]
+    # of a sphere its centre
+    shells: list[tuple[np.ndarray, Faces]] = [(b.vertices[:1], ()) if b.radius else (b.vertices, b.faces) for b in blocks]
     group["vertex_start"] = np.cumsum([0, *(len(vertices) for vertices, _ in shells)])
     group["vertices"] = np.concatenate([vertices for vertices, _ in shells])
     group["face_start"] = np.cumsum([0, *(len(faces) for _, faces in shells)])
     group["loop_start"] = np.cumsum([0, *(len(face) for _, faces in shells for face in faces)])
     group["loops"] = np.array([i for _, faces in shells for face in faces for i in face], dtype=np.int64)
-
-
-def _kept(block: Block) -> tuple[np.ndarray, Faces]:
-    """What a file keeps of a block's shell: of a sphere its centre, without faces."""
-    return (block.vertices[:1], ()) if block.radius else (block.vertices, block.faces)
 
 
 def read_blocks(group: h5py.Group) -> Iterator[Block]:

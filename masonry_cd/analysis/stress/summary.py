@@ -25,7 +25,8 @@ def stress_summary(results: Results, peaks: StressPeaks) -> RunStress | None:
     more: dict[str, Any] = {}
     if np.isfinite(peaks.finite_edge).any():
         joint = int(np.nanargmax(peaks.finite_edge))
-        more = {"edge_max": float(peaks.finite_edge[joint]), "edge_max_joint": joint, "edge_max_blocks": _pair(results, joint)}
+        pair = tuple(results.blocks[int(side[joint])].name for side in (results.joints.block_a, results.joints.block_b))
+        more = {"edge_max": float(peaks.finite_edge[joint]), "edge_max_joint": joint, "edge_max_blocks": pair}
     if peaks.compared:
         more["strength"] = _against_strength(results, peaks)
     if elements := element_summary(results, element_peaks(results)):
@@ -61,12 +62,6 @@ def _against_strength(results: Results, peaks: StressPeaks) -> Strength:
         joints_above_numbers=tuple(cut[:NAMED].tolist()),
         crushed_share_max=float(np.nanmax(peaks.crushed_share)) if np.isfinite(peaks.crushed_share).any() else None,
     )
-
-
-def _pair(results: Results, joint: int) -> tuple[str, str]:
-    """The names of the blocks of a joint."""
-    joints = results.joints
-    return results.blocks[int(joints.block_a[joint])].name, results.blocks[int(joints.block_b[joint])].name
 
 
 def stress_lines(found: RunStress) -> list[str]:

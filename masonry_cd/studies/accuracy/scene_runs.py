@@ -93,15 +93,12 @@ def measured(title: str, rows: Sequence[SceneRow]) -> Measurement:
 def _panel(words: str, groups: Mapping[str, Sequence[SceneRow]], key: str) -> Panel:
     """An error over the stepping time, a line per tolerance; points of the last one say their time steps."""
     last = list(groups)[-1]
-    lines = [
-        (name, [Point(row.stepping_seconds, 100.0 * getattr(row, key), not row.reached, _step(row) if name == last else "") for row in own])
-        for name, own in groups.items()
-    ]
+    lines = []
+    for name, own in groups.items():
+        labels = [f"dt {1e3 * row.dt:g} ms" if name == last else "" for row in own]
+        points = [Point(row.stepping_seconds, 100.0 * getattr(row, key), not row.reached, at) for row, at in zip(own, labels, strict=True)]
+        lines.append((name, points))
     return Panel(f"{words} error, relative [%]", lines)
-
-
-def _step(row: SceneRow) -> str:
-    return f"dt {1e3 * row.dt:g} ms"
 
 
 def run_rows(

@@ -203,7 +203,8 @@ class _Making:
                 interrupt.check()
 
             def ended(run: Planned, outcome: Outcome) -> Iterable[Planned]:
-                self._add(run, outcome)
+                self.folder.add(run, outcome)
+                self.rows[run.name] = outcome.row
                 progress.ended(run.weight, outcome.row)
                 following = [more for more in self.plan.after(run, outcome.row) if more.name not in self.rows]
                 for more in following:
@@ -220,11 +221,6 @@ class _Making:
                 self.stopped = str(lost)
             finally:
                 progress.close()
-
-    def _add(self, run: Planned, outcome: Outcome) -> None:
-        """Keep what a run came to."""
-        self.folder.add(run, outcome)
-        self.rows[run.name] = outcome.row
 
     def _task(self, run: Planned, tables: Any, reference: bool) -> Task:
         """What a worker is asked."""
