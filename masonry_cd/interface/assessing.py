@@ -14,15 +14,14 @@ from masonry_cd.analysis.assessment.verdict import heading, lines_of, to_pin_dow
 from masonry_cd.analysis.outputs import ASSESS, units_in
 from masonry_cd.app.result import said
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.interface.plots import Page
+from masonry_cd.interface.plots import Page, drawn
 from masonry_cd.interface.returned import closing_as_html, returned
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.studies import warn, without_main
-from masonry_cd.interface.study_plots import drawn
 from masonry_cd.interface.tables import frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
-from reports.assess.tables import COLUMNS, cells_of
+from reports.assess.outputs import COLUMNS, cells_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -23,11 +23,11 @@ from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.open_run import RESULTS
+from masonry_cd.interface.plots import StudyPlots
 from masonry_cd.interface.results import Run
 from masonry_cd.interface.returned import RunWarning, closing_as_html, returned
 from masonry_cd.interface.scenes import scene
 from masonry_cd.interface.sealed import Sealed
-from masonry_cd.interface.study_plots import StudyPlots
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.interface.values import plain

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.analysis.damage.grades import grade_number
 from masonry_cd.analysis.outputs import ANSWER, ASSESS, COMPARE, PAGE, STUDY, STUDY_PAGE, SUMMARY, Number
-from masonry_cd.analysis.outputs.values import finite, grade_number
+from masonry_cd.foundation.quantities import finite
 
 MILLIMETRES = ("mm", 1e3)
 NUMBERS = {

@@ -22,14 +22,15 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.grades import grade_number
 from masonry_cd.analysis.outputs import STUDY, values_in
 from masonry_cd.analysis.outputs.measured import Measured
-from masonry_cd.analysis.outputs.values import finite, grade_number
 from masonry_cd.analysis.run_row import DONE, FAILED, TIMEOUT, RunRow
 from masonry_cd.analysis.verdict import DOUBTFUL
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.errors import InputError, one_line
+from masonry_cd.foundation.quantities import finite
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.joints import Joints

@@ -11,7 +11,7 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.damage.end_state import end_state
-from masonry_cd.analysis.outputs.summary import in_short
+from masonry_cd.analysis.outputs.measured import in_short
 from masonry_cd.app.closing_lines import part_lines
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary

@@ -14,7 +14,7 @@ from made_run import at_rest, box, shifted, write_run
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.fragility.limits import LimitState, LimitTable
-from masonry_cd.analysis.outputs.summary import in_short
+from masonry_cd.analysis.outputs.measured import in_short
 from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.app.closing_lines import part_lines, verdict_lines
 from masonry_cd.app.scene import parse_scene
