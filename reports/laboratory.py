@@ -20,7 +20,7 @@ from masonry_cd.analysis.gauge_histories import (
 )
 from masonry_cd.analysis.pushover import PushCurve, push_curves
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, in_a_line
 from masonry_cd.foundation.fields import finite_number
 from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
@@ -164,7 +164,7 @@ def read_measured(path: Path) -> list[Curve]:
     try:
         rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
     except (OSError, UnicodeDecodeError) as reason:
-        raise InputError(path, f"no measured curve can be read: {' '.join(str(reason).split())}") from None
+        raise InputError(path, f"no measured curve can be read: {in_a_line(reason)}") from None
     head = [cell.strip().lower() for cell in rows[0]] if rows and not all(finite_number(cell) is not None for cell in rows[0]) else []
     places = [next((head.index(name) for name in names if name in head), k) for k, names in enumerate(MEASURED)]
     values: list[list[float]] = []
