@@ -22,7 +22,6 @@ from loads.bars import Forces
 from loads.combine import support_motions
 from loads.kinds.driven import check_inertia, check_together
 from loads.kinds.gravity import GravityTable
-from loads.kinds.sequence import Pause, Shock
 from loads.kinds.tie import TieTable, bar
 from loads.kinds.tilt import TiltTable, load_factors
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
@@ -33,6 +32,7 @@ from masonry_cd.foundation.extensions import Entries
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.guides import Guide
+from masonry_cd.mechanics.model.shocks import Pause, Shock
 
 __all__ = ["KINDS", "Loading", "build", "parse_load", "suggest"]
 
@@ -54,7 +54,7 @@ class Loading:
         summary: the same numbers, ready for JSON.
         support_of: (B,) the motion that each block follows, -1 for a free block: the assembly's for this run; None without an assembly.
         shocks: of sequences, in order of time.
-        pauses: rests that the run loop may end early, see ``loads.kinds.sequence``.
+        pauses: rests that the run loop may end early, see :mod:`loads.kinds.sequence`.
         warnings: of what is likely a mistake in the tables.
         acted: how much of each load that says so has acted by a time.
         forces: on single blocks, which depend on where the blocks are, see ``loads.bars``; None where there are none.

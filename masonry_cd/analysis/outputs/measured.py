@@ -119,7 +119,7 @@ def damage_numbers(run: Measured, end: EndState) -> Summary:
     checks = checks_of((results.closing or Summary()) | numbers, thresholds, end)
     return (
         numbers
-        | end.as_summary()
+        | Summary(provisional=end.provisional, end=end.end)
         | checks.as_summary(_whole(run) if checks.reliable else None)
         | (Summary(shocks=shock_rows(results, thresholds)) if results.shocks else Summary())
         | bonds(results)

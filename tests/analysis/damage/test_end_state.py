@@ -67,7 +67,7 @@ def test_a_block_that_rattles_and_goes_nowhere_is_still(tmp_path: Path, monkeypa
     with results_of(tmp_path, last) as results:
         end = end_state(results)
     assert (end.provisional == "") is still
-    assert end.rattles.startswith('"upper" at ') is still
+    assert end.end.rattles.startswith('"upper" at ') is still
 
 
 def test_a_block_that_has_fallen_may_roll(tmp_path: Path) -> None:
