@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from masonry_cd.analysis.damage.part_damage import PartDamage
     from masonry_cd.analysis.fragility.findings import Findings
     from masonry_cd.io.summary import Summary
+    from reports.drawing.scene import Scene
     from reports.study.joint_maps import JointStudy
 
 HEIGHT = 900  # of a page in a notebook [pixels]
@@ -59,15 +60,11 @@ class Plots(Sealed):
         Raises:
             InputError: an unknown key, a time outside the run, or a cut outside the structure.
         """
-        require("a picture", "PIL")
-        from PIL import Image as images
-
-        from reports.drawing.figure import Sheet
         from reports.outputs import crack_scene_at
 
-        settings = parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")
+        settings = self._changed(keys)
         with self._results() as found:
-            return images.fromarray(Sheet.drawn(crack_scene_at(found, settings, time)).pixels())
+            return image_of(crack_scene_at(found, settings, time))
 
     def stress_map(self, time: float | None = None, **keys: Any) -> Image:
         """The structure with its blocks coloured by their compression: the largest of the run, or that at the frame next to a time [s].
@@ -79,17 +76,12 @@ class Plots(Sealed):
         Raises:
             InputError: an unknown key, a time outside the run, a cut outside the structure, or a run that kept no stress.
         """
-        require("a picture", "PIL")
-        from PIL import Image as images
-
-        from reports.drawing.figure import Sheet
         from reports.maps.stress_map import stress_scene
         from reports.outputs import frame_at, style_of
 
-        settings = parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")
+        style = style_of(self._changed(keys))
         with self._results() as found:
-            frame = None if time is None else frame_at(found, time)
-            return images.fromarray(Sheet.drawn(stress_scene(found, frame, style_of(settings))).pixels())
+            return image_of(stress_scene(found, None if time is None else frame_at(found, time), style))
 
     def energy(self) -> Figure:
         """What was put in, where it went, and the balance, over time."""
@@ -155,6 +147,10 @@ class Plots(Sealed):
             place = found.path.with_name(PAGE) if path is None else Path(path)
             write_page(found, place, self._settings, self._summary(), self._damage())
         return Page(place)
+
+    def _changed(self, keys: dict[str, Any]) -> Report:
+        """The settings with other values of some keys."""
+        return parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")
 
 
 class Page:
@@ -297,6 +293,16 @@ class StudyPlots(Sealed):
 def _names(known: Iterable[str]) -> str:
     """Names of pictures, for a message."""
     return ", ".join(name.removesuffix(".png") for name in known) or "none"
+
+
+def image_of(scene: Scene) -> Image:
+    """A scene that is drawn, as an image that a notebook shows."""
+    require("a picture", "PIL")
+    from PIL import Image as images
+
+    from reports.drawing.figure import Sheet
+
+    return images.fromarray(Sheet.drawn(scene).pixels())
 
 
 def drawn(draw: Callable[[Path], object]) -> Image:

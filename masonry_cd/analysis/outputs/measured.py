@@ -65,7 +65,7 @@ class Measured:
     @cached_property
     def fallen(self) -> tuple[str, ...]:
         """Names of the blocks that have fallen."""
-        return tuple(collapsed_blocks(self.results, self.settings.thresholds))
+        return collapsed_blocks(self.results, self.settings.thresholds)
 
     @cached_property
     def displacement_max(self) -> float:
