@@ -47,16 +47,20 @@ class Pushes(NamedTuple):
 
 
 class Pushing(Protocol):
-    """What pushes blocks."""
+    """What pushes blocks. By default it remembers nothing."""
+
+    keeps_plane: bool = False  # whether what leads out of the plane of a scene cancels in it
 
     def pushes(self, now: Now) -> Pushes:
         """The forces in the middle of a step. It may be asked several times for one step, and does not count steps by it."""
 
     def taken(self) -> None:
         """The step last asked for was made."""
+        return
 
     def copied(self) -> Pushing:
         """A copy with the same history, independent of this one."""
+        return self
 
 
 class History:
@@ -106,7 +110,7 @@ class History:
         return None if self._function is not None else by_integral(self._where, measure, self._time, self._values)
 
 
-class BlockHistories:
+class BlockHistories(Pushing):
     """Forces on single blocks over time, at their centres of mass.
 
     Raises:
@@ -122,15 +126,8 @@ class BlockHistories:
         """The forces at a time."""
         return Pushes(self._block, np.array([history.at(now.time) for history in self._histories]), np.zeros((len(self._block), 3)))
 
-    def taken(self) -> None:
-        """Nothing is remembered."""
 
-    def copied(self) -> Pushing:
-        """Nothing is remembered, so it may be shared."""
-        return self
-
-
-class Field:
+class Field(Pushing):
     """A field of forces on all blocks."""
 
     def __init__(self, function: Callable[[Now], Any], assembly: Assembly) -> None:
@@ -145,13 +142,6 @@ class Field:
         found = numbers(self._function(now), f"forces: at {now.time:g} s", (len(self._fixed), 3))
         block = np.flatnonzero(~self._fixed & found.any(axis=1))
         return Pushes(block, found[block], np.zeros((len(block), 3)))
-
-    def taken(self) -> None:
-        """Nothing is remembered."""
-
-    def copied(self) -> Pushing:
-        """Nothing is remembered, so it may be shared."""
-        return self
 
 
 @dataclass(eq=False)
@@ -199,7 +189,7 @@ class OwnForces:
 
     def _pushes(self, now: Now) -> list[Pushes]:
         every = [item.pushes(now) for item in self.own]
-        if self.axis >= 0 and any(_across(found, self.axis) for item, found in zip(self.own, every, strict=True) if not keeps_plane(item)):
+        if self.axis >= 0 and any(_across(found, self.axis) for item, found in zip(self.own, every, strict=True) if not item.keeps_plane):
             raise InputError(
                 "forces",
                 f"at {now.time:g} s one acts along {'xyz'[self.axis]}, across the plane in which this scene moves; "
@@ -251,14 +241,9 @@ class OwnForces:
         if self.base is not None and self.base.leaves_plane(axis, at, centre):
             return True
         still = Now(0.0, centre, np.broadcast_to(np.eye(3), (len(centre), 3, 3)), np.zeros((len(centre), 6)), self.dt)
-        looked_at = [item for item in self.own if not keeps_plane(item)]
+        looked_at = [item for item in self.own if not item.keeps_plane]
         times = np.linspace(0.0, self.end, LOOKS).tolist() if looked_at else []
         return any(_across(item.pushes(still._replace(time=t)), axis) for t in times for item in looked_at)
-
-
-def keeps_plane(item: Pushing) -> bool:
-    """Whether what leads out of the plane of a scene cancels in it."""
-    return bool(getattr(item, "keeps_plane", False))
 
 
 def _across(pushes: Pushes, axis: int) -> bool:
