@@ -20,7 +20,7 @@ from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.studies import warn, without_main
 from masonry_cd.interface.tables import frame_of_rows
-from masonry_cd.interface.temporary import TemporaryFolder
+from masonry_cd.interface.temporary import TemporaryFolder, place_of
 from reports.assess.outputs import COLUMNS, cells_of
 
 if TYPE_CHECKING:
@@ -152,8 +152,7 @@ def assess(
     from masonry_cd.studies.assess.plan import AssessPlan
     from masonry_cd.studies.study.study_case import Options
 
-    keeper = TemporaryFolder() if folder is None else None
-    place = keeper.path if keeper is not None else Path(str(folder))
+    place, keeper = place_of(folder)
     plan = AssessPlan(scene(source).checked, all_pairs)
     with without_main():
         result = command(plan, place, Options(plan.where(workers), retry, force, quiet=not progress, warn=warn), said(progress))

@@ -29,7 +29,7 @@ from masonry_cd.interface.returned import RunWarning, closing_as_html, returned
 from masonry_cd.interface.scenes import scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import frame_of
-from masonry_cd.interface.temporary import TemporaryFolder
+from masonry_cd.interface.temporary import TemporaryFolder, place_of
 from masonry_cd.interface.values import plain
 from masonry_cd.studies.study.folder import StudyFolder
 from masonry_cd.studies.study.plan import Plan
@@ -211,8 +211,7 @@ def study(
     from masonry_cd.studies.study.command import study as command
     from masonry_cd.studies.study.study_case import Options
 
-    keeper = TemporaryFolder() if folder is None else None
-    place = keeper.path if keeper is not None else Path(str(folder))
+    place, keeper = place_of(folder)
     plan = _plan(source, place, force)
     where = plan.where(workers, scheduler, None if slurm is None else Path(slurm))
     with without_main():
