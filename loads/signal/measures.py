@@ -129,6 +129,14 @@ def _peak(history: History, of: str) -> float:
     return float(np.abs(getattr(history, of)).max())
 
 
+def _arias(history: History) -> float:
+    return float(arias(history)[-1])
+
+
+def _first(ordinates: np.ndarray) -> float:
+    return float(ordinates[0])
+
+
 def _geometric_mean(ordinates: np.ndarray) -> float:
     if (ordinates == 0.0).any():
         return 0.0
@@ -143,7 +151,7 @@ def _velocity_spectrum_intensity(ordinates: np.ndarray) -> float:
 
 def _sa(period: float, damping: float = DAMPING) -> Spectral:
     _check(period >= 0.0, "T must not be negative")
-    return Spectral(np.array([period]), _ratio(damping), lambda ordinates: float(ordinates[0]))
+    return Spectral(np.array([period]), _ratio(damping), _first)
 
 
 def _average(begin: float, end: float, count: float = PERIODS, damping: float = DAMPING) -> Spectral:
@@ -194,7 +202,7 @@ FAMILIES = {
     "PGA": Family("m/s2", 1, lambda: Single(partial(_peak, of="acceleration"))),
     "PGV": Family("m/s", 1, lambda: Single(partial(_peak, of="velocity"))),
     "PGD": Family("m", 1, lambda: Single(partial(_peak, of="displacement"))),
-    "Arias": Family("m/s", 2, lambda: Single(lambda history: float(arias(history)[-1]))),
+    "Arias": Family("m/s", 2, lambda: Single(_arias)),
     "CAV": Family("m/s", 1, lambda: Single(cumulative_absolute_velocity)),
     "D5-95": Family("s", 0, lambda: Single(significant_duration)),
     "Sa": Family("m/s2", 1, _sa, ("T", "damping"), 1),
