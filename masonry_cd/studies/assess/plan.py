@@ -18,8 +18,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
 from masonry_cd.studies.assess.assumptions import DAMPING, POINTS, STIFFNESS, Assumption, Level, assumptions_of
 from masonry_cd.studies.study.designs import Asked, Space
-from masonry_cd.studies.study.of_scene import SIZE, space_of, tables_of
-from masonry_cd.studies.study.plan import Maker, Plan, Planned
+from masonry_cd.studies.study.plan import SIZE, Maker, Plan, Planned, space_of, tables_of
 from masonry_cd.studies.study.study_file import Study
 
 DESIGN = "assess"

@@ -6,8 +6,8 @@
     plan          a run as asked becomes a scene           task       a run, as a worker makes it
     engine        runs as futures, results as they come    clusters   where they run
     folder        what is kept of a study, to continue it  table      runs.csv and runs.parquet
-    progress      how far it is                            of_scene   the study that another command makes of a scene
-    study_case    makes the runs of a plan, whichever      command    masonry-cd study
+    progress      how far it is                            study_case makes the runs of a plan, whichever
+    command       masonry-cd study
 
 A run is a pure function of its scene, and its name a digest of that scene. So a study goes on where it was left, more records or levels
 add only their own runs, and the table is the same for any number of workers.

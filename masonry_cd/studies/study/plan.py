@@ -2,6 +2,7 @@
 """A run as asked becomes a scene, and gets its name: the digest of that scene and of the files that it reads.
 
 Drawing is no part of it, nor is where files lie, so a study may be moved. What a run costs is guessed by its number of steps.
+Other commands that make an ensemble of one scene make a study of it.
 """
 
 from __future__ import annotations
@@ -11,22 +12,29 @@ import hashlib
 import json
 import random
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.app.inputs import file_digests
-from masonry_cd.app.scene_text import assign
+from masonry_cd.app.scene import Scene, scene_of
+from masonry_cd.app.scene_text import assign, dump_toml
+from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.clusters import Where
 from masonry_cd.studies.study.designs import DESIGNS, Asked, Space, next_level
-from masonry_cd.studies.study.study_file import EnsembleTable, Study
+from masonry_cd.studies.study.study_file import EnsembleTable, RunTable, Study, StudyTables
 from masonry_cd.studies.study.study_units import ROTATE
+from masonry_cd.studies.study.varied import Varied
 
 THRESHOLDS = ("opened", "slid", "grades")  # keys of [report] that change the numbers of a run
 NAME_LENGTH = 16  # hexadecimal digits of a run's name: two of a million runs share one with a chance of 3e-8
+# of ensembles that another command makes of a scene
+SIZE = 1e-9  # by which amplitudes of neighbouring members of an ensemble differ, relative; [m/s] of velocities in their place
+TIMEOUT = 6 * 3600.0  # of a run [s]: small blocks and half a time step take several times as long as the scene itself
+OWN_DRAW = ("velocities", "friction")  # what members differ by, instead of loads that have no size
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,3 +295,34 @@ def _times(friction: Any, factor: float) -> Any:
     if friction is None:
         raise InputError("ensemble.perturb", "the scene gives no material.friction")
     return float(friction) * factor
+
+
+def tables_of(scene: Scene) -> dict[str, Any]:
+    """The tables of a scene as numbers, without what only an assessment reads.
+
+    Raises:
+        InputError: a scene without [run].
+    """
+    scene.refuse_static()
+    with scene.locating():
+        tables = scene_in_si(scene.tables)
+    tables.pop("assess", None)
+    return tables
+
+
+def space_of(scene: Scene, tables: dict[str, Any]) -> tuple[Study, Space]:
+    """The study of a scene and its tables, and what its runs choose from: nothing by itself."""
+    own = replace(scene_of(tables, scene.text, scene.path, scene.origin), quiet_checks=scene.quiet_checks)
+    ensemble = EnsembleTable(perturb=_perturbs(tables), size=SIZE)
+    top = StudyTables(scene=tables, design="ensemble", title=scene.title, ensemble=ensemble, run=RunTable(timeout=TIMEOUT))
+    study = Study(scene.path, dump_toml(tables), top, own, tables, scene.path.name, Varied({}, {}, []), scene.origin)
+    return study, Space(top, None, study.varied)
+
+
+def _perturbs(tables: dict[str, Any]) -> Any:
+    """What the members of an ensemble differ by: the loads where they have a size, else first velocities, else friction."""
+    try:
+        perturb(copy.deepcopy(tables), "loads", SIZE)
+    except InputError:
+        return OWN_DRAW["first_velocities" in tables["run"]]
+    return "loads"
