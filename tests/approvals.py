@@ -35,8 +35,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.friction.problem import LocalProblem
 from masonry_cd.mechanics.model.blocks import Block
-from reports.assess.outputs import write_assessment
-from reports.assess.tables import text_table
+from reports.assess.outputs import text_table, write_assessment
 from reports.page import write_page
 
 APPROVED = ROOT / "tests" / "approved"

@@ -18,8 +18,8 @@ from made_run import box
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.commands.solve import solve
-from masonry_cd.app.disc_space import result_bytes
 from masonry_cd.app.dump import parse_steps
+from masonry_cd.app.run_case import result_bytes
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.problem_files import read_problem
 from masonry_cd.io.results import Results

@@ -24,10 +24,9 @@ from masonry_cd.analysis.damage.verdict import beyond_their_law
 from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.app.bed_checks import touching_share
 from masonry_cd.app.case import prepare
-from masonry_cd.app.left_out import elasticity_left_out
-from masonry_cd.app.modelled import masses
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import parse_scene, read_scene
+from masonry_cd.app.summary import elasticity_left_out, masses
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary, read_summary
 from masonry_cd.mechanics.dynamics import moreau_jean

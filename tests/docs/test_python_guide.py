@@ -16,7 +16,7 @@ from nbclient import NotebookClient
 from places import EXAMPLES, ROOT
 
 import masonry_cd as mc
-from masonry_cd.interface.study_plots import StudyPlots
+from masonry_cd.interface.plots import StudyPlots
 
 PAGE = ROOT / "docs" / "python.md"
 SNIPPETS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)

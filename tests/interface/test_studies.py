@@ -23,7 +23,7 @@ from studied import GRID, rows_without_seconds, write_scene, write_study
 
 import masonry_cd as mc
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.interface.study_plots import StudyPlots
+from masonry_cd.interface.plots import StudyPlots
 from masonry_cd.studies.study.progress import StudyProgress
 
 GRID_TABLES: dict[str, Any] = {

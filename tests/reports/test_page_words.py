@@ -27,7 +27,7 @@ from made_study import Made, write_study_folder
 from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
 from masonry_cd.analysis.deformed import solids_of
 from masonry_cd.analysis.limit.outcome import on_the_whole
-from masonry_cd.analysis.stress.joint_pressure import largest_pressure
+from masonry_cd.analysis.stress.peaks import largest_pressure
 from masonry_cd.analysis.support_motion import support_motions
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary

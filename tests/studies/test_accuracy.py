@@ -35,7 +35,7 @@ from masonry_cd.studies.accuracy.ensemble import (
     settings_of,
     spreads_of,
 )
-from masonry_cd.studies.accuracy.measurement import table as markdown
+from masonry_cd.studies.accuracy.picture import table as markdown
 from masonry_cd.studies.accuracy.scene_runs import Motion, SceneRow, motion_errors, run_rows
 from masonry_cd.studies.accuracy.solver_rows import SolverRow, solver_rows, solvers_for
 from masonry_cd.studies.study.task import Task, run_task

@@ -16,7 +16,7 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.fragility.limits import LimitState, LimitTable
-from masonry_cd.analysis.outputs.summary import in_short
+from masonry_cd.analysis.outputs.measured import in_short
 from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.app.closing_lines import part_lines
 from masonry_cd.app.scene import parse_scene
@@ -24,7 +24,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.io.summary_tables import Solver
 from masonry_cd.mechanics.model.state import State
-from masonry_cd.studies.study import numbers
+from masonry_cd.studies.study.task import of_run
 from reports import damage as damage_files
 from reports.compare.comparison import compare
 from reports.damage import damage_of, write_joint_damage, write_part_damage
@@ -163,7 +163,7 @@ def test_a_comparison_and_a_study_give_it_no_grade(tmp_path):
     for folder in (cut, ended):
         with Results.open(folder / "result.h5") as results:
             summary = write_joint_damage(results, folder, Report()) | Summary(steps=1, solver=Solver(steps_missed=0, error_max=0.0))
-        exceeded.append(state.exceeded_by(RunRow(DONE, numbers=numbers.of_run(folder / "result.h5", summary, scene)[0])))
+        exceeded.append(state.exceeded_by(RunRow(DONE, numbers=of_run(folder / "result.h5", summary, scene)[0])))
     assert exceeded == [None, True]
 
 
@@ -220,7 +220,7 @@ def test_a_block_that_rattles_and_goes_nowhere_is_still(tmp_path: Path, monkeypa
     with results_of(tmp_path, last) as results:
         end = end_state(results)
     assert (end.provisional == "") is still
-    assert end.rattles.startswith('"upper" at ') is still
+    assert end.end.rattles.startswith('"upper" at ') is still
 
 
 def test_a_block_that_has_fallen_may_roll(tmp_path: Path) -> None:
