@@ -72,6 +72,11 @@ def test_a_run_without_pictures_needs_none_of_them(tmp_path: Path, monkeypatch: 
     assert (tmp_path / "out" / "damage.json").exists()
 
 
+def test_a_module_that_no_extra_brings_is_a_fault() -> None:
+    assert extras.missing(ModuleNotFoundError("no", name="masonry_cd.gone")) is None
+    assert "masonry-cd[cad]" in str(extras.missing(ModuleNotFoundError("no", name="trimesh.util")))
+
+
 def test_every_import_of_an_optional_package_is_preceded_by_a_check() -> None:
     """Whoever imports one names it to ``require`` in the same function, or stands behind a door that has: those are listed."""
     behind = {  # what an import there stands behind
