@@ -23,12 +23,10 @@ import numpy as np
 
 from structures.bridge.layout import SAME, Layout, Support
 from structures.bridge.masonry import top_of
-from structures.courser.bond import running
+from structures.courser.bond import LEAST_BOND, LEAST_HEAD, cleared, running
 
 STEP = 0.5  # courses: least height of a stone that levels a chord
 TALL = 1.5  # courses: a steep chord of more than that is cut by beds
-LEAST_HEAD = 0.35  # of a stone: between a head joint and the end of its course
-LEAST_BOND = 0.1  # of a stone: between head joints of successive courses; a shorter overlap is no bond, only a bad contact
 
 
 def bed_over(height: float, course: float, deck: float) -> float:
@@ -172,19 +170,9 @@ def _in_bond(layout: Layout, row: Course, met: Sequence[float]) -> list[float]:
     def apart(heads: Sequence[float]) -> float:
         return round(float(np.mean([min([0.5 * unit, *(abs(x - t) for t in met)]) for x in heads])) if heads else unit, 9)
 
-    return cleared(max((heads_of(row, unit, start + shift) for shift in (0.0, 0.5 * unit)), key=apart), met, LEAST_BOND * unit)
-
-
-def cleared(heads: Sequence[float], met: Sequence[float], least: float) -> list[float]:
-    """Head joints, those that nearly meet one of the next course moved to the least distance from it [m]."""
-    out = []
-    for x in heads:
-        near = [t for t in met if abs(t - x) < least]
-        if near:
-            moved = [t + side * least for t in near for side in (-1.0, 1.0)]
-            x = max(moved, key=lambda m: (round(min(least, *(abs(m - t) for t in met)), 9), -abs(m - x)))
-        out.append(x)
-    return out
+    heads = max((heads_of(row, unit, start + shift) for shift in (0.0, 0.5 * unit)), key=apart)
+    ends = max(row.left) + LEAST_BOND * unit, min(row.right) - LEAST_BOND * unit
+    return [cleared(x, met, LEAST_BOND * unit, ends) for x in heads]
 
 
 def _over_crown(layout: Layout, chord: np.ndarray) -> np.ndarray:

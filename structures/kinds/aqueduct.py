@@ -32,8 +32,9 @@ from structures import size
 from structures.bridge import layout as bridge
 from structures.bridge.layout import SAME, Support
 from structures.bridge.masonry import arches, drawn_out
-from structures.bridge.spandrels import LEAST_BOND, STEP, bed_over, cleared, pieces
+from structures.bridge.spandrels import STEP, bed_over, pieces
 from structures.bridge.table import AbutmentTable, BridgeTable, SpanTable, SupportTable, WallTable
+from structures.courser.bond import LEAST_BOND, cleared
 from structures.geometry.prism import box, prism_xz, rectangle
 from structures.kind import Keys, StructureKind, scaled, value_of
 from structures.layout import wall_plan
@@ -324,7 +325,7 @@ def _pier(tier: Tier, support: Support, spandrel: Sequence[np.ndarray]) -> list[
     found = list[np.ndarray]()
     for course, (low, high) in enumerate(pairwise(beds)):
         heads = _pier_heads(tier, support, course)
-        heads = cleared(heads, met, LEAST_BOND * tier.unit) if high == beds[-1] else heads
+        heads = [cleared(x, met, LEAST_BOND * tier.unit, (support.left, support.right)) for x in heads] if high == beds[-1] else heads
         found += [rectangle(a, b, low, high) for a, b in pairwise([support.left, *heads, support.right])]
     return found
 
