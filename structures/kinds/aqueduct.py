@@ -34,10 +34,10 @@ from structures.bridge.layout import SAME, Support
 from structures.bridge.masonry import arches, drawn_out
 from structures.bridge.spandrels import STEP, bed_over, pieces
 from structures.bridge.table import AbutmentTable, BridgeTable, SpanTable, SupportTable, WallTable
+from structures.courser import wall_plan
 from structures.courser.bond import LEAST_BOND, cleared
 from structures.geometry.prism import box, prism_xz, rectangle
 from structures.kind import Keys, StructureKind, scaled, value_of
-from structures.layout import wall_plan
 from structures.macro_elements import AROUND, EAST, HINGES, NORTH, OVERTURNING, WEST, Layout, MacroElement
 from structures.schema import COVER, THICK, Length, Table, WallHeight
 
