@@ -99,7 +99,7 @@ class LimitCase:
     @cached_property
     def verdict(self) -> Verdict | None:
         """The verdict that all outputs show; None without a check."""
-        return None if self.structure.asked.check is None else _verdict(self.decides, self.whole, self.without)
+        return None if self.structure.asked.check is None else _verdict(self)
 
     @cached_property
     def check(self) -> CodeCheck | None:
@@ -256,13 +256,18 @@ def _refuse_check(loads: StaticLoads, gravity: Sequence[float]) -> None:
     heights_along_z("limit.check", gravity)
 
 
-def _verdict(decides: Checked | None, whole: WholeAnalysis | None, without: Sequence[Without]) -> Verdict:
-    """The verdict of the gravest mechanism, and on a whole that has no load factor at which a mechanism would start.
+def _verdict(case: LimitCase) -> Verdict:
+    """The verdict of the gravest mechanism, on those that no check could be made of, and on a whole that has no load factor at which a
+    mechanism would start.
 
     It names the load factors of the whole without what is assumed of it.
     """
-    found = [] if decides is None else [decides.verdict()]
-    found = [replace(one, reason="; ".join([one.reason, *(each.line for each in without)])) for one in found]
+    found = [] if case.decides is None else [case.decides.verdict()]
+    found = [replace(one, reason="; ".join([one.reason, *(each.line for each in case.without)])) for one in found]
+    for each in case.mechanisms:
+        if each.check is not None and each.decides is None and each.one.mechanism is not None:  # among the gravest of its part
+            found.append(undecided(f"{each.words}: no check, {each.no_displacement}", each.part.numbers))
+    whole = case.whole
     if whole is not None and not (whole.has_factor and not whole.analysis.bears_nothing):
         found.append(_unchecked(whole.analysis))
     return worst(found) or undecided("no part has a mechanism below the largest factor that is looked for")

@@ -18,7 +18,16 @@ import numpy as np
 from masonry_cd.analysis.code_check.check import check_at
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.level import Level, foundation_of, level_of
-from masonry_cd.analysis.code_check.verdicts import NON_LINEAR, CheckResult, Verdict, held_words, how_grave, verdict_of
+from masonry_cd.analysis.code_check.verdicts import (
+    LINEAR,
+    NON_LINEAR,
+    WORST_FIRST,
+    CheckResult,
+    Verdict,
+    held_words,
+    how_grave,
+    verdict_of,
+)
 from masonry_cd.analysis.limit.found import Found
 from masonry_cd.analysis.limit.macro import ElementAnalysis
 from masonry_cd.foundation.quantities import length
@@ -45,8 +54,8 @@ class Checked:
     def row(self) -> dict[str, Any]:
         """The mechanism as limit.json and the tables have it; demands and ratios are None without a check."""
         one, made, element, decides = self.one, self.one.oscillator, self.part.element, self.decides
-        first = None if self.check is None else self.check.verdicts[0]
-        other = None if self.check is None else next((each for each in self.check.verdicts if each.check == NON_LINEAR), None)
+        made_of = {} if self.check is None else {each.check: each for each in self.check.verdicts}
+        first, other = made_of.get(LINEAR), made_of.get(NON_LINEAR)
         return {
             "element": element.name,
             "kind": element.kind,
@@ -57,8 +66,8 @@ class Checked:
             "moving_blocks": one.moving,
             "alpha0": made.alpha,
             "fraction": made.fraction,  # e* as taken
-            "acceleration": made.acceleration() if first is None else first.capacity,  # a0*, over the confidence factor in a check [m/s2]
-            "demand": None if first is None else first.demand,  # [m/s2]
+            "acceleration": self.acceleration if first is None else first.capacity,  # a0*, over the confidence factor in a check [m/s2]
+            "demand": None if first is None else first.demand,  # [m/s2]; None where displacements alone are checked
             "ratio": None if decides is None else decides.ratio,  # capacity over demand of the check that decides
             "state": "" if decides is None else decides.state,
             "doubt": made.doubt,  # why e* = 1 is taken, if it is
@@ -73,6 +82,12 @@ class Checked:
         }
 
     @property
+    def acceleration(self) -> float:
+        """a0* [m/s2], over the confidence factor in a check."""
+        steps = () if self.check is None else self.check.steps
+        return next((step.value for step in steps if step.symbol == "a0*"), self.one.oscillator.acceleration())
+
+    @property
     def height(self) -> float:
         """Of the line at which it is held, above the foundation, or without a check above the lowest block [m]."""
         return self.one.height if self.level is None else self.level.height
@@ -84,13 +99,13 @@ class Checked:
 
     @property
     def decides(self) -> CheckResult | None:
-        """The gravest of its checks; None without one."""
-        return None if self.check is None else min(self.check.verdicts, key=how_grave)
+        """The gravest of its checks; None without one, as where displacements alone are checked and none is known."""
+        return None if self.check is None else min(self.check.verdicts, key=how_grave, default=None)
 
     @property
     def severity(self) -> tuple[int, float]:
         """By which the table is in order: how grave the check that decides is, or a0* [m/s2] without one."""
-        return (0, self.one.oscillator.acceleration()) if self.decides is None else how_grave(self.decides)
+        return (len(WORST_FIRST), self.acceleration) if self.decides is None else how_grave(self.decides)
 
     @property
     def words(self) -> str:
@@ -100,11 +115,11 @@ class Checked:
         a0 = f"alpha0 {made.alpha:.4g}, e* {made.fraction:.3g}, a0* {row['acceleration']:.4g} m/s2{held_words(self.height)}"
         if self.decides is None:
             return f"{of}: {a0}: {self.one.name}"
-        asked, by = f"{row['demand']:.4g} asked for", ""
+        asked, by = [] if row["demand"] is None else [f"{row['demand']:.4g} asked for"], ""
         if row["displacement"] is not None:
-            asked += f"; {length(row['displacement'])} of d0* {length(made.last)}, {length(row['displacement_demand'])} asked for"
+            asked.append(f"{length(row['displacement'])} of d0* {length(made.last)}, {length(row['displacement_demand'])} asked for")
             by = f" ({self.decides.check})"
-        return f"{of}: {self.decides.state}{by}, ratio {self.decides.ratio:.3g}: {a0}, {asked}: {self.one.name}"
+        return f"{of}: {self.decides.state}{by}, ratio {self.decides.ratio:.3g}: {a0}, {'; '.join(asked)}: {self.one.name}"
 
     def verdict(self) -> Verdict:
         """The verdict that this mechanism gives."""
@@ -142,7 +157,8 @@ def _by_code(parts: Sequence[ElementAnalysis], table: CheckTable, ground: Ground
         for one in part.mechanisms:
             level = level_of(table, one.height, foot)
             check = check_at(table, level, one.oscillator, ground, part.doubt)
-            yield Checked(part, one, level, check, _no_displacement(one) if table.by_displacements and len(check.verdicts) == 1 else "")
+            known = not table.by_displacements or any(each.check == NON_LINEAR for each in check.verdicts)
+            yield Checked(part, one, level, check, "" if known else _no_displacement(one))
 
 
 def _no_displacement(one: Found) -> str:
@@ -165,7 +181,7 @@ def gravest(rows: Sequence[Checked]) -> Checked | None:
 
     None without a check.
     """
-    made = [each for each in rows if each.check is not None]
+    made = [each for each in rows if each.decides is not None]
     return min(made, key=lambda each: (each.severity[0], each.one.stones, each.severity[1]), default=None)
 
 

@@ -174,3 +174,23 @@ def test_a_part_that_is_the_whole_is_not_listed_twice_and_d0_says_how_it_was_fou
     rows = [each.row for each in limit_case(scene(tmp_path, slab, check, mu=0.6)).mechanisms]
     assert {row["element"] for row in rows} == {THE_WHOLE}
     assert rows[0]["last_by"] == by and rows[0]["last"] == pytest.approx(0.25, rel=1e-2)
+
+
+def test_collapse_is_checked_by_displacements_alone(tmp_path: Path) -> None:
+    """A slab that leans at 1/6: 0.6 d0* borne, a0* in m/s2, and what slides with dilation is not followed, nor decided."""
+    check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE}\nlimit_state = "SLC"\n'
+    case = limit_case(scene(tmp_path, [ground(5.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0))], check, mu=0.6))
+    first, *others = (each.row for each in case.mechanisms)
+    assert case.verdict is not None and case.verdict.check == first["check"] == "non-linear"
+    assert first["displacement"] == pytest.approx(0.6 * 0.25, rel=1e-2) and first["demand"] is None
+    assert first["acceleration"] == pytest.approx(BORNE, rel=1e-3) and not any(row["state"] for row in others)
+    write(case, tmp_path / "out", pictures=False)
+    (tmp_path / "low").mkdir()
+    slides = scene(
+        tmp_path / "low",
+        [ground(4.0), box("slab", (0.0, -1.0, 0.0), (2.0, 1.0, 0.4))],
+        check.replace("[limit]", "[limit]\nstarts = 0"),
+        mu=0.3,
+    )
+    unknown = limit_case(slides).verdict
+    assert unknown is not None and unknown.state == "not decided" and "dilates" in unknown.reason
