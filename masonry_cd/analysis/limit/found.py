@@ -42,7 +42,7 @@ def found_in(part: Part, source: str, optimum: Optimum, dilates: float, name: st
     """A mechanism of a part with its oscillator; ``name`` is that of practice, and without one its joints name it."""
     assembly, joints = part.assembly, part.whole.joints
     moves = _within(mechanism(part.problem, assembly, joints, optimum.velocity), part)
-    called, stones = _named(moves, part, name)
+    called, stones = named(moves, part.whole, part.free, name)
     made, height = oscillator(part, moves, optimum.factor, dilates), held_at(moves, assembly, joints)
     return Found(called, source, made, dilates, int(moves.moving.sum()), height, optimum.velocity, moves, stones)
 
@@ -101,12 +101,12 @@ def _within(moves: Mechanism, part: Part) -> Mechanism:
     return replace(moves, **{name: np.where(inside, getattr(moves, name), 0) for name in names})
 
 
-def _named(moves: Mechanism, part: Part, name: str) -> tuple[str, bool]:
-    """The name of a mechanism, and whether it is one of a few stones that slide, which none of practice is."""
-    crushed, count = _crushed(moves, part.whole), moves.stones(part.whole.joints)
+def named(moves: Mechanism, whole: Whole, free: np.ndarray, name: str = "") -> tuple[str, bool]:
+    """The name of a mechanism, and whether it is one of a few of the ``free`` (B,) stones that slide, which none of practice is."""
+    crushed, count = _crushed(moves, whole), moves.stones(whole.joints)
     if name:
         return name + crushed, False
-    if 0 < count < part.free.sum():
+    if 0 < count < free.sum():
         return f"{counted(count, 'stone')} of one course that slide{'s' if count == 1 else ''}", True
     return f"{FREE}: {_counts(moves)}{crushed}", False
 
