@@ -19,7 +19,7 @@ from masonry_cd.app.warmup import SELDOM, SceneKind, compiling
 from masonry_cd.mechanics.friction.problem import LocalProblem
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
-RIGID, UNIFORM = {True: 3, False: 6}, {True: 3, False: 6}  # unknowns of a rigid block in a plane or in space; strains of a uniform one
+UNIFORM = {True: 3, False: 6}  # strains of a uniform block in a plane or in space
 MESHED = 10  # and one that is meshed, whatever more
 SWEEPS = ("nlgs", "accelerated")  # solvers that blocks of all kinds meet in the tests
 UNREACHED = Options(tolerance=1e-300, max_iterations=2)  # so that each solver turns to all that it has
