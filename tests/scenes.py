@@ -51,7 +51,9 @@ def in_plane(problem: FrictionProblem) -> FrictionProblem:
     random, pair = np.random.default_rng(3), np.cumsum(np.append(False, (problem.bodies[1:] != problem.bodies[:-1]).any(axis=1)))
     angle = random.uniform(0.0, 2.0 * np.pi, pair[-1] + 1)[pair]
     frame = np.stack([np.cos(angle), np.sin(angle), -np.sin(angle), np.cos(angle)], axis=1).reshape(-1, 2, 2)
-    arm = np.where(problem.bodies[:, :, None] >= 0, random.normal(size=(problem.contacts, 2, 2)), 0.0)
+    point, centre = random.normal(size=(problem.contacts, 1, 2)), random.normal(size=(len(problem.v_free), 2))
+    apart = np.where(problem.bodies[:, :, None] >= 0, point - centre[problem.bodies], 0.0)
+    arm = np.stack([-apart[..., 1], apart[..., 0]], axis=2)
     root, v_free = random.normal(size=(len(problem.v_free), 3, 3)) + 3.0 * np.eye(3), random.normal(size=(len(problem.v_free), 3))
     return replace(
         problem, inverse_mass=root @ root.transpose(0, 2, 1), v_free=v_free, geometry=Geometry.by_arms(frame, arm),
