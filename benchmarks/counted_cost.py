@@ -51,7 +51,7 @@ def cost_of(method: str, problem: Problem, found: Solution) -> float:
 def _pattern(problem: Problem, found: Solution) -> Pattern:
     """The pattern of the factorisation, made for the count where the solution has none."""
     factors = found.memory.factors
-    return admm.recall(problem.arrays(), None)[1].pattern if factors is None else factors.pattern
+    return admm.recall(problem, None)[1].pattern if factors is None else factors.pattern
 
 
 @dataclass

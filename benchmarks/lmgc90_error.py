@@ -109,8 +109,8 @@ def _own_error(problem: FrictionProblem, impulse: np.ndarray, found: dict[str, n
     u[:, 0] += np.maximum(found["gap"].ravel(), 0.0) / dt
     scale = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / 3.0
     seen = LocalProblem(sparse.diags(np.repeat(scale, 3)).tocsr(), u - scale[:, None] * impulse, problem.mu)  # it has these velocities
-    residual, _ = error_bodies(seen.arrays(), impulse, True)
-    _, size = error_bodies(problem.arrays(), impulse, True)
+    residual, _ = error_bodies(seen.arrays(), impulse)
+    _, size = error_bodies(problem.arrays(), impulse)
     return float(residual / size)
 
 

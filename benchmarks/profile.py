@@ -42,7 +42,7 @@ from benchmarks.sitting import HERE, head, sitting
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics import moreau_jean
-from masonry_cd.mechanics.friction.operators import OrderedProblem, ProblemArrays
+from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, path_by_team, pivoting_by_team
@@ -172,7 +172,7 @@ def _watched(out: Profile) -> Iterator[None]:
 def _contacts_of(arguments: Sequence[Any]) -> int:
     """Contacts of the problem among the arguments of a method."""
     problems = (each.problem if isinstance(each, ScaledProblem) else each for each in arguments)
-    return next(len(each.mu) for each in problems if isinstance(each, ProblemArrays | OrderedProblem))
+    return next(len(each.mu) for each in problems if isinstance(each, ProblemArrays))
 
 
 def _data(arguments: Sequence[Any]) -> float:

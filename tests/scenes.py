@@ -46,6 +46,21 @@ def assemble(
     return FrictionProblem(inverse_mass, v_free, bodies, Geometry.by_arms(frame, arm), offset, friction, np.zeros_like(offset))
 
 
+def in_plane(problem: FrictionProblem) -> FrictionProblem:
+    """A planar problem between the same bodies: contacts of a pair that follow one another have equal axes, all else is random."""
+    random, pair = np.random.default_rng(3), np.cumsum(np.append(False, (problem.bodies[1:] != problem.bodies[:-1]).any(axis=1)))
+    angle = random.uniform(0.0, 2.0 * np.pi, pair[-1] + 1)[pair]
+    frame = np.stack([np.cos(angle), np.sin(angle), -np.sin(angle), np.cos(angle)], axis=1).reshape(-1, 2, 2)
+    point, centre = random.normal(size=(problem.contacts, 1, 2)), random.normal(size=(len(problem.v_free), 2))
+    apart = np.where(problem.bodies[:, :, None] >= 0, point - centre[problem.bodies], 0.0)
+    arm = np.stack([-apart[..., 1], apart[..., 0]], axis=2)
+    root, v_free = random.normal(size=(len(problem.v_free), 3, 3)) + 3.0 * np.eye(3), random.normal(size=(len(problem.v_free), 3))
+    return replace(
+        problem, inverse_mass=root @ root.transpose(0, 2, 1), v_free=v_free, geometry=Geometry.by_arms(frame, arm),
+        offset=problem.offset[:, :2], compliance=problem.compliance[:, :2],
+    )  # fmt: skip
+
+
 def _corners(low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """The four corners of an axis-parallel rectangle (one of the three extents is zero)."""
     flat = int(np.argmin(high - low))

@@ -44,14 +44,12 @@ from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.law_terms import errors_by_group
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
-from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.joints import Joints, touching_places
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.solvers import SOLVERS, Options, cores
-from masonry_cd.mechanics.solvers.condensed import is_condensed
 
 STEPS, STEP = 6, 1e-3  # [s]
 FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
@@ -188,11 +186,13 @@ def compile_seldom(kind: SceneKind) -> None:
 
 def _falling_block(kind: SceneKind) -> FrictionProblem:
     """The problem of a block that falls onto a support."""
-    m, n = _rows_and_solved_unknowns(kind.planar, kind.strained)
-    jacobian = np.zeros((1, 2, m, n))
-    jacobian[0, 0, :, :m] = np.eye(m)
+    m, n = _rows_and_unknowns(kind.planar, kind.strained)
     body, contact = np.zeros((1, n)), np.zeros((1, m))
-    at = Geometry.by_arms(np.eye(3)[None], np.zeros((1, 2, 3))) if (m, n) == (3, 6) else Geometry.by_rows(jacobian)
+    at = (
+        Geometry.by_rows(np.eye(m, n)[None, None].repeat(2, axis=1))
+        if kind.strained
+        else Geometry.by_arms(np.eye(m)[None], np.zeros((1, 2, m)))
+    )
     return FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), at, contact, np.full(1, 0.5), contact)
 
 
@@ -250,12 +250,6 @@ def _elasticity(planar: bool, strained: int, spheres: bool) -> dict[str, Any]:
 def _rows_and_unknowns(planar: bool, strained: int) -> tuple[int, int]:
     """Of a contact, and of a block with so many unknowns more than a rigid one has."""
     return (2, 3 + strained) if planar else (3, 6 + strained)
-
-
-def _rows_and_solved_unknowns(planar: bool, strained: int) -> tuple[int, int]:
-    """Of a contact, and of a block as solvers see it: meshed ones have others, see condensation.py."""
-    rows, unknowns = _rows_and_unknowns(planar, strained)
-    return rows, room_for(0) if is_condensed(unknowns) else unknowns
 
 
 @contextmanager

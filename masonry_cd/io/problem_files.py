@@ -28,7 +28,7 @@ from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.files import is_file
 from masonry_cd.io.stored_arrays import datasets, npz_arrays, open_hdf5
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
-from masonry_cd.mechanics.friction.coupling import in_places, is_definite, pattern_of
+from masonry_cd.mechanics.friction.coupling import is_definite
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem
 from masonry_cd.mechanics.linalg.small_blocks import inverses, size_tuple
 
@@ -291,10 +291,7 @@ def _check_definite(path: Path, problem: LocalProblem) -> None:
     shift = INDEFINITE * w.diagonal().max()
     if not shift > 0.0:
         raise InputError(path, "W is indefinite: no entry of its diagonal is positive")
-    given = problem.arrays()
-    pattern = pattern_of(problem.contacts, given.bodies, given.coupling)
-    coupling, scale = in_places(given.coupling, pattern), problem.scales()[pattern.order]
-    if not is_definite(coupling, pattern.place[:, None], scale, shift, pattern.symbolic, size_tuple(problem.dimension)):
+    if not is_definite(w, shift):
         raise InputError(path, f"W is indefinite: it has eigenvalues below -{shift:.1e}")
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower
-from masonry_cd.mechanics.friction.contact_geometry import Geometry, axes_at
+from masonry_cd.mechanics.friction.contact_geometry import IN_SPACE, Geometry, axes_at
 from masonry_cd.mechanics.linalg.triples import in_axes, plus, scaled
 
 
@@ -30,8 +30,7 @@ class ContactRows(NamedTuple):
     bodies: np.ndarray  # (C, 2) their places among the free blocks; -1: a support
     supports: np.ndarray  # (C, 2) their prescribed motion; -1: a free block
     frame: np.ndarray  # (C, 3, 3) rows n, t1, t2
-    arm: np.ndarray  # (C, 2, 3) of the contact from the centres of the blocks, zero on supports [m]
-    jacobian: np.ndarray  # (C, 2, m, n) H by contact and side; (0, 2, m, n) of rigid blocks in space
+    geometry: Geometry  # where the contacts lie: by frames and arms, or where blocks deform by the rows of H
     offset: np.ndarray  # (C, m) b of rigid contacts [m/s]
     mu: np.ndarray  # (C,)
     start: np.ndarray  # (C, m) impulses of the last step [N s]
@@ -39,21 +38,22 @@ class ContactRows(NamedTuple):
     @classmethod
     def allocate(cls, count: int, m: int, n: int) -> ContactRows:
         """Room for a number of contacts, to be filled."""
-        one, pair, index, rows = (count,), (count, 2), np.int64, 0 if (m, n) == (3, 6) else count
+        one, pair, index, frame = (count,), (count, 2), np.int64, np.empty((count, 3, 3))
+        if n > 3 * (m - 1):  # blocks deform
+            geometry = Geometry.by_rows(np.empty((count, 2, m, n)))
+        else:
+            geometry = Geometry.by_arms(frame if m == IN_SPACE else np.empty((count, m, m)), np.empty((count, 2, m)))
         return cls(
             np.empty(one, index), np.empty(one), np.empty(one, index), np.empty(pair, index), np.empty(pair, index), np.empty(pair, index),
-            np.empty(pair, index), np.empty((count, 3, 3)), np.empty((count, 2, 3)), np.empty((rows, 2, m, n)), np.empty((count, m)),
-            np.empty(one), np.empty((count, m)),
+            np.empty(pair, index), frame, geometry, np.empty((count, m)), np.empty(one), np.empty((count, m)),
         )  # fmt: skip
 
     def first(self, count: int) -> ContactRows:
         """The first contacts."""
-        return self if count == len(self.gap) else ContactRows(*[array[:count] for array in self])
-
-    @property
-    def geometry(self) -> Geometry:
-        """Where the contacts lie: by frames and arms, or by the rows of H."""
-        return Geometry.by_rows(self.jacobian) if len(self.jacobian) else Geometry(self.frame, self.arm, self.jacobian)
+        if count == len(self.gap):
+            return self
+        fields = {name: array[:count] for name, array in self._asdict().items() if name != "geometry"}
+        return ContactRows(**fields, geometry=Geometry(*[array[:count] for array in self.geometry]))
 
 
 @borrower()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Assemble: the friction problem of the contacts at q_m.
 
-Each contact has a frame of unit vectors n, t1, t2, and at X an arm X - x on a block whose centre is at x. These are its H, of rigid blocks
-in space; in a plane, and of blocks that deform, H has rows. That along t is
+Each contact has a frame of unit vectors n, t1, t2, and at X an arm X - x on a block whose centre is at x. These are its H, of rigid blocks.
+Of blocks that deform H has rows. That along t is
 
     sign (t, (X - x) x t),        sign = +1 on the candidate, -1 on the antagonist,
 
@@ -24,6 +24,7 @@ from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.strain import fill_strain_rows
 from masonry_cd.mechanics.dynamics.system import Motion, System
 from masonry_cd.mechanics.dynamics.warps import fill_warp_rows, warped_gaps
+from masonry_cd.mechanics.friction.contact_geometry import BY_ROWS, IN_SPACE, form_of
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
 from masonry_cd.mechanics.linalg.threads import in_shares
 from masonry_cd.mechanics.model.deformation import STRAINS
@@ -99,7 +100,7 @@ def fill_rows(
     point, gap, area, previous = found.point, found.gap, found.area, found.previous
     free_index, support_of, group_of, columns = blocks.free_index, blocks.support_of, blocks.group_of, blocks.columns
     step, plane_axis, closed = constants.step, constants.plane_axis, constants.closed
-    frames, jacobian, offset, by_rows = rows.frame, rows.jacobian, rows.offset, len(rows.jacobian) > 0
+    frames, jacobian, offset, form = rows.frame, rows.geometry.jacobian, rows.offset, form_of(rows.geometry)
     m, n = offset.shape[1], len(columns)
     arm, row = np.empty(3), np.empty(6)
     count = share[0]
@@ -122,11 +123,11 @@ def fill_rows(
             if plane_axis >= 0:
                 arm[plane_axis] = 0.0
             x, y, z = arm[0], arm[1], arm[2]
-            for d in range(3):
-                rows.arm[count, side, d] = arm[d] if free_index[block] >= 0 else 0.0
+            if form != BY_ROWS:
+                _place(form, arm, free_index[block] < 0, columns, rows, count, side)
             for i in range(m):
                 tx, ty, tz = frames[count, i, 0], frames[count, i, 1], frames[count, i, 2]
-                if by_rows:
+                if form == BY_ROWS:
                     row[0], row[1], row[2] = sign * tx, sign * ty, sign * tz
                     row[3], row[4], row[5] = sign * (y * tz - z * ty), sign * (z * tx - x * tz), sign * (x * ty - y * tx)
                     for j in range(n):
@@ -137,6 +138,24 @@ def fill_rows(
         rows.mu[count] = friction[rows.groups[count, 0], rows.groups[count, 1]]
         count += 1
     return count - share[0]
+
+
+@borrower()
+def _place(form, arm, fixed, columns, rows, at, side):
+    """Fill the arm of contact ``at`` on a side, zero on a support, from that in space (3,); and in a plane, with two components, its frame.
+
+    ``columns`` (3,) are those of a block in a plane: two directions, and three more than its normal, about which it turns.
+    """
+    frame, arms = rows.geometry.frame, rows.geometry.arm
+    if form == IN_SPACE:
+        for d in range(3):
+            arms[at, side, d] = 0.0 if fixed else arm[d]
+        return
+    first, second = columns[0], columns[1]
+    sign = 0.0 if fixed else 1.0 if (first + 1) % 3 == second else -1.0  # of (first x second) . normal
+    arms[at, side, 0], arms[at, side, 1] = -sign * arm[second], sign * arm[first]
+    for i in range(2):
+        frame[at, i, 0], frame[at, i, 1] = rows.frame[at, i, first], rows.frame[at, i, second]
 
 
 @borrower()

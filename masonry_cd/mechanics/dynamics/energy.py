@@ -97,7 +97,7 @@ def works(
     v, velocity = 0.5 * (before.free + after.free), 0.5 * (before.support + after.support)
     friction, impact, base_work = 0.0, 0.0, 0.0
     for c in range(impulse.shape[0]):
-        motion, base = velocity_between(rows.bodies, rows, c, v), support_velocity(rows, c, velocity)
+        motion, base = velocity_between(rows.bodies, rows.geometry, c, v), support_velocity(rows, c, velocity)
         for i in range(impulse.shape[1]):
             if not (len(elastic) and elastic[c]):
                 if i == 0:

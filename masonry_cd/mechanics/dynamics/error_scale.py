@@ -56,7 +56,7 @@ class Overload:
         if not part.contacts:
             return 1.0
         lightest = float(np.trace(part.delassus_diagonal(), axis1=1, axis2=2).max()) / problem.dimension
-        _, size = error_bodies(problem.arrays(), np.zeros((problem.contacts, problem.dimension)), True)
+        _, size = error_bodies(problem.arrays(), np.zeros((problem.contacts, problem.dimension)))
         scale = AMPLE * self.speed * np.sqrt(problem.contacts / lightest)
         return max(scale / size, min(1.0, ROUNDING / tolerance)) if scale < size else 1.0
 

@@ -29,7 +29,7 @@ import numpy as np
 
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.dynamics.islands import FORCES, IMPACTS
-from masonry_cd.mechanics.friction.contact_geometry import add_impulse_of_side, velocity_between
+from masonry_cd.mechanics.friction.contact_geometry import add_impulse_of_side, form_of, velocity_between
 from masonry_cd.mechanics.friction.operators import ProblemArrays, triple_of
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.mechanics.linalg.triples import scaled
@@ -100,7 +100,7 @@ def find_impacts(
         last, hit = first, False
         while last < count and pair[last] == pair[first]:
             # negative: the gap closes before the next q_m
-            ahead = problem.offset[last, 0] + velocity_between(problem.bodies, problem.geometry, last, problem.v_free)[0]
+            ahead = problem.offset[last, 0] + velocity_between(problem.places, problem.geometry, last, problem.free)[0]
             closing = max(gap[last], 0.0) / step - ahead
             is_open[last] = closing > FAST * gravity * step and ahead < 0.0  # for now: whether it is hit hard
             hit = hit or (is_open[last] and gap[last] > AT_ONCE * closing * step)
@@ -162,7 +162,7 @@ def carried_impulse(
     ProblemArrays of the impacts; gaps (C,) [m], contacts that are open at q_m (C,), velocities with the blows (F, n), impulses p' of the
     forces and of the blows (C, m) [N s], h [s].
     """
-    before, bodies, geometry, offset = problem.v_free, problem.bodies, problem.geometry, problem.offset
+    before, bodies, geometry, offset = problem.free, problem.places, problem.geometry, problem.offset
     count, supports, out = len(gap), len(before), np.zeros_like(before)
     closing = np.zeros(count)  # speed at which the gap closes before the blow; of other contacts than those that are hit zero
     hardest, moment = np.zeros(supports + 1), np.full(supports + 1, 0.5)  # by body; the last entry stands for all supports
@@ -170,7 +170,7 @@ def carried_impulse(
         if is_open[c] and blow[c, 0] > 0.0:
             closing[c] = max(0.0, gap[c] / step - offset[c, 0] - velocity_between(bodies, geometry, c, before)[0])
             for body in bodies[c]:
-                if body >= 0 and closing[c] > 0.0 and blow[c, 0] >= hardest[body]:
+                if body < supports and closing[c] > 0.0 and blow[c, 0] >= hardest[body]:
                     hardest[body], moment[body] = blow[c, 0], gap[c] / (step * closing[c])
     fastest = closing.max() if count else 0.0
     if fastest == 0.0:
@@ -187,6 +187,6 @@ def carried_impulse(
         f = moment[first] if hardest[first] >= hardest[second] else moment[second]
         impulse = scaled(f - 0.5, triple_of(force, c, len(problem.m)))
         for side in range(2):
-            if bodies[c, side] >= 0:
-                add_impulse_of_side(geometry, c, side, bodies[c, side], out.shape[1], impulse, out)
+            if bodies[c, side] < supports:
+                add_impulse_of_side(form_of(geometry), geometry, c, side, bodies[c, side], out.shape[1], impulse, out)
     return out

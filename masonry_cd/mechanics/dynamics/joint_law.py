@@ -154,7 +154,7 @@ def load_springs(
         if springs.bonded[c]:
             springs.bond[c] = h * apex * area
         base = support_velocity(rows, c, support_after)
-        start_velocity = plus(velocity_between(rows.bodies, rows, c, before.free), support_velocity(rows, c, before.support))
+        start_velocity = plus(velocity_between(rows.bodies, rows.geometry, c, before.free), support_velocity(rows, c, before.support))
         for i in range(m):
             springs.before[c, i] = start_velocity[i]
         if k_n == 0.0:
@@ -311,7 +311,7 @@ def unload_springs(
     u, w, slips, work = np.zeros((contacts, m)), np.zeros((contacts, m)), np.zeros(contacts, dtype=np.bool_), np.zeros(4)
     for c in range(contacts):
         if springs.area[c] > 0.0:
-            motion, base = velocity_between(rows.bodies, rows, c, after.free), support_velocity(rows, c, after.support)
+            motion, base = velocity_between(rows.bodies, rows.geometry, c, after.free), support_velocity(rows, c, after.support)
             for i in range(m):
                 u[c, i] = motion[i] + base[i]
                 w[c, i] = motion[i] + springs.offset[c, i] + springs.compliance[c, i] * impulse[c, i]

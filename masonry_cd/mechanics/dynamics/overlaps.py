@@ -20,7 +20,7 @@ from masonry_cd.mechanics.dynamics.free_motion import drift
 from masonry_cd.mechanics.dynamics.jams import Closing
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import System
-from masonry_cd.mechanics.friction.contact_geometry import fill_row, velocity_between
+from masonry_cd.mechanics.friction.contact_geometry import fill_row, form_of, velocity_between
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.model.state import State
 
@@ -96,19 +96,19 @@ def lift(problem: ProblemArrays, gap: np.ndarray, allowed: float, shift: np.ndar
 
     ProblemArrays, of whose unknowns the first k change; gaps (C,) and the overlap that is left alone [m].
     """
-    contacts, n, bodies = gap.shape[0], shift.shape[1], problem.bodies
+    contacts, n, bodies = gap.shape[0], shift.shape[1], problem.places
     multiplier, compliance = np.zeros(contacts), np.zeros(contacts)
     normal, row = np.empty(n), np.empty((contacts, 2, n))  # H_n, M^-1 H_n^T
     for c in range(contacts):
         for side in range(2):
             b = bodies[c, side]
-            if b < 0:
+            if b == len(shift):
                 continue
-            fill_row(problem.geometry, c, side, 0, normal)
+            fill_row(form_of(problem.geometry), problem.geometry, c, side, 0, n, normal)
             for j in range(n):
                 value = 0.0
                 for k in range(n):
-                    value += problem.inverse_mass[b, j, k] * normal[k]
+                    value += problem.inverse[b, j, k] * normal[k]
                 row[c, side, j] = value
                 compliance[c] += normal[j] * value
     shift[:] = 0.0
@@ -120,6 +120,6 @@ def lift(problem: ProblemArrays, gap: np.ndarray, allowed: float, shift: np.ndar
             multiplier[c] += step
             for side in range(2):
                 b = bodies[c, side]
-                if b >= 0:
+                if b < len(shift):
                     for j in range(n):
                         shift[b, j] += row[c, side, j] * step

@@ -283,7 +283,7 @@ def fill_strain_rows(
 
     Points of all contacts found (., 3) [m]; positions (B, 3) [m], rotations and maps (B, 3, 3) at q_m; ``plane_axis``: -1 in space.
     """
-    place, jacobian, frame, s = arrays.place, rows.jacobian, rows.frame, len(arrays.columns)
+    place, jacobian, frame, s = arrays.place, rows.geometry.jacobian, rows.frame, len(arrays.columns)
     first = jacobian.shape[3] - s - arrays.warps
     arm, inner, along = np.empty(3), np.empty(3), np.empty(3)
     for c in range(len(rows.active)):

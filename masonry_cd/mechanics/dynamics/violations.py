@@ -86,7 +86,7 @@ def violate(
 
     Returns the largest violation [m/s], false slip and false opening [m], and the contact with the largest false slip, -1 for none.
     """
-    bodies, offset, compliance, m = problem.bodies, problem.offset, problem.compliance, impulse.shape[1]
+    bodies, offset, compliance, m = problem.places, problem.offset, problem.compliance, impulse.shape[1]
     speed, slip, opening, worst = 0.0, -1.0, 0.0, -1  # speed and slip squared
     for c in range(share[0], share[1]):
         w0, w1, w2 = velocity_between(bodies, problem.geometry, c, v)
@@ -94,8 +94,8 @@ def violate(
         w0, w1, w2 = w0 + offset[c, 0], w1 + offset[c, 1], w2 + offset[c, 2] if m == 3 else 0.0
         rho = 0.0
         for side in range(2):
-            if bodies[c, side] >= 0:
-                rho += problem.inverse_mass[bodies[c, side], 0, 0]
+            if bodies[c, side] < len(v):
+                rho += problem.inverse[bodies[c, side], 0, 0]
         rho_n = rho_t = rho
         if len(compliance):
             w0, w1 = w0 + compliance[c, 0] * impulse[c, 0], w1 + compliance[c, 1] * p1

@@ -252,7 +252,7 @@ def warped_gaps(arrays: WarpArrays, found: ContactSet, own: np.ndarray, touch: T
 @entry()
 def fill_warp_rows(arrays: WarpArrays, touch: Touch, rotation: np.ndarray, rows: ContactRows) -> None:
     """Fill the last r columns of H of all contacts, see the head of this file; rotations (B, 3, 3) at q_m."""
-    jacobian, along = rows.jacobian, np.empty(3)
+    jacobian, along = rows.geometry.jacobian, np.empty(3)
     first = jacobian.shape[3] - arrays.shapes.shape[2]
     for c in range(len(rows.active)):
         for side in range(2):

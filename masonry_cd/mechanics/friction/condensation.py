@@ -57,7 +57,7 @@ class _Rows(NamedTuple):
 def condense(problem: FrictionProblem, velocity: np.ndarray | None = None) -> Condensed:
     """The equivalent problem; ``velocity`` (B, n): velocities to be put in its unknowns."""
     arrays, (bodies, n), m = problem.arrays(), problem.v_free.shape, problem.dimension
-    start, sides = sides_of_bodies(arrays.bodies, bodies)
+    start, sides = sides_of_bodies(arrays.places, bodies)
     most = room_for(min(n, m * int(np.diff(start).max(initial=0))))
     moved = np.empty((0, n)) if velocity is None else velocity - problem.v_free
     rows = _Rows(
@@ -99,18 +99,18 @@ def sides_of_bodies(bodies, count):
 @entry()
 def fill_rows(problem: ProblemArrays, start: np.ndarray, sides: np.ndarray, moved: np.ndarray, rows: _Rows) -> None:
     """L of all bodies by :func:`sides_of_bodies`, row by row; ``moved`` (B, n) are velocities less v_free, or (0, n)."""
-    n, room, jacobian = problem.v_free.shape[1], rows.jacobian.shape[3], problem.geometry.jacobian
+    n, room, jacobian = problem.free.shape[1], rows.jacobian.shape[3], problem.geometry.jacobian
     basis, along, vector, scratch = np.empty((room, n)), np.empty(room), np.empty(n), np.empty((2, n * n))
     for b in range(len(start) - 1):
         rank, used = 0, unknowns_felt(jacobian, sides[start[b] : start[b + 1]])
         own, root = vector[:used], scratch[0, : used * used].reshape((used, used))
         if start[b] < start[b + 1]:
-            factorise_mass(problem.inverse_mass[b], used, scratch[1].reshape((n, n)), root)
+            factorise_mass(problem.inverse[b], used, scratch[1].reshape((n, n)), root)
         for e in range(start[b], start[b + 1]):
             c, side = sides[e] // 2, sides[e] % 2
             for i in range(len(problem.m)):
                 row, line = jacobian[c, side, i], rows.jacobian[c, side, i]
-                rows.offset[c, i] += dot(row, problem.v_free[b], used)
+                rows.offset[c, i] += dot(row, problem.free[b], used)
                 turn_row(root, row, own)  # g = C^T h
                 size = np.sqrt(dot(own, own, used))
                 left = take_off_basis(basis, rank, own, line, along)

@@ -15,13 +15,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import qdldl
+from scipy import sparse
 
-from masonry_cd.foundation.jit import borrower, entry, kernel
-from masonry_cd.mechanics.linalg.cholesky import factorise_cholesky
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.small_blocks import FULL, multiply
-from masonry_cd.mechanics.linalg.supernodes import allocate_factors, view_supernode
-from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor, block_at
+from masonry_cd.mechanics.linalg.symbolic import block_at
 
 
 class Coupling(NamedTuple):
@@ -112,38 +112,11 @@ def add_symmetric_blocks(coupling, places, scale, share, symbolic, diagonal, low
                         lower[at, q, p] += half
 
 
-@kernel()
-def has_positive_pivots(square):
-    """Whether a symmetric matrix is positive definite, by elimination, which uses it up."""
-    width = len(square)
-    for k in range(width):
-        if not square[k, k] > 0.0:
-            return False
-        for i in range(k + 1, width):
-            share = square[i, k] / square[k, k]
-            for j in range(k + 1, width):
-                square[i, j] -= share * square[k, j]
-    return True
-
-
-@entry()
-def is_definite(
-    coupling: Coupling, places: np.ndarray, scale: np.ndarray, shift: float, symbolic: SymbolicFactor, size_m: tuple[int, ...]
-) -> bool:
-    """Whether the symmetric part of W, with shift added to its diagonal, is positive definite: all squares of D are (Sylvester).
-
-    The arguments are those of :func:`add_symmetric_blocks`.
-    """
-    m = len(size_m)
-    diagonal, lower, factor = np.zeros((len(places), m, m)), np.zeros((len(symbolic.row), m, m)), allocate_factors(symbolic, size_m)
-    add_symmetric_blocks(coupling, places, scale, (0, len(places)), symbolic, diagonal, lower)
-    for i in range(len(places)):
-        for r in range(m):
-            diagonal[i, r, r] += shift
-    if not factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size_m):
+def is_definite(w: sparse.csr_matrix, shift: float) -> bool:
+    """Whether the symmetric part of W, with ``shift`` added to its diagonal, is positive definite: all of D in L D L^T is (Sylvester)."""
+    shifted = 0.5 * (w + w.T) + shift * sparse.identity(w.shape[0])
+    try:
+        _, pivots, _ = qdldl.Solver(sparse.triu(shifted, format="csc"), upper=True).factors()
+    except RuntimeError:  # a pivot is zero
         return False
-    for s in range(len(symbolic.first) - 1):
-        square, _, _ = view_supernode(factor, s)
-        if not has_positive_pivots(square.copy()):
-            return False
-    return True
+    return bool((pivots > 0.0).all())

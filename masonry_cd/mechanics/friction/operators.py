@@ -9,85 +9,74 @@ the contact: H = I, M = D^-1 with the d of the contacts for its diagonal, and G 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.contact_geometry import (
+    BY_ROWS,
     Geometry,
     add_impulse_of_side,
-    is_by_arms,
     trace_by_arms,
     velocity_of_side,
 )
 from masonry_cd.mechanics.friction.coupling import Coupling, add_coupled, is_coupled
 from masonry_cd.mechanics.friction.natural_map import squared_residual
+from masonry_cd.mechanics.linalg.intrinsics import is_tuple
 from masonry_cd.mechanics.linalg.small_blocks import add_outer_product, invert, is_wide
 from masonry_cd.mechanics.linalg.triples import inner, plus, times
 from masonry_cd.mechanics.linalg.wide_blocks import add_turned_product
 
 
 class ProblemArrays(NamedTuple):
-    """A FrictionProblem as the kernels take it: contiguous arrays of C contacts with m rows each and B free bodies with n unknowns each."""
+    """A friction problem as the kernels take it: contiguous arrays of C contacts with m rows each and B free bodies with n unknowns each.
 
-    inverse_mass: np.ndarray  # (B, n, n)
-    v_free: np.ndarray  # (B, n)
-    bodies: np.ndarray  # (C, 2) candidate and antagonist body; -1: a support
+    The supports are one more body, the last, whose velocity is zero. Bodies are in their own order or, for the solvers that factorise, in
+    one of elimination.
+    """
+
+    inverse: np.ndarray  # (B, n, n) M^-1
+    mass: np.ndarray  # (B, n, n) M; (0, n, n) in their own order
+    free: np.ndarray  # (B, n) v_free
+    places: np.ndarray  # (C, 2) places of the bodies; B: a support
+    block: np.ndarray  # (C,) the block of M + H^T R H that couples them, below the diagonal; -1: none; (0,) in their own order
     geometry: Geometry
     offset: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
     compliance: np.ndarray  # (C, m); (0, m) where all contacts are rigid
-    width: np.ndarray  # (B,) unknowns that a body of unit mass has, see condensation.py; (0,): each has n
-    coupling: Coupling
-    m: tuple[int, ...]  # m zeros, see small_blocks.py
-    n: tuple[int, ...]  # n zeros, which may be an array
-
-
-class OrderedProblem(NamedTuple):
-    """A friction problem whose bodies are in order of elimination. The supports are one more body, the last, with velocity zero."""
-
-    inverse: np.ndarray  # (B, n, n) M^-1; with zeros for the supports in ADMM
-    mass: np.ndarray  # (B, n, n) M
-    free: np.ndarray  # (B, n) v_free
-    places: np.ndarray  # (C, 2) places of the bodies; B: a support
-    block: np.ndarray  # (C,) the block of M + H^T R H that couples them, below the diagonal; -1: none
-    geometry: Geometry
-    offset: np.ndarray  # (C, m)
-    mu: np.ndarray  # (C,)
-    compliance: np.ndarray  # (C, m) or (0, m)
-    width: np.ndarray  # (B + 1,) unknowns of a body of unit mass at each place, none of the supports; (0,): each has n
+    width: np.ndarray  # (B + 1,) unknowns of a body of unit mass, none of the supports, see condensation.py; (0,): each has n
     d: np.ndarray  # (C,) trace(W_cc + C_cc) / m
     coupling: Coupling
-    m: tuple[int, ...]  # m zeros
-    n: tuple[int, ...]  # n zeros
+    m: tuple[int, ...]  # m zeros, see small_blocks.py
+    n: Any  # n zeros, a tuple; an array where contacts have rows of H
+
+
+def room_in_order(given: ProblemArrays, order: np.ndarray, places: np.ndarray, block: np.ndarray) -> ProblemArrays:
+    """A problem with its bodies in an order (B,), and room for what :func:`put_in_order` fills.
+
+    The contacts stay as they are, between bodies at these places (C, 2) that these blocks (C,) couple.
+    """
+    count, n = given.free.shape
+    inverse, mass, free = np.empty((count, n, n)), np.empty((count, n, n)), np.empty((count, n))
+    width = given.width[np.append(order, count)] if len(given.width) else given.width
+    return given._replace(inverse=inverse, mass=mass, free=free, places=places, block=block, width=width)
 
 
 @kernel()
-def widths_in_order(width, order):
-    """Unknowns of the bodies (B + 1,), or (0,), at the places of an order (B,), the supports last."""
-    if len(width) == 0:
-        return width
-    out = np.zeros(len(order) + 1, dtype=np.int64)
-    for b in range(len(order)):
-        out[b] = width[order[b]]
-    return out
-
-
-@kernel()
-def put_in_order(given, order, first, end, inverse, mass, free):
-    """M^-1, M (N, n, n) and v_free (N, n) of the bodies at places first to end of an order; unit masses nobody reads."""
-    inverse_mass, v_free, n = given.inverse_mass, given.v_free, len(given.n)
+def put_in_order(given, order, first, end, ordered):
+    """M^-1, M and v_free of the bodies at places first to end of an order, into the problem in that order; unit masses nobody reads."""
+    inverse, mass, free, n = ordered.inverse, ordered.mass, ordered.free, len(given.n)
     work = np.empty((n, n))
     for b in range(first, end):
         for i in range(n):
-            free[b, i] = v_free[order[b], i]
+            free[b, i] = given.free[order[b], i]
         if has_unit_masses(given):
             continue
         coupled = False
         for i in range(n):
             for j in range(n):
-                inverse[b, i, j] = inverse_mass[order[b], i, j]
+                inverse[b, i, j] = given.inverse[order[b], i, j]
                 mass[b, i, j] = 0.0
                 coupled = coupled or (i != j and inverse[b, i, j] != 0.0)
         if coupled:
@@ -97,11 +86,11 @@ def put_in_order(given, order, first, end, inverse, mass, free):
                 mass[b, i, i] = 1.0 / inverse[b, i, i]
 
 
-@borrower(fastmath={"contract"})
-def measure_scales(problem, first, end):
-    """Fill d_c = trace(W_cc + C_cc) / m of the contacts first to end."""
+@entry(fastmath={"contract"})
+def measure_scales(problem: ProblemArrays) -> None:
+    """Fill d_c = trace(W_cc + C_cc) / m of all contacts."""
     compliance, m = problem.compliance, len(problem.m)
-    for c in range(first, end):
+    for c in range(len(problem.d)):
         trace = trace_of_contact(problem, c, problem.places[c, 0], problem.places[c, 1])
         if len(compliance):
             for i in range(m):
@@ -115,7 +104,7 @@ def trace_of_contact(problem, c, a, b):
     if has_unit_masses(problem):
         return unit_delassus_trace(problem, c, a, b)
     if has_arms(problem):
-        return trace_by_arms(problem.inverse, problem.geometry, c, a, b)
+        return trace_by_arms(form_of_problem(problem), problem.inverse, problem.geometry, c, a, b)
     inverse, jacobian, n, trace = problem.inverse, problem.geometry.jacobian, len(problem.n), 0.0
     for side in range(2):
         body = b if side else a
@@ -179,24 +168,22 @@ def add_product(problem, x, y, rows, one, other, out):
 
 @borrower(forceinline=True)
 def has_arms(problem):
-    """Whether contacts have frames and arms; known to be false where blocks are not those of rigid bodies in space."""
-    return len(problem.n) == 6 and len(problem.m) == 3 and is_by_arms(problem.geometry)
+    """Whether contacts have frames and arms, which the type of n tells the compiler."""
+    return is_tuple(problem.n)
+
+
+@borrower(forceinline=True)
+def form_of_problem(problem):
+    """The form of the contacts, see contact_geometry.py."""
+    return len(problem.m) if has_arms(problem) else BY_ROWS
 
 
 @kernel(inline="always", fastmath={"contract"})
 def velocity_of_contact(problem, v, c):
     """H v of contact c for body velocities v (B + 1, n), that of supports zero: three numbers, the last zero in a plane."""
-    a, b = problem.places[c, 0], problem.places[c, 1]
-    if has_arms(problem):
-        return plus(velocity_of_side(problem.geometry, c, 0, a, 6, v), velocity_of_side(problem.geometry, c, 1, b, 6, v))
-    jacobian, u0, u1, u2 = problem.geometry.jacobian, 0.0, 0.0, 0.0
-    for k in range(unknowns_at(problem, a, b)):  # of both sides at once, with lengths that the compiler knows
-        x, y = v[a, k], v[b, k]
-        u0 += jacobian[c, 0, 0, k] * x + jacobian[c, 1, 0, k] * y
-        u1 += jacobian[c, 0, 1, k] * x + jacobian[c, 1, 1, k] * y
-        if len(problem.m) == 3:
-            u2 += jacobian[c, 0, 2, k] * x + jacobian[c, 1, 2, k] * y
-    return u0, u1, u2
+    a, b, form = problem.places[c, 0], problem.places[c, 1], form_of_problem(problem)
+    of_a = velocity_of_side(form, problem.geometry, c, 0, a, unknowns_at(problem, a, a), v)
+    return plus(of_a, velocity_of_side(form, problem.geometry, c, 1, b, unknowns_at(problem, b, b), v))
 
 
 @borrower(fastmath={"contract"})
@@ -213,7 +200,8 @@ def add_impulse(problem, p, begin, stop, out):
         for side in range(2):
             b = problem.places[c, side]
             if begin <= b < stop:
-                add_impulse_of_side(problem.geometry, c, side, b, unknowns_at(problem, b, b), triple_of(p, c, len(problem.m)), out)
+                own, count = triple_of(p, c, len(problem.m)), unknowns_at(problem, b, b)
+                add_impulse_of_side(form_of_problem(problem), problem.geometry, c, side, b, count, own, out)
 
 
 @borrower(fastmath={"contract"})
@@ -232,9 +220,9 @@ def body_velocity_of(problem, momentum, first, end, v):
 
 
 @borrower()
-def missing_momentum_of(problem, v, first, end, out):
-    """out = M (v_free - v) for the bodies first to end."""
-    mass, free, n = problem.mass, problem.free, len(problem.n)
+def missing_momentum_of(problem, free, v, first, end, out):
+    """out = M (v_free - v) for the bodies first to end; ``free`` (B, n) or more rows is v_free."""
+    mass, n = problem.mass, len(problem.n)
     for b in range(first, end):
         for i in range(n):
             if has_unit_masses(problem):

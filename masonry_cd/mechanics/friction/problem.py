@@ -33,9 +33,9 @@ import numpy as np
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.coupling import UNCOUPLED, Coupling
 from masonry_cd.mechanics.friction.law_terms import add_velocities, allocate_terms, error_bodies, error_by_team, new_velocity
-from masonry_cd.mechanics.friction.operators import ProblemArrays
+from masonry_cd.mechanics.friction.operators import ProblemArrays, measure_scales
 from masonry_cd.mechanics.friction.solver_state import SolverState
-from masonry_cd.mechanics.linalg.small_blocks import EPSILON, FULL, size_of_blocks, size_tuple
+from masonry_cd.mechanics.linalg.small_blocks import EPSILON, FULL, size_tuple
 from masonry_cd.mechanics.linalg.threads import run_by_team
 
 if TYPE_CHECKING:
@@ -84,19 +84,25 @@ class FrictionProblem:
         If all contacts are rigid the compliance is left out, as (0, m): the kernels then save reading it.
         """
         compliance = self.compliance if len(self.compliance) and self.compliance.any() else self.compliance[:0]
-        return ProblemArrays(
+        count, n = self.v_free.shape
+        out = ProblemArrays(
             np.ascontiguousarray(self.inverse_mass, dtype=np.float64),
+            np.empty((0, n, n)),
             np.ascontiguousarray(self.v_free, dtype=np.float64),
-            np.ascontiguousarray(self.bodies, dtype=np.int64),
+            np.ascontiguousarray(np.where(self.bodies >= 0, self.bodies, count), dtype=np.int64),
+            FULL,
             Geometry(*(np.ascontiguousarray(array, dtype=np.float64) for array in self.geometry)),
             np.ascontiguousarray(self.offset, dtype=np.float64),
             np.ascontiguousarray(self.mu, dtype=np.float64),
             np.ascontiguousarray(compliance, dtype=np.float64),
-            FULL if self.width is None else self.width,
+            FULL if self.width is None else np.append(self.width, 0),
+            np.empty(self.contacts),
             UNCOUPLED[self.dimension],
             size_tuple(self.dimension),
-            size_of_blocks(self.v_free.shape[1]),
+            np.zeros(n) if self.geometry.is_by_rows else size_tuple(n),
         )
+        measure_scales(out)
+        return out
 
     @cached_property
     def jacobian(self) -> np.ndarray:
@@ -203,6 +209,11 @@ class LocalProblem:
         return int(self.q.shape[1])
 
     @property
+    def bodies(self) -> np.ndarray:
+        """The body of each contact, and none, (C, 2)."""
+        return np.column_stack([np.arange(self.contacts), np.full(self.contacts, -1)])
+
+    @property
     def v_free(self) -> np.ndarray:
         """The velocities of the bodies without contact, (C, m): q."""
         return self.q
@@ -217,12 +228,12 @@ class LocalProblem:
         unit, nothing, scales, blocks = np.eye(m), np.zeros((contacts, m)), self.scales(), self.w.tobsr((m, m))
         jacobian = np.zeros((contacts, 2, m, m))
         jacobian[:, 0] = unit
-        indptr, bodies = blocks.indptr.astype(np.int64), np.column_stack([np.arange(contacts), np.full(contacts, -1)])
+        indptr, places = blocks.indptr.astype(np.int64), np.column_stack([np.arange(contacts), np.full(contacts, contacts)])
         data = blocks.data / np.repeat(scales, np.diff(indptr))[:, None, None]
         return ProblemArrays(
-            scales[:, None, None] * unit, np.ascontiguousarray(self.q, dtype=np.float64), bodies, Geometry.by_rows(jacobian), nothing,
-            np.ascontiguousarray(self.mu, dtype=np.float64), nothing[:0], FULL,
-            Coupling(np.ascontiguousarray(data), blocks.indices.astype(np.int64), indptr), size_tuple(m), size_tuple(m),
+            scales[:, None, None] * unit, np.empty((0, m, m)), np.ascontiguousarray(self.q, dtype=np.float64), places, FULL,
+            Geometry.by_rows(jacobian), nothing, np.ascontiguousarray(self.mu, dtype=np.float64), nothing[:0], FULL, scales,
+            Coupling(np.ascontiguousarray(data), blocks.indices.astype(np.int64), indptr), size_tuple(m), np.zeros(m),
         )  # fmt: skip
 
     def body_velocity(self, impulse: np.ndarray) -> np.ndarray:
@@ -288,9 +299,9 @@ def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True
     if problem.contacts == 0:
         return 0.0
     impulse = np.ascontiguousarray(impulse, dtype=np.float64)
-    given = problem.arrays()
+    given = problem.arrays() if scaled else problem.arrays()._replace(d=np.ones(problem.contacts))
     if threads > 1:
-        residual, size = run_by_team(error_by_team, threads, given, impulse, scaled, allocate_terms(given))
+        residual, size = run_by_team(error_by_team, threads, given, impulse, allocate_terms(given))
     else:
-        residual, size = error_bodies(given, impulse, scaled)
+        residual, size = error_bodies(given, impulse)
     return float(residual / size if size > 0.0 else residual)

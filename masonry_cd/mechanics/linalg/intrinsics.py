@@ -65,3 +65,13 @@ def yield_processor(typing: Any) -> tuple[Any, Any]:
         return context.get_dummy_value()
 
     return types.void(), generate
+
+
+@intrinsic
+def is_tuple(typing: Any, size: Any) -> tuple[Any, Any]:
+    """Whether a value is a tuple, which the compiler knows, and leaves out what is for the other case."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return context.get_constant(types.boolean, isinstance(signature.args[0], types.BaseTuple))
+
+    return types.boolean(size), generate

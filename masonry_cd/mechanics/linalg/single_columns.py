@@ -28,7 +28,7 @@ SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 def subtract_block_product(c, at, a, i, b, shape, size_n):
     """c[at] -= a[i] b for blocks; a[i] has so many rows and columns, and b so many columns, as ``shape`` says where they are wide.
 
-    For n = 6 or 12 half a dozen entries of a row of c are held in registers, for n = 3 all of b.
+    For n = 6 a row of c is held in registers, for n = 3 all of b.
     """
     n = len(size_n)
     if is_wide(size_n):
@@ -46,12 +46,11 @@ def subtract_block_product(c, at, a, i, b, shape, size_n):
         return
     out, left = c[at], a[i]
     for p in range(n):
-        if n % 6 == 0:
-            for t in range(0, n, 6):
-                six = load_six(out, p, t)
-                for r in range(n):
-                    six = add_six_times(six, -left[p, r], load_six(b, r, t))
-                store_six(out, p, t, six)
+        if n == 6:
+            six = load_six(out, p, 0)
+            for r in range(6):
+                six = add_six_times(six, -left[p, r], load_six(b, r, 0))
+            store_six(out, p, 0, six)
         else:
             for q in range(n):
                 total = out[p, q]

@@ -1,20 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small dense blocks, one per body or contact, and plain copies.
 
-``size_n`` (or ``size_m``) is a tuple of as many zeros as a block has rows, see :func:`size_tuple`.
+``size_n`` (or ``size_m``) has as many entries as a block has rows: a tuple of zeros, see :func:`size_tuple`, or an array
+where one kernel serves all numbers.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry
+from masonry_cd.mechanics.linalg.intrinsics import is_tuple
 from masonry_cd.mechanics.linalg.vectors import add_six_times, add_times, fill_four, fill_six, load_four, load_six, store_lanes, store_six
 
 EPSILON = 2.2e-16  # relative rounding error of a float
-NARROW = 12  # unknowns of a rigid block, or of one of uniform strain, at the most: loops over so many are unrolled
 STEP = 4  # rows or columns of wider blocks that kernels take at a time
 FULL = np.zeros(0, dtype=np.int64)  # width of blocks that use all their rows
 
@@ -27,20 +26,15 @@ def size_tuple(n: int) -> tuple[int, ...]:
     return (0,) * n
 
 
-def size_of_blocks(n: int) -> Any:
-    """What has n for its length: a tuple as :func:`size_tuple` makes it, or an array where blocks are wide, with one kernel for all n."""
-    return np.zeros(n) if n > NARROW and n % STEP == 0 else size_tuple(n)
-
-
 def room_for(count: int) -> int:
-    """Rows of wide blocks that have room for so many: more than NARROW, in steps of STEP."""
-    return max(-(-count // STEP) * STEP, NARROW + STEP)
+    """Rows of wide blocks that have room for so many, in steps of STEP."""
+    return max(-(-count // STEP), 1) * STEP
 
 
 @borrower(forceinline=True)
 def is_wide(size):
-    """Whether blocks have many rows: not all nodes need have all then, and loops go four at a time. Known when kernels are compiled."""
-    return len(size) > NARROW and len(size) % STEP == 0
+    """Whether blocks may have many rows: not all nodes need have all then, and loops go four at a time. A tuple is known to be narrow."""
+    return not is_tuple(size) and len(size) % STEP == 0
 
 
 @borrower()
@@ -108,21 +102,19 @@ def invert(a, width, out, work, size_n):
 
 @borrower(forceinline=True)
 def _take_off_row(a, k, scale, factors, n, size_n):
-    """Scale row k of a block (n, n), and take it off all rows, so many times each. Half a dozen of its entries, or STEP, are held in
-    registers."""
+    """Scale row k of a block (n, n), and take it off all rows, so many times each. Six of its entries, or STEP, are held in registers."""
     if is_wide(size_n):
         for t in range(0, n, STEP):
             four = add_times(fill_four(0.0), scale, load_four(a, k, t))
             store_lanes(a, k, t, four)
             for i in range(n):
                 store_lanes(a, i, t, add_times(load_four(a, i, t), -factors[i], four))
-    elif n % 6 == 0:
-        for t in range(0, n, 6):
-            line = add_six_times(fill_six(0.0), scale, load_six(a, k, t))
-            store_six(a, k, t, line)
-            for i in range(n):
-                if factors[i] != 0.0:  # what is rigid does not couple with strains
-                    store_six(a, i, t, add_six_times(load_six(a, i, t), -factors[i], line))
+    elif n == 6:
+        line = add_six_times(fill_six(0.0), scale, load_six(a, k, 0))
+        store_six(a, k, 0, line)
+        for i in range(6):
+            if factors[i] != 0.0:  # what turns does not couple with what shifts
+                store_six(a, i, 0, add_six_times(load_six(a, i, 0), -factors[i], line))
     else:
         for j in range(n):
             x = a[k, j] * scale
@@ -142,15 +134,14 @@ def dot(x, y, length):
 
 @borrower(fastmath={"contract"})
 def multiply(a, b, out, size_n):
-    """out = a b. For n = 6 or 12 half a dozen entries of a row are held in registers, for n = 3 all of b."""
+    """out = a b. For n = 6 a row is held in registers, for n = 3 all of b."""
     n = len(size_n)
-    if n % 6 == 0:
-        for p in range(n):
-            for t in range(0, n, 6):
-                total = fill_six(0.0)
-                for r in range(n):
-                    total = add_six_times(total, a[p, r], load_six(b, r, t))
-                store_six(out, p, t, total)
+    if n == 6:
+        for p in range(6):
+            total = fill_six(0.0)
+            for r in range(6):
+                total = add_six_times(total, a[p, r], load_six(b, r, 0))
+            store_six(out, p, 0, total)
         return
     if n == 3:
         b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
@@ -172,21 +163,14 @@ def multiply(a, b, out, size_n):
 
 @borrower(fastmath={"contract"})
 def add_outer_product(x, y, out, size_m, size_n):
-    """out (n, n) += x^T y of x and y (m, n). For n = 6 or 12 half a dozen entries of a row are held in registers."""
+    """out (n, n) += x^T y of x and y (m, n)."""
     m, n = len(size_m), len(size_n)
     for p in range(n):
-        if n % 6 == 0:
-            for t in range(0, n, 6):
-                six = load_six(out, p, t)
-                for i in range(m):
-                    six = add_six_times(six, x[i, p], load_six(y, i, t))
-                store_six(out, p, t, six)
-        else:
-            for q in range(n):
-                total = 0.0
-                for i in range(m):
-                    total += x[i, p] * y[i, q]
-                out[p, q] += total
+        for q in range(n):
+            total = 0.0
+            for i in range(m):
+                total += x[i, p] * y[i, q]
+            out[p, q] += total
 
 
 @entry()

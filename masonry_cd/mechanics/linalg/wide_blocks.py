@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blocks of which a node may use a part: those of more than NARROW rows, with loops as long as each node has rows.
+"""Blocks of which a node may use a part, with loops as long as each node has rows.
 
 Wide blocks have room for (n, n) entries, of which a node uses ``width``, see condensation.py; both are multiples of STEP. Most of the work
 is in products, four rows and four columns of the result at a time, which fit into the registers.

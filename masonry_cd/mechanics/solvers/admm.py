@@ -61,15 +61,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from masonry_cd.mechanics.friction.contact_groups import size_of_twist
 from masonry_cd.mechanics.friction.coupling import pattern_of
-from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
 from masonry_cd.mechanics.friction.solver_state import Factors, Learnt, SolverState
 from masonry_cd.mechanics.linalg.threads import run_by_team
 from masonry_cd.mechanics.solvers.admm_kernels import admm_bodies
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, allocate_workspace
-from masonry_cd.mechanics.solvers.contact_partition import group_contacts
+from masonry_cd.mechanics.solvers.contact_groups import group_contacts, size_of_twist
 from masonry_cd.mechanics.solvers.options import Options
 
 LIMIT = 2000  # iterations
@@ -111,7 +109,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     given = problem.arrays()
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
-    state, factors, index, block = recall(given, start)
+    state, factors, index, block = recall(problem, start)
     pattern, learnt, k = factors.pattern, state.learnt, next_k(state.learnt)
     settings = AdmmSettings(k, (OPEN, SLIDES), learnt.stale or k != learnt.k, moving, learnt.rate, options.tolerance, limit)
     groups = group_contacts(given, index, block, pattern.symbolic, size_of_twist(given.geometry, problem.dimension))
@@ -123,9 +121,10 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     return Solution(impulse, velocity, iterations, options.reason("admm", error, end), state, error)
 
 
-def recall(given: ProblemArrays, start: Solution | None) -> tuple[SolverState, Factors, np.ndarray, np.ndarray]:
+def recall(problem: Problem, start: Solution | None) -> tuple[SolverState, Factors, np.ndarray, np.ndarray]:
     """The state of the last step as far as it still fits, its factors, and the places (C, 2) and coupling blocks (C,) of the contacts."""
-    state, bodies, (count, n) = SolverState() if start is None else start.memory, given.bodies, given.v_free.shape
+    given, bodies = problem.arrays(), np.ascontiguousarray(problem.bodies, dtype=np.int64)
+    state, (count, n) = SolverState() if start is None else start.memory, given.free.shape
     factors, stale = state.factors, state.learnt.stale
     kind = np.float64 if len(given.coupling.indptr) else np.float32  # W may be singular, and R^-1 is small beside it
     if factors is None or factors.pattern.nodes != count:  # other bodies
@@ -142,7 +141,7 @@ def recall(given: ProblemArrays, start: Solution | None) -> tuple[SolverState, F
     if not same:
         factors, stale = replace(factors, bodies=bodies.copy(), rho=np.empty(len(bodies))), True
     if len(given.width):
-        factors = replace(factors, pattern=factors.pattern.with_width(given.width))
+        factors = replace(factors, pattern=factors.pattern.with_width(given.width[:-1]))
     if factors is not state.factors or stale != state.learnt.stale:
         state = replace(state, factors=factors, learnt=replace(state.learnt, stale=stale))
     return state, factors, index, block

@@ -12,7 +12,6 @@ import math
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry, kernel
-from masonry_cd.mechanics.friction.contact_groups import fill_group
 from masonry_cd.mechanics.friction.coupling import add_coupled, is_coupled
 from masonry_cd.mechanics.friction.operators import ProblemArrays, body_velocity_of, put_in_order
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
@@ -34,6 +33,7 @@ from masonry_cd.mechanics.solvers.admm_subtrees import (
     update_subtree,
 )
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, AdmmWorkspace
+from masonry_cd.mechanics.solvers.contact_groups import fill_group
 
 PATIENCE = 20  # iterations without a measurement of the error, half as many where its ratio to the change of p is a guess
 SWITCH, WORSE = 40, 20  # iterations at one k after which it is reviewed, and where the error has grown
@@ -122,9 +122,8 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
     problem, groups, iterates, sums = work.problem, work.groups, work.iterates, work.sums[2]
     b0, b1 = share_of(team, 0, len(order))
     begin, end = share_of_subtrees(team, work.factor.symbolic)
-    put_in_order(given, order, b0, b1, problem.inverse, problem.mass, problem.free)
+    put_in_order(given, order, b0, b1, problem)
     copy_flat(problem.free[b0:b1], iterates.v[b0:b1])
-    problem.inverse[len(order)] = 0.0
     iterates.v[len(order)] = 0.0
     iterates.trial[len(order)] = 0.0
     iterates.correction[len(order)] = 0.0

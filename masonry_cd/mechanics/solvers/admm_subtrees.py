@@ -9,7 +9,20 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.contact_groups import (
+from masonry_cd.mechanics.friction.contact_geometry import IN_SPACE, fill_row
+from masonry_cd.mechanics.friction.coupling import add_coupled, add_symmetric_blocks, is_coupled
+from masonry_cd.mechanics.friction.natural_map import length_of, project_to_cone, squared_residual
+from masonry_cd.mechanics.friction.operators import add_product, form_of_problem, load_mass, missing_momentum_of
+from masonry_cd.mechanics.linalg.cholesky import factorise_by_team, factorise_cholesky
+from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
+from masonry_cd.mechanics.linalg.intrinsics import prefetch
+from masonry_cd.mechanics.linalg.small_blocks import copy_flat
+from masonry_cd.mechanics.linalg.supernodes import has_single_columns
+from masonry_cd.mechanics.linalg.threads import wait
+from masonry_cd.mechanics.linalg.triangular import backward_substitution, forward_substitution
+from masonry_cd.mechanics.linalg.triples import inner, minus, plus, scaled
+from masonry_cd.mechanics.linalg.vectors import LANES, fill_four, root_of, store_lanes, sum_of, where_at_most
+from masonry_cd.mechanics.solvers.contact_groups import (
     COMPLIANCE,
     MU,
     NORMAL,
@@ -25,25 +38,11 @@ from masonry_cd.mechanics.friction.contact_groups import (
     field,
     law_velocity,
     no_wrench,
-    put_stiffness,
     put_three,
-    squared_residuals,
     three,
     twist_of,
     velocity_at,
 )
-from masonry_cd.mechanics.friction.coupling import add_coupled, add_symmetric_blocks, is_coupled
-from masonry_cd.mechanics.friction.natural_map import length_of, project_to_cone
-from masonry_cd.mechanics.friction.operators import add_product, load_mass, missing_momentum_of
-from masonry_cd.mechanics.linalg.cholesky import factorise_by_team, factorise_cholesky
-from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
-from masonry_cd.mechanics.linalg.intrinsics import prefetch
-from masonry_cd.mechanics.linalg.small_blocks import copy_flat
-from masonry_cd.mechanics.linalg.supernodes import has_single_columns
-from masonry_cd.mechanics.linalg.threads import wait
-from masonry_cd.mechanics.linalg.triangular import backward_substitution, forward_substitution
-from masonry_cd.mechanics.linalg.triples import inner, minus, plus, scaled
-from masonry_cd.mechanics.linalg.vectors import LANES, fill_four, root_of, sum_of, where_at_most
 
 SLIDING = 300.0  # k below which much slides
 SAME = 1e-12  # square of how far apart two R may be by rounding, relative to them
@@ -114,6 +113,22 @@ def count_changes(work, q, k, shares, p):
 
 
 @borrower(forceinline=True, fastmath={"contract"})
+def put_stiffness(table, row, r):
+    """Set R of a row of contacts, and S^-1 = R^-1 + C of the normal and of the tangents, the softer one for both.
+
+    The projection in the norm of S^-1 stretches a cone by S_n / S_t.
+    """
+    c0, c1, c2 = three(table, row, COMPLIANCE)
+    normal, tangent, mu = 1.0 + r * c0, 1.0 + r * where_at_most(c1, c2, c2, c1), field(table, row, MU)
+    stretch = mu * tangent / normal
+    store_lanes(table, row, LANES * STIFFNESS, r)
+    store_lanes(table, row, LANES * NORMAL, r / normal)
+    store_lanes(table, row, LANES * TANGENT, r / tangent)
+    store_lanes(table, row, LANES * STRETCH, stretch)
+    store_lanes(table, row, LANES * SHARE, 1.0 / (1.0 + mu * stretch))
+
+
+@borrower(forceinline=True, fastmath={"contract"})
 def stiffness_of(work, row, twist, k, shares, p):
     """R of a row of contacts by k, their compliance and, of rigid ones where much slides, what they do; 0 in empty places."""
     table, problem, zero = work.groups.table, work.problem, fill_four(0.0)
@@ -137,8 +152,8 @@ def stiffness_of(work, row, twist, k, shares, p):
 def augment(work, q):
     """Blocks of M + H^T R H in the columns of subtree q; what its contacts add to diagonal blocks of later ones goes to ghost rows."""
     problem, groups, (symbolic, _, _, _, diagonal, lower, _, _) = work.problem, work.groups, work.factor
-    s, n, rigid, (first, last) = len(groups.s), len(problem.n), len(groups.s) > 3, nodes_of(symbolic, q)
-    rows, turned = np.empty((2, s, n)), np.empty((2, s, n))
+    m, n, form, (first, last) = len(problem.m), len(problem.n), form_of_problem(problem), nodes_of(symbolic, q)
+    rows, turned = np.empty((2, m, n)), np.empty((2, m, n))
     lower[symbolic.column[first] : symbolic.column[last]] = 0.0
     lower[-1] = 0.0
     clear_ghosts(symbolic, q, diagonal)
@@ -149,17 +164,19 @@ def augment(work, q):
         augment_coupled(work, first, last)
         return
     for g in range(groups.subtree[q], groups.subtree[q + 1]):
-        if rigid:
+        if form == IN_SPACE:
             add_rigid_stiffness(groups, g, diagonal, lower.reshape((len(lower), n * n)))
             continue
-        for lane in range(LANES):
-            r = groups.table[groups.start[g], LANES * STIFFNESS + lane]
-            for side in range(2):
-                for i in range(s):
-                    for k in range(n):
-                        rows[side, i, k] = groups.rows[g, LANES * ((side * s + i) * n + k) + lane]
-                        turned[side, i, k] = r * rows[side, i, k]
-            add_contact(work, g, lane, rows, turned)
+        for row in range(groups.start[g], groups.start[g + 1]):
+            for lane in range(LANES):
+                r, c = groups.table[row, LANES * STIFFNESS + lane], groups.contact[row, lane]
+                for side in range(2 if c >= 0 else 0):
+                    for i in range(m):
+                        fill_row(form, problem.geometry, c, side, i, n, rows[side, i])
+                        for k in range(n):
+                            turned[side, i, k] = r * rows[side, i, k]
+                if c >= 0:
+                    add_contact(work, g, lane, rows, turned)
 
 
 @borrower()
@@ -177,20 +194,20 @@ def augment_coupled(work, first, last):
 
 @borrower()
 def add_contact(work, g, lane, rows, turned):
-    """What a contact of group g adds to the matrix: rows of H and R H (2, s, n)."""
-    problem, groups, n, s, lower = work.problem, work.groups, len(work.problem.n), len(work.groups.s), work.factor.lower
+    """What a contact of group g adds to the matrix: rows of H and R H (2, m, n)."""
+    problem, groups, n, m, lower = work.problem, work.groups, len(work.problem.n), len(work.problem.m), work.factor.lower
     a, b, block = groups.place[g, lane], groups.place[g, LANES + lane], groups.block[g, lane]
     diagonal = work.factor.diagonal.reshape((len(work.factor.diagonal), n, n))
     for side in range(2):
         body = b if side else a
         if body < len(problem.free):
             own = diagonal[groups.target[g, LANES * side + lane]]
-            add_product(problem, turned[side], rows[side], s, body, body, own)
+            add_product(problem, turned[side], rows[side], m, body, body, own)
             if a == b:
-                add_product(problem, turned[side], rows[1 - side], s, body, body, own)
+                add_product(problem, turned[side], rows[1 - side], m, body, body, own)
     if block < len(lower) - 1:
         low = 0 if a > b else 1
-        add_product(problem, turned[low], rows[1 - low], s, max(a, b), min(a, b), lower[block])
+        add_product(problem, turned[low], rows[1 - low], m, max(a, b), min(a, b), lower[block])
 
 
 @borrower()
@@ -205,7 +222,7 @@ def eliminate_subtree(work, q, coming, relaxation, p, new, line):
     if is_coupled(problem):
         momentum[first:last] = 0.0
     else:
-        missing_momentum_of(problem, v, first, last, momentum)
+        missing_momentum_of(problem, problem.free, v, first, last, momentum)
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
     ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
@@ -322,6 +339,13 @@ def squared_size(work, q, v):
             u, d = plus(velocity_at(groups, row, twist), three(groups.table, row, OFFSET)), field(groups.table, row, SCALE)
             total += where_at_most(d, zero, zero, inner(u, u) / d)
     return sum_of(total)
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def squared_residuals(groups, row, w, p):
+    """Squared natural map residuals of the contacts of a row, none of empty places."""
+    d = field(groups.table, row, SCALE)
+    return where_at_most(d, 0.0, 0.0, squared_residual(p, w, field(groups.table, row, MU), d))
 
 
 @borrower(fastmath={"contract"})

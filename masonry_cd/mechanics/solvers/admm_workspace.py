@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.mechanics.friction.contact_groups import ContactGroups
 from masonry_cd.mechanics.friction.coupling import in_places
-from masonry_cd.mechanics.friction.operators import OrderedProblem, ProblemArrays
+from masonry_cd.mechanics.friction.operators import ProblemArrays, room_in_order
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.small_blocks import FULL
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.vectors import LANES
+from masonry_cd.mechanics.solvers.contact_groups import ContactGroups
 
 
 class AdmmSettings(NamedTuple):
@@ -62,7 +62,7 @@ class AdmmFactor(NamedTuple):
 class AdmmWorkspace(NamedTuple):
     """All that the threads of a team work on."""
 
-    problem: OrderedProblem
+    problem: ProblemArrays
     groups: ContactGroups
     iterates: Iterates
     factor: AdmmFactor
@@ -81,15 +81,11 @@ def allocate_workspace(
         places: of their bodies, (C, 2).
         kept: squares, panels and rho of a factorisation.
     """
-    symbolic, count, n = pattern.symbolic, pattern.nodes, given.v_free.shape[1]
+    symbolic, count, n = pattern.symbolic, pattern.nodes, given.free.shape[1]
     rows = count + 1 + len(symbolic.node_ghost)
     bodies, impulses, subtrees = (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1
-    width = np.append(symbolic.width, 0) if len(symbolic.width) else symbolic.width
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
-    problem = OrderedProblem(  # the groups have what is missing
-        np.empty((count + 1, n, n)), np.empty((count, n, n)), np.empty((count, n)), places, FULL, given.geometry,
-        given.offset, given.mu, given.compliance, width, np.empty(0), in_places(given.coupling, pattern), given.m, given.n,
-    )  # fmt: skip
+    problem = room_in_order(given, pattern.order, places, FULL)._replace(coupling=in_places(given.coupling, pattern))
     iterates = Iterates(
         np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
         np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=kept[0].dtype),

@@ -15,9 +15,9 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.contact_geometry import arm_at, axes_at
+from masonry_cd.mechanics.friction.contact_geometry import IN_SPACE, arm_at, axes_at, fill_row
 from masonry_cd.mechanics.friction.coupling import add_coupled_blocks, is_coupled
-from masonry_cd.mechanics.friction.operators import add_product, has_arms, load_mass, unknowns_at
+from masonry_cd.mechanics.friction.operators import add_product, form_of_problem, load_mass, unknowns_at
 from masonry_cd.mechanics.linalg.small_blocks import is_wide
 from masonry_cd.mechanics.linalg.triples import out_of_axes
 from masonry_cd.mechanics.linalg.vectors import add_six_times, load_six, pack_six, store_six
@@ -28,7 +28,7 @@ NUMBERS = 9  # of D^T B D
 @borrower(fastmath={"contract"})
 def turn_blocks(problem, blocks, first, end, world):
     """world (C, 9) = D^T B D of the contacts first to end of rigid blocks in space, B the first rows of ``blocks``."""
-    if not has_arms(problem):
+    if form_of_problem(problem) != IN_SPACE:
         return
     for c in range(first, end):
         axes, block, out = axes_at(problem.geometry, c), blocks[c], world[c]
@@ -63,7 +63,7 @@ def augment_blocks(problem, blocks, world, symbolic, share, matrix):
             c += 1
         if not (begin <= a < stop or begin <= b < stop):
             continue
-        if has_arms(problem):
+        if form_of_problem(problem) == IN_SPACE:
             add_rigid_contact(problem, world, first, share, matrix)
             continue
         rows = take_rows(problem, blocks, first, c, scratch)
@@ -110,16 +110,19 @@ def add_pair(problem, scratch, c, rows, one, other, turned, out):
 @borrower(fastmath={"contract"})
 def take_rows(problem, blocks, first, end, scratch):
     """Write the rows of the contacts first to end of a joint into ``scratch`` (4, K m, n): H of both sides, B H of both. Returns K m."""
-    m = len(problem.m)
+    m, form = len(problem.m), form_of_problem(problem)
     for c in range(first, end):
         for side in range(2):
-            rows, at, body = problem.geometry.jacobian[c, side], m * (c - first), problem.places[c, side]
+            at, body = m * (c - first), problem.places[c, side]
+            count = unknowns_at(problem, body, body)
             for i in range(m):
-                for q in range(unknowns_at(problem, body, body)):
+                fill_row(form, problem.geometry, c, side, i, count, scratch[side, at + i])
+            for i in range(m):
+                for q in range(count):
                     total = 0.0
                     for k in range(m):
-                        total += blocks[c, i, k] * rows[k, q]
-                    scratch[side, at + i, q], scratch[side + 2, at + i, q] = rows[i, q], total
+                        total += blocks[c, i, k] * scratch[side, at + k, q]
+                    scratch[side + 2, at + i, q] = total
     return m * (end - first)
 
 

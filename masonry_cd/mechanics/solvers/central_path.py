@@ -238,7 +238,7 @@ def soften(shares, problem, stiffness, linear):
 def missing_velocity(shares, problem, here, tau, linear):
     """What w misses, H v + b + C p - w - tau far."""
     compliance, miss, far, (first, end) = problem.compliance, linear.miss, linear.far, shares.contacts
-    contact_velocity(shares, problem, here.v, miss)
+    contact_velocity(shares, problem, problem.offset, here.v, miss)
     for c in range(first, end):
         for i in range(len(problem.m)):
             own = compliance[c, i] if len(compliance) else 0.0

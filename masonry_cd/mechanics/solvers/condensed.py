@@ -13,18 +13,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution
-from masonry_cd.mechanics.linalg.small_blocks import NARROW
 from masonry_cd.mechanics.solvers.options import Options
 
 if TYPE_CHECKING:
     from masonry_cd.mechanics.solvers import Solver
+
+UNIFORM = 12  # unknowns of a block of uniform strain in space
 
 
 def in_condensed_unknowns(solver: Solver) -> Solver:
     """The solver, given equivalent problems where blocks have more unknowns than those of uniform strain, which contacts all feel."""
 
     def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
-        if not (isinstance(problem, FrictionProblem) and is_condensed(problem.v_free.shape[1]) and problem.contacts):
+        if not (isinstance(problem, FrictionProblem) and problem.v_free.shape[1] > UNIFORM and problem.contacts):
             return solver(problem, options, start)
         from masonry_cd.mechanics.friction.condensation import condense  # kernels, that rigid blocks have no use for
 
@@ -41,8 +42,3 @@ def in_condensed_unknowns(solver: Solver) -> Solver:
         return Solution(found.impulse, None, found.iterations, found.reason, state, found.error)
 
     return solve
-
-
-def is_condensed(unknowns: int) -> bool:
-    """Whether blocks with so many unknowns are: more than one of uniform strain has. Kernels for fewer have their loops unrolled."""
-    return unknowns > NARROW

@@ -74,7 +74,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return nlgs.solve(problem, options, start)
     arrays, velocity = problem.arrays(), np.empty(problem.v_free.shape)
     near = max(options.tolerance, min(LEAVE * options.tolerance, FAR_OFF))  # where the damped path is left
-    state, factors, index, block = admm.recall(arrays, start)
+    state, factors, index, block = admm.recall(problem, start)
     elimination = Elimination(factors.pattern.order, factors.pattern.symbolic, index, block)
 
     def method(by_team: Entry, tolerance: float) -> Method:

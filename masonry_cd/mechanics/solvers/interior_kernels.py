@@ -93,13 +93,13 @@ def predict_and_correct(shares, problem, work, cones, inside, means, step):
 def interior_point(shares, problem, work, inside, answer, settings):
     """Interior point method from near ``answer``, which gets better, in the memory of an :class:`Inside`; returns the iterations."""
     here, linear, cones, scratch = inside.here, inside.linear, cones_of(problem), work.scratch
-    contact_velocity(shares, problem, answer.velocity, linear.miss)
+    contact_velocity(shares, problem, problem.offset, answer.velocity, linear.miss)
     begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
     step, stiffness, iterations, short = 1.0, STIFFNESS, 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and short < 6:
         iterations += 1
         missing_velocity(shares, problem, here, 0.0, linear)
-        missing_momentum(shares, problem, here.v, here.p, scratch)
+        missing_momentum(shares, problem, problem.free, here.v, here.p, scratch)
         soften(shares, problem, stiffness, linear)
         means = linearise_products(shares, cones, linear)
         if not means[0] > 0.0:
@@ -154,7 +154,7 @@ def is_near(product, goal):
 def path_directions(shares, problem, work, cones, linear, level, tau, ways):
     """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,)."""
     m, wanted, (first, end), (begin, stop) = len(cones.m), linear.wanted, shares.contacts, shares.rows
-    missing_momentum(shares, problem, linear.here.v, linear.here.p, work.scratch)
+    missing_momentum(shares, problem, problem.free, linear.here.v, linear.here.p, work.scratch)
     for c in range(first, end):
         for i in range(m + 1):
             wanted[c, i] = (tau * level[c] if i < 2 else 0.0) - linear.product[c, i]
@@ -263,7 +263,7 @@ def path_by_length(shares, problem, work, inside, answer, settings):
     iterations."""
     here, linear, ways, cones, scratch = inside.here, inside.linear, inside.ways, cones_of(problem), work.scratch
     # a point on the path at tau = 1, where w is off by far
-    contact_velocity(shares, problem, answer.velocity, linear.miss)
+    contact_velocity(shares, problem, problem.offset, answer.velocity, linear.miss)
     shift = begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
     level = shift * shift / problem.d
     body_velocity(shares, problem, here.p, scratch, here.v)

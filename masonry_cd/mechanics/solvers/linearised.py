@@ -98,9 +98,9 @@ def keep_better(shares, answer, p, v, error):
 
 
 @borrower()
-def contact_velocity(shares, problem, v, u):
-    """u = H v + b (C, m) for body velocities v (B + 1, n)."""
-    offset, (first, end) = problem.offset, shares.contacts
+def contact_velocity(shares, problem, offset, v, u):
+    """u = H v + b (C, m) for body velocities v (B + 1, n) and b = ``offset`` (C, m)."""
+    first, end = shares.contacts
     wait(shares.team)
     for c in range(first, end):
         u0, u1, u2 = velocity_of_contact(problem, v, c)
@@ -121,11 +121,11 @@ def contact_change(shares, problem, change, u):
 
 
 @borrower()
-def missing_momentum(shares, problem, v, p, out):
-    """out = M (v_free - v) + H^T p (B + 1, n); its last row, of the supports, is left as it is."""
+def missing_momentum(shares, problem, free, v, p, out):
+    """out = M (v_free - v) + H^T p (B + 1, n), v_free = ``free``; its last row, of the supports, is left as it is."""
     first, end = shares.rows
     wait(shares.team)
-    missing_momentum_of(problem, v, first, end, out)
+    missing_momentum_of(problem, free, v, first, end, out)
     add_impulse(problem, p, first, end, out)
 
 

@@ -13,12 +13,10 @@ import numpy as np
 
 from masonry_cd.foundation.jit import Entry, entry, kernel
 from masonry_cd.mechanics.friction.operators import (
-    OrderedProblem,
     ProblemArrays,
-    measure_scales,
     put_in_order,
+    room_in_order,
     squared_size_of,
-    widths_in_order,
 )
 from masonry_cd.mechanics.linalg.threads import SharedArena, ThreadTeam, own_arena, run_by_team, take, wait
 from masonry_cd.mechanics.solvers.central_path import allocate_inside
@@ -42,10 +40,6 @@ class Common(NamedTuple):
     """Memory that each of these methods needs."""
 
     sums: np.ndarray  # of :class:`Shares`
-    inverse: np.ndarray  # (B, n, n) M^-1
-    mass: np.ndarray  # (B, n, n) M
-    free: np.ndarray  # (B, n) v_free
-    d: np.ndarray  # (C,) scales
     v: np.ndarray  # (B + 1, n) velocities of the answer
     q: np.ndarray  # (C, m) velocities of the contacts without impulses
     work: Work
@@ -54,26 +48,10 @@ class Common(NamedTuple):
 @kernel()
 def allocate_common(arena, problem, elimination):
     """:class:`Common` for ProblemArrays."""
-    shape, (bodies, n), symbolic = problem.offset.shape, problem.v_free.shape, elimination.symbolic
-    blocks, rows = (bodies, n, n), (bodies + 1, n)
-    return Common(
-        allocate_sums(arena, shape[0], bodies), take(arena, blocks), take(arena, blocks), take(arena, (bodies, n)), take(arena, shape[:1]),
-        take(arena, rows), take(arena, shape), allocate_work(arena, symbolic, problem.n, rows, len(problem.geometry.frame)),
-    )  # fmt: skip
-
-
-@kernel()
-def in_order(shares, common, problem, elimination):
-    """The :class:`OrderedProblem` of ProblemArrays."""
-    inverse, mass, free, d, order = common.inverse, common.mass, common.free, common.d, elimination.order
-    put_in_order(problem, order, shares.rows[0], shares.rows[1], inverse, mass, free)
-    ordered = OrderedProblem(
-        inverse, mass, free, elimination.places, elimination.block, problem.geometry, problem.offset, problem.mu, problem.compliance,
-        widths_in_order(problem.width, order), d, problem.coupling, problem.m, problem.n,
-    )  # fmt: skip
-    wait(shares.team)
-    measure_scales(ordered, shares.contacts[0], shares.contacts[1])
-    return ordered
+    shape, (bodies, n), symbolic = problem.offset.shape, problem.free.shape, elimination.symbolic
+    rows = (bodies + 1, n)
+    work = allocate_work(arena, symbolic, problem.n, rows, len(problem.geometry.frame))
+    return Common(allocate_sums(arena, shape[0], bodies), take(arena, rows), take(arena, shape), work)
 
 
 @kernel()
@@ -81,7 +59,7 @@ def answer_of(shares, common, problem, impulse):
     """The answer to begin with: ``impulse`` (C, m) itself, and its velocities and error."""
     v, q, error = common.v, common.q, np.empty(1)
     copy_share(shares.rows, problem.free, v)
-    contact_velocity(shares, problem, v, q)
+    contact_velocity(shares, problem, problem.offset, v, q)
     square = squared_size_of(problem, v, 0, len(q))
     size = np.sqrt(square) if square > 0.0 else 1.0
     wait(shares.team)
@@ -103,6 +81,7 @@ class Given(NamedTuple):
     """What a method is given, and what it overwrites."""
 
     problem: ProblemArrays
+    ordered: ProblemArrays  # room for it in order of elimination
     elimination: Elimination
     settings: Settings
     impulse: np.ndarray  # (C, m) the start, and then the best answer found
@@ -113,11 +92,12 @@ class Given(NamedTuple):
 @kernel()
 def improve(method, allocate, team, given):
     """Iterations and natural map error of a method, which works on what ``allocate`` makes, by a thread of a team."""
-    problem, elimination, settings, impulse, velocity, values = given
+    problem, ordered, elimination, settings, impulse, velocity, values = given
     order, arena = elimination.order, SharedArena(values, np.zeros(1, dtype=np.int64))
     common = allocate_common(arena, problem, elimination)
     shares = shares_of(team, len(impulse), len(order), common.sums)
-    ordered = in_order(shares, common, problem, elimination)
+    put_in_order(problem, order, shares.rows[0], shares.rows[1], ordered)
+    wait(team)
     answer = answer_of(shares, common, ordered, impulse)
     inside = allocate(arena, impulse.shape, common.v.shape)
     iterations = method(shares, ordered, common.work, inside, answer, settings)
@@ -165,5 +145,6 @@ def over_bodies(
     Returns iterations, one factorisation each, and the natural map error.
     """
     values = np.zeros(room_needed(problem, elimination) if threads > 1 else 0)
-    found: tuple[int, float] = run_by_team(by_team, threads, Given(problem, elimination, settings, impulse, velocity, values))
+    ordered = room_in_order(problem, elimination.order, elimination.places, elimination.block)
+    found: tuple[int, float] = run_by_team(by_team, threads, Given(problem, ordered, elimination, settings, impulse, velocity, values))
     return found

@@ -12,7 +12,7 @@ import numpy as np
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.mechanics.friction.solver_state import LEARNT, NUMBERS, OWN
 from masonry_cd.mechanics.linalg.ordering import FIELDS, Pattern
-from masonry_cd.mechanics.linalg.small_blocks import NARROW, STEP
+from masonry_cd.mechanics.linalg.small_blocks import STEP
 from masonry_cd.mechanics.solvers.options import MOST_ITERATIONS
 
 MOST = {"stale": 1.0, "steps": 2.0**53, "budget": float(MOST_ITERATIONS)}  # of what was learnt; other numbers may be any
@@ -32,7 +32,7 @@ def check_memory(stored: Stored, bodies: int, unknowns: int) -> None:
     """
     if stored.holds("kept"):
         stored.flags("kept", None)
-        unknowns = int(stored.whole("unknowns", 1, low=1, high=max(unknowns, NARROW) + STEP + 1)[0])
+        unknowns = int(stored.whole("unknowns", 1, low=1, high=unknowns + STEP)[0])
     for name in LEARNT:
         _check_learnt(stored, name)
     if any(stored.holds(name) for name in (*FIELDS, *NUMBERS)):

@@ -53,7 +53,7 @@ def solve_by_proximal_points(
     if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
     impulse, velocity = first_impulse(problem, start), np.empty(problem.v_free.shape)
-    state, factors, index, block = admm.recall(problem.arrays(), start)
+    state, factors, index, block = admm.recall(problem, start)
     elimination = Elimination(factors.pattern.order, factors.pattern.symbolic, index, block)
     settings = Settings(0.0, options.tolerance, options.limit(limit))
     iterations, error = over_bodies(by_team, problem.arrays(), elimination, settings, impulse, velocity, threads)

@@ -74,7 +74,7 @@ def first_change(mu, status, x, dx, begin, stop, size_m):
 
 
 @borrower()
-def shorten_step(shares, moved, springs, stiffness, search, norm):
+def shorten_step(shares, problem, springs, stiffness, search, norm):
     """trial = v + step change with the first of the steps 1, 1/2, .. 1/16 that makes enough progress.
 
     Returns the norm of the residual there, and whether that is enough.
@@ -83,32 +83,32 @@ def shorten_step(shares, moved, springs, stiffness, search, norm):
     while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
         step *= 0.5
         add_share(shares.rows, search.v, step, search.change, search.trial)
-        new = spring_residual(shares, moved, springs, stiffness, search.trial, FREE, search.residual)
+        new = spring_residual(shares, problem, springs, stiffness, search.trial, FREE, search.residual)
     return new, new < (1.0 - 0.1 * step) * norm
 
 
 @borrower()
-def turn_first(shares, moved, springs, stiffness, search):
+def turn_first(shares, problem, springs, stiffness, search):
     """Go along a change of the velocities as far as the first kink on the way, where a contact changes its status, or half of it.
 
     Returns the norm of the residual there, that contact or -1, and the step.
     """
     v, change, _, residual = search
     copy_share(shares.contacts, springs.held, springs.status)
-    spring_residual(shares, moved, springs, stiffness, v, HELD, residual)
-    spring_changes(shares, moved, springs, stiffness, change)
-    step, which = turn_at_first(shares, moved, springs)
+    spring_residual(shares, problem, springs, stiffness, v, HELD, residual)
+    spring_changes(shares, problem, springs, stiffness, change)
+    step, which = turn_at_first(shares, problem, springs)
     add_share(shares.rows, v, min(step, 0.5) if step >= 1.0 else step, change, v)
-    return spring_residual(shares, moved, springs, stiffness, v, HELD, residual), which, step
+    return spring_residual(shares, problem, springs, stiffness, v, HELD, residual), which, step
 
 
 @borrower()
-def turn_at_first(shares, moved, springs):
+def turn_at_first(shares, problem, springs):
     """Change the status of the first contact along dx that does so in a step of less than one; returns that step, and the contact or -1."""
-    turn, (first, end), contacts, new = begin_sums(shares), shares.chunks, len(moved.mu), OPEN
+    turn, (first, end), contacts, new = begin_sums(shares), shares.chunks, len(problem.mu), OPEN
     for k in range(first, end):
         begin, stop = chunk_of(k, contacts)
-        step, which, _ = first_change(moved.mu, springs.status, springs.x, springs.dx, begin, stop, moved.m)
+        step, which, _ = first_change(problem.mu, springs.status, springs.x, springs.dx, begin, stop, problem.m)
         shares.sums[turn, 0, k], shares.sums[turn, 1, k] = step, which
     wait(shares.team)
     step, k = least_of_chunks(shares, contacts)
@@ -116,33 +116,33 @@ def turn_at_first(shares, moved, springs):
         return step, k
     which = int(shares.sums[turn, 1, k])
     if step < 1.0 and first <= k < end:
-        _, _, new = first_change(moved.mu, springs.status, springs.x, springs.dx, which, which + 1, moved.m)
+        _, _, new = first_change(problem.mu, springs.status, springs.x, springs.dx, which, which + 1, problem.m)
         springs.status[which] = new
     return step, which
 
 
 @kernel()
-def settle_springs(shares, moved, work, springs, stiffness, goal, most, search):
+def settle_springs(shares, problem, work, springs, stiffness, goal, most, search):
     """Semismooth Newton for the problem with springs: its impulses, and its velocities, from those given.
 
     Ends at a norm of ``goal`` or after ``most`` factorisations; returns whether it is solved and the number of these.
     """
-    norm = spring_residual(shares, moved, springs, stiffness, search.v, FREE, search.residual)
+    norm = spring_residual(shares, problem, springs, stiffness, search.v, FREE, search.residual)
     spent, turned, last = 0, 0, -1
     while norm > goal and spent < most and turned < FOLDS:
-        spring_blocks(shares, moved, springs, stiffness)
+        spring_blocks(shares, problem, springs, stiffness)
         spent += 1
-        if factorise(shares, moved, work, springs.block) == 0.0:
+        if factorise(shares, problem, work, springs.block) == 0.0:
             break
         solve_by_first(shares, work.factor, search.residual)
         copy_share(shares.rows, search.residual, search.change)
         copy_share(shares.contacts, springs.status, springs.held)
-        new, enough = shorten_step(shares, moved, springs, stiffness, search, norm)
+        new, enough = shorten_step(shares, problem, springs, stiffness, search, norm)
         if enough:
             copy_share(shares.rows, search.trial, search.v)
             norm, last, turned = new, -1, 0
             continue
-        norm, which, step = turn_first(shares, moved, springs, stiffness, search)
+        norm, which, step = turn_first(shares, problem, springs, stiffness, search)
         if step < 1.0:
             turned, last = turned + 1 if which == last and step < 1e-9 else 0, which
     return norm <= goal, spent

@@ -30,6 +30,7 @@ from masonry_cd.mechanics.solvers.nlgs_kernels import (
     end_sweeps,
     sweep_bodies,
 )
+from masonry_cd.mechanics.solvers.nlgs_sweep import scaled_problem
 from masonry_cd.mechanics.solvers.options import Options
 
 LIMIT = 10_000  # sweeps
@@ -55,7 +56,8 @@ def solve_by_sweeps(name: str, extrapolated: bool, problem: Problem, options: Op
     if problem.contacts == 0:  # blocks in the air; nothing is compiled for them
         return Solution(impulse, problem.body_velocity(impulse), 0, options.reason(name, 0.0), error=0.0)
     given, velocity = problem.arrays(), np.empty(problem.v_free.shape)
-    scaled, error = begin_sweeps(given, impulse)
+    scaled = scaled_problem(given, impulse)
+    error = begin_sweeps(scaled)
     if error <= options.tolerance or settings.limit == 0:
         sweeps = 0
     else:
@@ -65,5 +67,5 @@ def solve_by_sweeps(name: str, extrapolated: bool, problem: Problem, options: Op
             joints, threads = ColouredJoints(joints.start, np.arange(count), np.arange(count + 1)), 1  # a colour for each
         history = SweepHistory(np.empty_like(impulse), np.empty_like(scaled.y), np.empty_like(impulse), np.empty(PARTS))
         sweeps, error = run_by_team(sweep_bodies, threads, scaled, joints, history, settings)
-    end_sweeps(scaled, given.v_free, impulse, velocity)
+    end_sweeps(scaled, given.free, impulse, velocity)
     return Solution(impulse, velocity, sweeps, options.reason(name, error, "sweep limit reached"), error=error)

@@ -15,12 +15,12 @@ from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.coulomb_law import P
 from masonry_cd.mechanics.friction.law_terms import PARTS, part_of
 from masonry_cd.mechanics.friction.natural_map import error_of
-from masonry_cd.mechanics.friction.operators import ProblemArrays, squared_map_norm_of
+from masonry_cd.mechanics.friction.operators import squared_map_norm_of
 from masonry_cd.mechanics.friction.random_order import seeded, shuffle
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.sorting import sorted_by
 from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, wait
-from masonry_cd.mechanics.solvers.nlgs_sweep import ScaledProblem, collect, impulses_of, scaled_problem, sweep
+from masonry_cd.mechanics.solvers.nlgs_sweep import ScaledProblem, collect, impulses_of, sweep
 
 COLOURS = 128  # at most; more joints than that hardly meet in a block, and those that find no colour share the last one, one by one
 
@@ -53,11 +53,10 @@ class SweepHistory(NamedTuple):
 
 
 @entry()
-def begin_sweeps(given: ProblemArrays, p: np.ndarray) -> tuple[ScaledProblem, float]:
-    """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m), and their natural map error."""
-    scaled = scaled_problem(given, p)
+def begin_sweeps(scaled: ScaledProblem) -> float:
+    """Set y of a ScaledProblem; returns the natural map error of its impulses."""
     collect(scaled, 0, len(scaled.factor))
-    return scaled, error_of(squared_map_norm_of(scaled.problem, impulses_of(scaled), scaled.y, 0, len(p)), scaled.size)
+    return error_of(squared_map_norm_of(scaled.problem, impulses_of(scaled), scaled.y, 0, len(scaled.table)), scaled.size)
 
 
 @entry()

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.contact_geometry import Geometry, fill_row
 from masonry_cd.mechanics.friction.coulomb_law import (
     COUPLING,
@@ -35,9 +35,9 @@ from masonry_cd.mechanics.friction.coulomb_law import (
     prepare_law,
 )
 from masonry_cd.mechanics.friction.coupling import is_coupled
-from masonry_cd.mechanics.friction.operators import OrderedProblem, add_impulse
+from masonry_cd.mechanics.friction.operators import ProblemArrays, add_impulse, form_of_problem
 from masonry_cd.mechanics.linalg.intrinsics import prefetch
-from masonry_cd.mechanics.linalg.small_blocks import cholesky_small
+from masonry_cd.mechanics.linalg.small_blocks import FULL, cholesky_small
 
 AHEAD = 4  # joints of a list that are fetched ahead
 
@@ -46,46 +46,55 @@ class ScaledProblem(NamedTuple):
     """A friction problem scaled by mass, with its impulses in the table."""
 
     factor: np.ndarray  # (B, n, n) L
-    problem: OrderedProblem  # with G for H and q for b; supports are a last body whose rows of G are zero
+    problem: ProblemArrays  # with G for H and q for b
     table: np.ndarray  # (C, ROW)
     y: np.ndarray  # (B + 1, n) G^T p
     size: float  # square of |q / sqrt(d)|, by which errors are divided
 
 
-@kernel()
-def scale_by_mass(given):
-    """L (B, n, n), G (C, 2, m, n), q = H v_free + b (C, m), and the bodies (C, 2) with the supports as a last one."""
-    m, n, free, contacts = len(given.m), len(given.n), len(given.v_free), len(given.mu)
-    factor, g, q = np.empty((free, n, n)), np.zeros((contacts, 2, m, n)), given.offset.copy()
-    index, row = np.empty(given.bodies.shape, dtype=np.int64), np.empty(n)
+def scaled_problem(given: ProblemArrays, p: np.ndarray) -> ScaledProblem:
+    """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m); y is not yet set."""
+    factor, g, q = scale_by_mass(given)
+    problem = given._replace(geometry=Geometry.by_rows(g), offset=q, width=FULL, n=np.zeros(g.shape[3]))
+    y = np.zeros((len(given.free) + 1, g.shape[3]))
+    return ScaledProblem(factor, problem, contact_table(problem, p), y, float(np.sum(q * q / given.d[:, None])))
+
+
+@entry()
+def scale_by_mass(given: ProblemArrays) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """L (B, n, n), G (C, 2, m, n), and q = H v_free + b (C, m)."""
+    m, n, free, contacts, form = len(given.m), len(given.n), len(given.free), len(given.mu), form_of_problem(given)
+    factor, g, q, row = np.empty((free, n, n)), np.zeros((contacts, 2, m, n)), given.offset.copy(), np.empty(n)
     for b in range(free):
-        cholesky_small(given.inverse_mass[b], factor[b], n)
-    for c in range(len(index)):
+        cholesky_small(given.inverse[b], factor[b], n)
+    for c in range(contacts):
         for side in range(2):
-            body = given.bodies[c, side]
-            index[c, side] = body if body >= 0 else free
-            if body < 0:
+            body = given.places[c, side]
+            if body == free:
                 continue
             for i in range(m):
-                fill_row(given.geometry, c, side, i, row)
+                fill_row(form, given.geometry, c, side, i, n, row)
                 for j in range(n):
                     total = 0.0
                     for k in range(j, n):  # L is lower triangular
                         total += row[k] * factor[body, k, j]
                     g[c, side, i, j] = total
                 for k in range(n):
-                    q[c, i] += row[k] * given.v_free[body, k]
-    return factor, g, q, index
+                    q[c, i] += row[k] * given.free[body, k]
+    return factor, g, q
 
 
-@kernel()
-def contact_table(given, g, q, index, p):
-    """The table (C, ROW): q, p, and the laws, from W_cc + C_cc, W_cc = sum over sides of G G^T (both sides on one body add up)."""
+@entry()
+def contact_table(problem: ProblemArrays, p: np.ndarray) -> np.ndarray:
+    """The table (C, ROW) of a problem with G for H and q for b: q, p, and the laws, from W_cc + C_cc.
+
+    W_cc is the sum over the sides of G G^T; both sides on one body add up.
+    """
+    g, places, compliance = problem.geometry.jacobian, problem.places, problem.compliance
     contacts, _, m, n = g.shape
-    law, compliance = np.zeros((contacts, ROW)), given.compliance
-    w = np.zeros((3, 3))
+    law, w = np.zeros((contacts, ROW)), np.zeros((3, 3))
     for c in range(contacts):
-        cross = index[c, 0] == index[c, 1]
+        cross = places[c, 0] == places[c, 1]
         for i in range(m):
             for j in range(m):
                 total = 0.0
@@ -96,11 +105,11 @@ def contact_table(given, g, q, index, p):
                 w[i, j] = total
             if len(compliance):
                 w[i, i] += compliance[c, i]
-        if is_coupled(given):
-            read_own_block(given, c, w)
-        prepare_law(w, m, given.mu[c], law, c)
+        if is_coupled(problem):
+            read_own_block(problem, c, w)
+        prepare_law(w, m, problem.mu[c], law, c)
         for i in range(m):
-            law[c, Q + i], law[c, P + i] = q[c, i], p[c, i]
+            law[c, Q + i], law[c, P + i] = problem.offset[c, i], p[c, i]
             if len(compliance):
                 law[c, C + i] = compliance[c, i]
     return law
@@ -118,23 +127,6 @@ def read_own_block(given, c, w):
             for i in range(m):
                 for j in range(m):
                     w[i, j] = d * data[k, i, j]
-
-
-@kernel()
-def scaled_problem(given, p):
-    """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m); y is not yet set."""
-    factor, g, q, index = scale_by_mass(given)
-    n, table, size, nothing = len(given.n), contact_table(given, g, q, index, p), 0.0, np.empty(0, dtype=np.int64)
-    y = np.zeros((len(given.v_free) + 1, n))
-    for c in range(len(table)):
-        for i in range(len(given.m)):
-            size += q[c, i] * q[c, i] / table[c, SCALE]
-    rows = Geometry(np.empty((0, 3, 3)), np.empty((0, 2, 3)), g)
-    problem = OrderedProblem(
-        given.inverse_mass, np.empty((0, n, n)), given.v_free, index, nothing, rows, q, given.mu, given.compliance, nothing,
-        table[:, SCALE].copy(), given.coupling, given.m, given.n,
-    )  # fmt: skip
-    return ScaledProblem(factor, problem, table, y, size)
 
 
 @kernel(inline="always")

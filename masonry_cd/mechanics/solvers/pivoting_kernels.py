@@ -10,7 +10,7 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.contact_geometry import add_impulse_of_side
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK, has_friction
-from masonry_cd.mechanics.friction.operators import velocity_of_contact
+from masonry_cd.mechanics.friction.operators import form_of_problem, velocity_of_contact
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
 from masonry_cd.mechanics.solvers.linearised import factorise
 from masonry_cd.mechanics.solvers.proximal_kernels import (
@@ -121,10 +121,10 @@ def pivot(problem, work, path, k):
 
     The rate of v follows, by the formula of Sherman and Morrison.
     """
-    z, c = path.z[k], path.contact[k]
+    z, c, form = path.z[k], path.contact[k], form_of_problem(problem)
     z[:] = 0.0
     for side in range(2):
-        add_impulse_of_side(problem.geometry, c, side, problem.places[c, side], len(problem.n), (path.a[0], path.a[1], 0.0), z)
+        add_impulse_of_side(form, problem.geometry, c, side, problem.places[c, side], len(problem.n), (path.a[0], path.a[1], 0.0), z)
     solve_ldu(work.factor, z)
     z[-1] = 0.0
     apply_earlier(problem, path, k)
@@ -167,11 +167,11 @@ def next_kink(problem, springs, path, taken):
 
 
 @kernel()
-def set_out(shares, moved, work, springs, stiffness, path, left, held):
+def set_out(shares, problem, work, springs, stiffness, path, left, held):
     """Factorise where the path is, and find its rate there; False if the matrix is singular."""
-    spring_residual(shares, moved, springs, stiffness, path.v, held, path.residual)
-    spring_blocks(shares, moved, springs, stiffness)
-    if factorise(shares, moved, work, springs.block) == 0.0:
+    spring_residual(shares, problem, springs, stiffness, path.v, held, path.residual)
+    spring_blocks(shares, problem, springs, stiffness)
+    if factorise(shares, problem, work, springs.block) == 0.0:
         return False
     path.rate[:] = 0.0
     add_flat(path.rate, 1.0 / left, path.residual)
@@ -181,30 +181,30 @@ def set_out(shares, moved, work, springs, stiffness, path, left, held):
 
 
 @kernel()
-def follow(shares, moved, work, springs, stiffness, goal, most, path):
+def follow(shares, problem, work, springs, stiffness, goal, most, path):
     """Follow the path from v until the residual vanishes; there is one thread.
 
     Returns whether it does, and the number of factorisations: not where the path folds back, ends in a ray, or takes more than ``most``.
     """
     for c in range(len(springs.x)):
-        soft_n, soft_t = softness(moved.compliance, moved.d[c] / stiffness, c, 2)
+        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, 2)
         path.hard[c, 0], path.hard[c, 1] = 1.0 / soft_n, 1.0 / soft_t
     left = 1.0  # share of the residual at the start
     held: np.bool = FREE  # whether statuses are known, or follow the trial impulses
     for spent in range(1, most + 1):
-        if not set_out(shares, moved, work, springs, stiffness, path, left, held):
+        if not set_out(shares, problem, work, springs, stiffness, path, left, held):
             return False, spent
         held, taken = HELD, 0.0
         for k in range(UPDATES):
-            step, c, beyond = next_kink(moved, springs, path, taken)
+            step, c, beyond = next_kink(problem, springs, path, taken)
             if step >= left:
                 add_flat(path.v, left, path.rate)
-                spring_residual(shares, moved, springs, stiffness, path.v, HELD, path.residual)
+                spring_residual(shares, problem, springs, stiffness, path.v, HELD, path.residual)
                 return True, spent
             taken, left = step, left - step
             add_flat(path.v, step, path.rate)
-            change_block(moved, springs, path, k, c, step, beyond)
-            if not pivot(moved, work, path, k) > 0.0:
+            change_block(problem, springs, path, k, c, step, beyond)
+            if not pivot(problem, work, path, k) > 0.0:
                 return False, spent
     return False, most
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
-from masonry_cd.mechanics.friction.operators import OrderedProblem, has_unit_masses
+from masonry_cd.mechanics.friction.operators import has_unit_masses
 from masonry_cd.mechanics.linalg.threads import take, wait
 from masonry_cd.mechanics.solvers.linearised import STIFFEST, contact_change, contact_velocity, keep_better, map_norm, missing_momentum
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, copy_share, sum_of
@@ -35,8 +35,8 @@ class Springs(NamedTuple):
     block: np.ndarray  # (C, m, m) B = -dp/du
     v: np.ndarray  # (B + 1, n) velocities of the centre
     own: np.ndarray  # (B + 1, n) those of its impulses
-    free: np.ndarray  # (B + 1, n) memory for :func:`movable`
-    offset: np.ndarray  # (C, m) likewise
+    free: np.ndarray  # (B + 1, n) v_free less v: velocities are counted from those of the centre, which spares rounding
+    offset: np.ndarray  # (C, m) H v + b
 
 
 class Course(NamedTuple):
@@ -106,16 +106,6 @@ def break_ties(offset, size):
         flat[i] += size * (multiple - math.floor(multiple))
 
 
-@kernel()
-def movable(problem, free, offset):
-    """The problem in the change of the velocities from those of a centre, which spares rounding; free (B + 1, n) and offset (C, m) are
-    memory for what changes with it."""
-    return OrderedProblem(
-        problem.inverse, problem.mass, free, problem.places, problem.block, problem.geometry, offset, problem.mu, problem.compliance,
-        problem.width, problem.d, problem.coupling, problem.m, problem.n,
-    )  # fmt: skip
-
-
 @borrower()
 def spring_residual(shares, problem, springs, stiffness, v, held, out):
     """Fill x and p of the springs at velocities v, and out = M (v_free - v) + G p (B + 1, n); returns the norm of that in M^-1.
@@ -124,7 +114,7 @@ def spring_residual(shares, problem, springs, stiffness, v, held, out):
     """
     m, compliance, d, x, p, centre = len(problem.m), problem.compliance, problem.d, springs.x, springs.p, springs.centre
     mu, status, (first, end) = problem.mu, springs.status, shares.contacts
-    contact_velocity(shares, problem, v, x)
+    contact_velocity(shares, problem, springs.offset, v, x)
     for c in range(first, end):
         soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
         for i in range(m):
@@ -137,7 +127,7 @@ def spring_residual(shares, problem, springs, stiffness, v, held, out):
         share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
         for i in range(m):
             p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
-    missing_momentum(shares, problem, v, springs.p, out)
+    missing_momentum(shares, problem, springs.free, v, springs.p, out)
     return norm_of_momentum(shares, problem, out)
 
 
@@ -182,18 +172,18 @@ def proximal_points(settle, shares, problem, work, inside, course, answer, setti
     copy_share(shares.contacts, answer.impulse, springs.centre)
     copy_share(shares.contacts, answer.impulse, springs.p)
     copy_share(shares.rows, answer.velocity, springs.v)
-    moved, error = movable(problem, springs.free, springs.offset), answer.error[0]
+    error = answer.error[0]
     stiffness, growth, fall = min(max(1.0 / max(error, 1e-300), course.softest), course.stiffest), course.growth, course.fall
     iterations, failed, idle = 0, 0, 0
     while max(iterations, idle) < settings.limit and answer.error[0] > settings.tolerance and failed < course.failures:
         goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
         most = min(settings.limit - iterations, course.iterations)
-        add_share(shares.rows, problem.free, -1.0, springs.v, moved.free)  # velocities are counted from that of the centre
-        contact_velocity(shares, problem, springs.v, moved.offset)
+        add_share(shares.rows, problem.free, -1.0, springs.v, springs.free)
+        contact_velocity(shares, problem, problem.offset, springs.v, springs.offset)
         search.v[shares.rows[0] : shares.rows[1]] = 0.0
         if course.ties > 0.0:
             break_ties(springs.offset, course.ties * min(settings.tolerance, TIGHT) * answer.speed)
-        solved, spent = settle(shares, moved, work, springs, stiffness, goal, most, search)
+        solved, spent = settle(shares, problem, work, springs, stiffness, goal, most, search)
         iterations += spent
         idle += spent == 0
         new = map_norm(shares, problem, springs.p, work.scratch, springs.own) / answer.size

@@ -39,14 +39,33 @@ def test_rows_are_those_of_frame_and_arms() -> None:
         assert not arm[~on, side].any()
 
 
-@pytest.mark.parametrize("change", [lambda problem: problem, coupled, on_one_block], ids=["centred", "coupled", "on one block"])
+def test_rows_in_a_plane_turn_about_its_normal() -> None:
+    """d_i and a . d_i, with a = e x r, on the first body, the opposite on the second."""
+    problem = scenes.in_plane(scenes.thrown(0.3))
+    axes, arm = problem.geometry.frame, problem.geometry.arm
+    for side, sign in enumerate((1.0, -1.0)):
+        on = problem.bodies[:, side] >= 0
+        moment = np.einsum("ck,cik->ci", arm[:, side], axes)[:, :, None]
+        np.testing.assert_allclose(problem.jacobian[on, side], sign * np.concatenate([axes, moment], axis=2)[on], rtol=1e-14)
+        assert not problem.jacobian[~on, side].any()
+
+
+def in_plane_on_one_block(problem: FrictionProblem) -> FrictionProblem:
+    """A planar problem with a contact between two places of one block."""
+    return on_one_block(scenes.in_plane(problem))
+
+
+CHANGES = {"centred": lambda problem: problem, "coupled": coupled, "on one block": on_one_block, "in a plane": in_plane_on_one_block}
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_arms_act_as_their_rows_do(change) -> None:
     """H v, H^T p and, by way of the error, the scales d."""
     problem = change(scenes.thrown(0.3))
     by_rows, random = replace(problem, geometry=Geometry.by_rows(problem.jacobian)), np.random.default_rng(1)
     v, p = random.normal(size=problem.v_free.shape), random.normal(size=problem.offset.shape)
     h = problem.jacobian_matrix()
-    np.testing.assert_allclose(problem.relative_velocity(v) - problem.offset, (h @ v.ravel()).reshape(-1, 3), rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(problem.relative_velocity(v) - problem.offset, (h @ v.ravel()).reshape(p.shape), rtol=0.0, atol=1e-12)
     np.testing.assert_allclose(by_rows.relative_velocity(v), problem.relative_velocity(v), rtol=0.0, atol=1e-12)
     speed = by_rows.body_velocity(p)
     np.testing.assert_allclose(problem.body_velocity(p), speed, rtol=0.0, atol=1e-12 * np.abs(speed).max())

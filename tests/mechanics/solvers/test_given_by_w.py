@@ -8,10 +8,9 @@ import pytest
 import scenes
 from scipy import sparse
 
-from masonry_cd.mechanics.friction.coupling import in_places, is_definite, pattern_of
+from masonry_cd.mechanics.friction.coupling import is_definite
 from masonry_cd.mechanics.friction.law_terms import errors_by_group
 from masonry_cd.mechanics.friction.problem import LocalProblem, natural_map_error
-from masonry_cd.mechanics.linalg.small_blocks import size_tuple
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 ITERATIVE = ("accelerated", "admm", "auto", "interior", "newton", "nlgs")
@@ -59,7 +58,4 @@ def test_errors_by_group_add_up_to_that_of_all() -> None:
 def test_definite_is_what_the_least_eigenvalue_says(least: float, definite: bool) -> None:
     values, vectors = np.array([least, *np.linspace(0.5, 2.0, 5)]), np.linalg.qr(np.random.default_rng(1).normal(size=(6, 6)))[0]
     problem = LocalProblem(sparse.csr_matrix(vectors @ np.diag(values) @ vectors.T), np.zeros((2, 3)), np.ones(2))
-    given = problem.arrays()
-    pattern = pattern_of(2, given.bodies, given.coupling)
-    coupling, scale = in_places(given.coupling, pattern), problem.scales()[pattern.order]
-    assert is_definite(coupling, pattern.place[:, None], scale, 1e-6, pattern.symbolic, size_tuple(3)) == definite
+    assert is_definite(problem.w, 1e-6) == definite

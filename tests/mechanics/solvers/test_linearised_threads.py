@@ -41,7 +41,7 @@ def answer(
 
 def eliminated(problem: FrictionProblem) -> Elimination:
     """How its bodies are eliminated."""
-    _, factors, places, block = admm.recall(problem.arrays(), None)
+    _, factors, places, block = admm.recall(problem, None)
     return Elimination(factors.pattern.order, factors.pattern.symbolic, places, block)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Contacts side by side: u = H v and H^T p of four joints at once, in the lanes of the processor's registers (linalg/vectors.py).
+r"""Contacts by subtree, by joint, and by groups of four joints: u = H v and H^T p of four at once, in the lanes of registers (vectors.py).
 
 Contacts wait for divisions and roots; four joints in lanes take hardly longer than one. All contacts of a joint in space lie on the same
 two rigid faces and have one frame d = (n, t1, t2). With the relative motion of the two blocks at the first of them, r_a and r_b from their
@@ -11,7 +11,8 @@ and a contact that lies at a from there, in the frame too, has the velocity u = 
 of the joint, which goes back to the blocks in the same way. So a contact needs three numbers in place of the 36 of its rows of H, and a
 joint fifteen: of four contacts, a sixth of the data and a quarter of the operations.
 
-Contacts that have rows of H (contact_geometry.py) are joints of their own, and their twist is their velocity.
+In a plane there is one rotation, and a is what the contact moves by at unit rotation: u = t + omega a, and p adds (p, a . p). Contacts that
+have rows of H (contact_geometry.py) are joints of their own, and their twist is their velocity.
 
 A matrix of lanes has four columns for each of its fields. Where a group has fewer than four joints, or a joint fewer contacts than its
 neighbours, places stay empty: they have no number, scale, stiffness or impulse, and stand for contacts between supports.
@@ -23,11 +24,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.jit import borrower
-from masonry_cd.mechanics.friction.contact_geometry import Geometry, arm_at, axes_at
-from masonry_cd.mechanics.friction.natural_map import squared_residual
-from masonry_cd.mechanics.friction.operators import trace_of_contact, unknowns_at
+from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.mechanics.friction.contact_geometry import Geometry, shares_faces
+from masonry_cd.mechanics.friction.operators import ProblemArrays, unknowns_at
+from masonry_cd.mechanics.linalg.ghost_rows import nodes_of
 from masonry_cd.mechanics.linalg.small_blocks import size_tuple
+from masonry_cd.mechanics.linalg.sorting import sorted_by
+from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.triples import cross, in_axes, inner, minus, out_of_axes, plus, scaled, times
 from masonry_cd.mechanics.linalg.vectors import (
     LANES,
@@ -44,13 +47,14 @@ from masonry_cd.mechanics.linalg.vectors import (
 
 # Fields of the table of contacts: a [m], b [m/s], C, mu, d = trace(W_cc + C_cc) / m, R; then what the law needs of them, see put_stiffness
 ARM, OFFSET, COMPLIANCE, MU, SCALE, STIFFNESS, NORMAL, TANGENT, STRETCH, SHARE, FIELDS = 0, 3, 6, 9, 10, 11, 12, 13, 14, 15, 16
-AXES, ARMS, NUMBERS = 0, 9, 15  # fields of a frame: d_0, d_1, d_2, and r_a, r_b
+NUMBERS = 15  # fields of a frame: d_0, d_1, d_2, and from ARMS on r_a, r_b; in a plane eight: d_0, d_1, and from PLANE_ARMS on a_a, a_b
+AXES, ARMS, PLANE_ARMS = 0, 9, 4
 
 
 class ContactGroups(NamedTuple):
     """C contacts by their joints, and these by fours: G groups, whose contacts have L rows of the table, four in each.
 
-    A twist has s components: 6, or where each contact is a joint of its own as many as that has rows.
+    A twist has s components: 6, in a plane 3, or where each contact is a joint of its own as many as that has rows.
     """
 
     subtree: np.ndarray  # (K + 1,) first group of each subtree; a joint belongs to that of the one of its two bodies eliminated first
@@ -63,6 +67,7 @@ class ContactGroups(NamedTuple):
     rows: np.ndarray  # (G, 2 s n * 4) H where they have none, or else (0, ...)
     table: np.ndarray  # (L, 16 * 4)
     s: tuple[int, ...]  # s zeros
+    m: tuple[int, ...]  # as many zeros as a contact has rows
 
 
 @borrower(forceinline=True)
@@ -85,6 +90,12 @@ def put_three(matrix, row, k, values):
 
 
 @borrower(forceinline=True)
+def rotations(groups):
+    """Rotations in a twist: three in space, one in a plane, none where contacts have rows of H."""
+    return len(groups.s) - len(groups.m)
+
+
+@borrower(forceinline=True)
 def axes_of(groups, g):
     """The axes n, t1, t2 of the joints of group g."""
     return three(groups.frame, g, AXES), three(groups.frame, g, AXES + 3), three(groups.frame, g, AXES + 6)
@@ -100,12 +111,19 @@ def row_of_h(groups, g, side, i, k, n):
 def twist_of(groups, g, v, problem):
     """The relative twists t, omega of the bodies of group g, three components each, for body velocities v (N + 1, n)."""
     t0 = t1 = t2 = nothing = fill_four(0.0)
-    if len(groups.s) > 3:
+    if rotations(groups) == 3:
         a, b, frame = gather_six(v, groups.place, g, 0), gather_six(v, groups.place, g, LANES), groups.frame
         axes = axes_of(groups, g)
         moves_a, turns_a, moves_b, turns_b = (a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5])
         moves_a, moves_b = plus(moves_a, cross(turns_a, three(frame, g, ARMS))), plus(moves_b, cross(turns_b, three(frame, g, ARMS + 3)))
         return in_axes(axes, minus(moves_a, moves_b)), in_axes(axes, minus(turns_a, turns_b))
+    if rotations(groups) == 1:
+        frame, place = groups.frame, groups.place
+        turn_a, turn_b = gather(v, place, g, 0, 2), gather(v, place, g, LANES, 2)
+        x = gather(v, place, g, 0, 0) + turn_a * field(frame, g, 4) - (gather(v, place, g, LANES, 0) + turn_b * field(frame, g, 6))
+        y = gather(v, place, g, 0, 1) + turn_a * field(frame, g, 5) - (gather(v, place, g, LANES, 1) + turn_b * field(frame, g, 7))
+        t0, t1 = field(frame, g, 0) * x + field(frame, g, 1) * y, field(frame, g, 2) * x + field(frame, g, 3) * y
+        return (t0, t1, nothing), (nothing, nothing, turn_a - turn_b)
     n = len(problem.n)
     for side in range(2):
         for k in range(unknowns_of(groups, g, problem)):
@@ -121,14 +139,24 @@ def twist_of(groups, g, v, problem):
 def add_wrench(groups, g, wrench, out, problem):
     """out (., n) += H^T p of the joints of group g, given by their wrenches: force and moment."""
     force, moment = wrench
-    if len(groups.s) > 3:
-        frame = groups.frame
+    frame, target = groups.frame, groups.target
+    if rotations(groups) == 3:
         axes = axes_of(groups, g)
         force, moment = out_of_axes(axes, force), out_of_axes(axes, moment)
         of_a, of_b = plus(moment, cross(three(frame, g, ARMS), force)), plus(moment, cross(three(frame, g, ARMS + 3), force))
-        scatter_six(out, groups.target, g, 0, (force[0], force[1], force[2], of_a[0], of_a[1], of_a[2]))
+        scatter_six(out, target, g, 0, (force[0], force[1], force[2], of_a[0], of_a[1], of_a[2]))
         force, of_b = scaled(-1.0, force), scaled(-1.0, of_b)
-        scatter_six(out, groups.target, g, LANES, (force[0], force[1], force[2], of_b[0], of_b[1], of_b[2]))
+        scatter_six(out, target, g, LANES, (force[0], force[1], force[2], of_b[0], of_b[1], of_b[2]))
+        return
+    if rotations(groups) == 1:
+        x = field(frame, g, 0) * force[0] + field(frame, g, 2) * force[1]
+        y = field(frame, g, 1) * force[0] + field(frame, g, 3) * force[1]
+        for side in range(2):
+            sign, arm = 1.0 - 2.0 * side, PLANE_ARMS + 2 * side
+            turned = moment[2] + (field(frame, g, arm) * x + field(frame, g, arm + 1) * y)
+            scatter(out, target, g, LANES * side, 0, sign * x)
+            scatter(out, target, g, LANES * side, 1, sign * y)
+            scatter(out, target, g, LANES * side, 2, sign * turned)
         return
     n = len(problem.n)
     for side in range(2):
@@ -136,7 +164,7 @@ def add_wrench(groups, g, wrench, out, problem):
             x = row_of_h(groups, g, side, 0, k, n) * force[0] + row_of_h(groups, g, side, 1, k, n) * force[1]
             if len(groups.s) == 3:
                 x += row_of_h(groups, g, side, 2, k, n) * force[2]
-            scatter(out, groups.target, g, LANES * side, k, x)
+            scatter(out, target, g, LANES * side, k, x)
 
 
 @borrower(forceinline=True)
@@ -151,7 +179,10 @@ def unknowns_of(groups, g, problem):
 @borrower(forceinline=True, fastmath={"contract"})
 def velocity_at(groups, row, twist):
     """H v of the contacts of a row, whose joints have these twists."""
-    return plus(twist[0], cross(twist[1], three(groups.table, row, ARM))) if len(groups.s) > 3 else twist[0]
+    (t, omega), arm = twist, three(groups.table, row, ARM)
+    if rotations(groups) == 3:
+        return plus(t, cross(omega, arm))
+    return (t[0] + omega[2] * arm[0], t[1] + omega[2] * arm[1], t[2]) if rotations(groups) == 1 else t
 
 
 @borrower(forceinline=True, fastmath={"contract"})
@@ -164,8 +195,12 @@ def law_velocity(groups, row, twist, p):
 @borrower(forceinline=True, fastmath={"contract"})
 def add_to_wrench(groups, row, wrench, p):
     """Wrenches of joints and the impulses p of their contacts of a row."""
-    moment = plus(wrench[1], cross(three(groups.table, row, ARM), p)) if len(groups.s) > 3 else wrench[1]
-    return plus(wrench[0], p), moment
+    (force, moment), arm = wrench, three(groups.table, row, ARM)
+    if rotations(groups) == 3:
+        moment = plus(moment, cross(arm, p))
+    elif rotations(groups) == 1:
+        moment = moment[0], moment[1], moment[2] + (arm[0] * p[0] + arm[1] * p[1])
+    return plus(force, p), moment
 
 
 @borrower(forceinline=True)
@@ -175,108 +210,40 @@ def no_wrench():
     return (x, x, x), (x, x, x)
 
 
-@borrower(forceinline=True, fastmath={"contract"})
-def squared_residuals(groups, row, w, p):
-    """Squared natural map residuals of the contacts of a row, none of empty places."""
-    d = field(groups.table, row, SCALE)
-    return where_at_most(d, 0.0, 0.0, squared_residual(p, w, field(groups.table, row, MU), d))
-
-
-@borrower(forceinline=True, fastmath={"contract"})
-def put_stiffness(table, row, r):
-    """Set R of a row of contacts, and S^-1 = R^-1 + C of the normal and of the tangents, the softer one for both.
-
-    The projection in the norm of S^-1 stretches a cone by S_n / S_t.
-    """
-    c0, c1, c2 = three(table, row, COMPLIANCE)
-    normal, tangent, mu = 1.0 + r * c0, 1.0 + r * where_at_most(c1, c2, c2, c1), field(table, row, MU)
-    stretch = mu * tangent / normal
-    store_lanes(table, row, LANES * STIFFNESS, r)
-    store_lanes(table, row, LANES * NORMAL, r / normal)
-    store_lanes(table, row, LANES * TANGENT, r / tangent)
-    store_lanes(table, row, LANES * STRETCH, stretch)
-    store_lanes(table, row, LANES * SHARE, 1.0 / (1.0 + mu * stretch))
-
-
 @borrower()
 def fill_group(problem, groups, g):
     """Fill the frames or rows and the table of group g, but for the stiffness; ``problem`` has its bodies in order."""
-    table, contact, geometry, place = groups.table, groups.contact, problem.geometry, groups.place
-    first, end, n, m, shared = groups.start[g], groups.start[g + 1], len(problem.n), len(problem.m), len(groups.s) > 3
+    table, contact, geometry = groups.table, groups.contact, problem.geometry
+    first, end, n, m = groups.start[g], groups.start[g + 1], len(problem.n), len(problem.m)
     table[first:end] = 0.0
     for lane in range(LANES):
         one = contact[first, lane]
-        if shared:
-            fill_frame(geometry, one, groups.frame, g, lane)
-        else:
+        if rotations(groups) == 0:
             for k in range(2 * m * n):
                 groups.rows[g, LANES * k + lane] = geometry.jacobian[one, k // (m * n), k // n % m, k % n] if one >= 0 else 0.0
+        for k in range(m * m if rotations(groups) > 0 else 0):
+            groups.frame[g, LANES * k + lane] = geometry.frame[one, k // m, k % m] if one >= 0 else 0.0
+        for k in range(2 * m if rotations(groups) > 0 else 0):
+            groups.frame[g, LANES * (m * m + k) + lane] = geometry.arm[one, k // m, k % m] if one >= 0 else 0.0
+        side = 0 if groups.place[g, lane] < len(problem.free) else 1
         for row in range(first, end):
             c = contact[row, lane]
             if c < 0:
                 break
-            if shared:
-                side = 0 if place[g, lane] < len(problem.free) else 1
-                arm = in_axes(axes_at(geometry, one), minus(arm_at(geometry, c, side), arm_at(geometry, one, side)))
-                for i in range(3):
-                    table[row, LANES * (ARM + i) + lane] = arm[i]
-            else:
-                table[row, LANES * SCALE + lane] = trace_of_contact(problem, c, place[g, lane], place[g, LANES + lane])
-            table[row, LANES * MU + lane] = problem.mu[c]
+            table[row, LANES * MU + lane], table[row, LANES * SCALE + lane] = problem.mu[c], problem.d[c]
             for i in range(m):
+                for k in range(m if rotations(groups) > 0 else 0):
+                    apart = geometry.arm[c, side, k] - geometry.arm[one, side, k]
+                    table[row, LANES * (ARM + i) + lane] += geometry.frame[one, i, k] * apart
                 table[row, LANES * (OFFSET + i) + lane] = problem.offset[c, i]
                 if len(problem.compliance):
                     table[row, LANES * (COMPLIANCE + i) + lane] = problem.compliance[c, i]
-    if shared:
-        add_rigid_traces(groups, g, problem.inverse)
-    for row in range(first, end):
-        c0, c1, c2 = three(table, row, COMPLIANCE)
-        store_lanes(table, row, LANES * SCALE, (field(table, row, SCALE) + c0 + c1 + c2) * (1.0 / m))
-        for lane in range(LANES):
-            if contact[row, lane] < 0:
-                table[row, LANES * SCALE + lane] = 0.0
-
-
-@borrower()
-def fill_frame(geometry, c, frame, g, lane):
-    """Fill one lane of group g with the frame and the arms of contact c, or with zeros if that is -1."""
-    for k in range(9):
-        frame[g, LANES * (AXES + k) + lane] = geometry.frame[c, k // 3, k % 3] if c >= 0 else 0.0
-    for k in range(6):
-        frame[g, LANES * (ARMS + k) + lane] = geometry.arm[c, k // 3, k % 3] if c >= 0 else 0.0
 
 
 @borrower(forceinline=True, fastmath={"contract"})
 def arm_in_world(groups, row, axes):
     """Where contacts of a row lie from the first of their joint, in the axes of the world."""
     return out_of_axes(axes, three(groups.table, row, ARM))
-
-
-@borrower(fastmath={"contract"})
-def add_rigid_traces(groups, g, inverse):
-    """Add trace(W_cc) to the scales of the contacts of group g, joints between rigid blocks with M^-1 (N + 1, 6, 6).
-
-    At r from the centre of a block with M^-1 = (A, B; B^T, K) it is tr A + tr K |r|^2 - r . K r + 2 b . r in any axes, with b that of
-    which the skew part of B is a half.
-    """
-    entries, at = inverse.reshape((len(inverse), 36)), groups.place
-    axes = axes_of(groups, g)
-    for side in range(2):
-        first, centre = LANES * side, three(groups.frame, g, ARMS + 3 * side)
-        moves = gather(entries, at, g, first, 0) + gather(entries, at, g, first, 7) + gather(entries, at, g, first, 14)
-        k0 = gather(entries, at, g, first, 21), gather(entries, at, g, first, 22), gather(entries, at, g, first, 23)
-        k1 = k0[1], gather(entries, at, g, first, 28), gather(entries, at, g, first, 29)
-        k2 = k0[2], k1[2], gather(entries, at, g, first, 35)
-        turns = k0[0] + k1[1] + k2[2]
-        skew = (
-            gather(entries, at, g, first, 11) - gather(entries, at, g, first, 16),
-            gather(entries, at, g, first, 15) - gather(entries, at, g, first, 5),
-            gather(entries, at, g, first, 4) - gather(entries, at, g, first, 9),
-        )
-        for row in range(groups.start[g], groups.start[g + 1]):
-            r = plus(centre, arm_in_world(groups, row, axes))
-            trace = moves + turns * inner(r, r) - inner(r, in_axes((k0, k1, k2), r)) + 2.0 * inner(skew, r)
-            store_lanes(groups.table, row, LANES * SCALE, field(groups.table, row, SCALE) + trace)
 
 
 @borrower(fastmath={"contract"})
@@ -332,4 +299,99 @@ def scatter_stiffness(matrix, rows, g, at, sign, moments, r, s):
 
 def size_of_twist(geometry: Geometry, m: int) -> tuple[int, ...]:
     """As many zeros as the twists of contacts with m rows each have components, see small_blocks.py."""
-    return size_tuple(6 if len(geometry.frame) else m)
+    return size_tuple(m if geometry.is_by_rows else 3 * (m - 1))
+
+
+@entry()
+def group_contacts(
+    given: ProblemArrays, index: np.ndarray, block: np.ndarray, symbolic: SymbolicFactor, size_s: tuple[int, ...]
+) -> ContactGroups:
+    """Assign contacts to groups of joints, within subtrees; contacts between supports go to the last subtree.
+
+    The frames and the table are to be filled by :func:`fill_group`.
+
+    Args:
+        given: the problem.
+        index: (C, 2) places of the bodies of the contacts.
+        block: (C,) blocks that couple them.
+        symbolic: of the matrix.
+        size_s: as many zeros as a twist has components.
+    """
+    (contact, begin), s, size = sort_by_subtree(index, symbolic), len(size_s), len(symbolic.column) - 1
+    shared = s > len(given.m)
+    first, joint = split_into_joints(given.geometry, index, size, contact, begin, shared)
+    order, subtree, start = group_joints(first, joint)
+    groups, rows = len(start) - 1, start[-1]
+    contact_of, block_of = np.full((rows, LANES), -1, dtype=np.int64), np.full((groups, LANES), len(symbolic.row), dtype=np.int64)
+    place, target = np.full((groups, 2 * LANES), size, dtype=np.int64), np.full((groups, 2 * LANES), size, dtype=np.int64)
+    row = np.arange(size + 1)  # that stands for each place, seen from subtree q
+    for q in range(len(begin) - 1):
+        _, end = nodes_of(symbolic, q)
+        for t in range(symbolic.start[symbolic.subtree[q]], symbolic.start[symbolic.subtree[q + 1]]):
+            row[symbolic.below[t]] = symbolic.target[t]
+        for k in range(joint[q], joint[q + 1]):
+            g, lane, j = subtree[q] + (k - joint[q]) // LANES, (k - joint[q]) % LANES, order[k]
+            for t in range(first[j + 1] - first[j]):
+                contact_of[start[g] + t, lane] = contact[first[j] + t]
+            c = contact[first[j]]
+            block_of[g, lane] = block[c] if block[c] >= 0 else len(symbolic.row)
+            for side in range(2):
+                b = index[c, side]
+                place[g, LANES * side + lane] = b
+                target[g, LANES * side + lane] = row[b] if b >= end else b
+    of_h = 0 if shared else groups
+    return ContactGroups(
+        subtree, start, contact_of, place, target, block_of, np.empty((groups - of_h, NUMBERS * LANES)),
+        np.empty((of_h, 2 * s * len(given.n) * LANES)), np.empty((rows, FIELDS * LANES)), size_s, given.m,
+    )  # fmt: skip
+
+
+@kernel()
+def split_into_joints(geometry, index, size, contact, begin, shared):
+    """First contact (J + 1,) of each joint, of contacts in the order of ``contact`` (C,), and the first joint (K + 1,) of each subtree.
+
+    Each contact is a joint of its own if they are not ``shared``.
+    """
+    contacts = len(contact)
+    first, joint, joints = np.empty(contacts + 1, dtype=np.int64), np.empty(len(begin), dtype=np.int64), 0
+    for q in range(len(begin) - 1):
+        joint[q] = joints
+        for c in range(begin[q], begin[q + 1]):
+            if not shared or c == begin[q] or not shares_faces(geometry, index, size, contact[first[joints - 1]], contact[c]):
+                first[joints] = c
+                joints += 1
+    first[joints] = contacts
+    joint[-1] = joints
+    return first[: joints + 1], joint
+
+
+@kernel()
+def group_joints(first, joint):
+    """Joints (J,) subtree by subtree, those of most contacts first, and ``subtree`` and ``start`` of the groups that fours of them make."""
+    key, subtree, groups, most = np.empty(len(first) - 1, dtype=np.int64), np.zeros(len(joint), dtype=np.int64), 0, 0
+    for j in range(len(key)):
+        most = max(most, first[j + 1] - first[j])
+    for q in range(len(joint) - 1):
+        subtree[q + 1] = subtree[q] + (joint[q + 1] - joint[q] + LANES - 1) // LANES
+        for j in range(joint[q], joint[q + 1]):
+            key[j] = (q + 1) * most - (first[j + 1] - first[j])
+    order, _ = sorted_by(key, (len(joint) - 1) * most)
+    start = np.zeros(subtree[-1] + 1, dtype=np.int64)
+    for q in range(len(joint) - 1):
+        for k in range(joint[q], joint[q + 1], LANES):
+            start[groups + 1] = start[groups] + first[order[k] + 1] - first[order[k]]
+            groups += 1
+    return order, subtree, start
+
+
+@kernel()
+def sort_by_subtree(index, symbolic):
+    """Contacts (C,) sorted by the subtree of their first body, in order within each, and the starts (K + 1,) of the subtrees."""
+    count, size = len(symbolic.subtree) - 1, len(symbolic.column) - 1
+    subtree_of, own = np.full(size + 1, count - 1, dtype=np.int64), np.zeros(len(index), dtype=np.int64)
+    for q in range(count):
+        first, end = nodes_of(symbolic, q)
+        subtree_of[first:end] = q
+    for c in range(len(index) if count > 1 else 0):
+        own[c] = subtree_of[min(index[c, 0], index[c, 1])]
+    return sorted_by(own, count)
