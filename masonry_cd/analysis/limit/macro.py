@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import refuse_crushed, searched, searched_finely
+from masonry_cd.analysis.limit.analysis import refuse_crushed, searched_finely
 from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, Candidate, alike, dilation
 from masonry_cd.analysis.limit.crushing import solved_finely
 from masonry_cd.analysis.limit.held import held_at
@@ -21,7 +21,7 @@ from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
 from masonry_cd.analysis.limit.rigid_groups import RigidGroups, rigid_groups
-from masonry_cd.analysis.limit.search import Searched, begun_at
+from masonry_cd.analysis.limit.search import Searched, begun_at, least_factor
 from masonry_cd.analysis.limit.solution import LeastFound, Optimum, Unbounded
 from masonry_cd.foundation.quantities import counted
 from structures.macro_elements.element import HORIZONTAL_BENDING, MacroElement
@@ -152,7 +152,7 @@ def _searched(problem: LimitProblem, begin: tuple[int, int], known: Sequence[np.
     problem, best = solved_finely(problem, lambda finer: largest(finer, finer.dead, finer.live, MOST))
 
     def search(finer: LimitProblem) -> LeastFound | None:
-        own = Searched(searched(finer, best, *begin), begin[0])
+        own = Searched(least_factor(finer, best, *begin), begin[0])
         return begun_at(finer, own, known, MOST).least
 
     return best, searched_finely(problem, search)[1]
