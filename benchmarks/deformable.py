@@ -32,7 +32,7 @@ from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
-from masonry_cd.studies.study.numbers import of_run
+from masonry_cd.studies.study.task import of_run
 
 POISSON = 0.2
 DAMPED = ("damping=0.05", "damping_frequency=10.0")  # of what is elastic

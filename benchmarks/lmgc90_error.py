@@ -26,6 +26,7 @@ from scipy import sparse
 from scipy.spatial.transform import Rotation
 
 from benchmarks.scenes import GRAVITY, BenchScene
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.law_terms import error_bodies
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
@@ -98,7 +99,7 @@ def _problem(
     v_free = old[~fixed] + scene.dt * np.array([0.0, 0.0, -GRAVITY, 0.0, 0.0, 0.0])
     number = np.where(fixed, -1, np.cumsum(~fixed) - 1)
     mu = np.full(len(blocks), scene.friction)
-    problem = FrictionProblem(inverse_mass, v_free, number[blocks], jacobian, offset, mu, np.zeros_like(offset))
+    problem = FrictionProblem(inverse_mass, v_free, number[blocks], Geometry.by_rows(jacobian), offset, mu, np.zeros_like(offset))
     return problem, scene.dt * found["rloc"][:, [1, 0, 2]]
 
 

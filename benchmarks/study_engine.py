@@ -21,10 +21,10 @@ import numpy as np
 
 from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.studies.study.clusters import Where, connected
+from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import Engine
 from masonry_cd.studies.study.folder import JOINTS, StudyFolder
 from masonry_cd.studies.study.plan import Planned
-from masonry_cd.studies.study.space import Asked
 from masonry_cd.studies.study.task import ROWS, Outcome, Task
 
 JOINTS_OF_RUN = 30

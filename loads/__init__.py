@@ -3,6 +3,9 @@
 
 A kind of load is a :class:`loads.motion.LoadKind`, listed by name in the ``KINDS`` of a module in :mod:`loads.kinds`. Gravity acts in
 full from the start unless a table of kind "gravity" ramps it.
+
+Support s follows the sum over the tables  v_s(t) = sum_i share_is v_i(t - delay_is). Supports whose delays and shares agree in every table
+have one motion: it is computed once, and the assembly's ``support_of`` says which block follows which.
 """
 
 from __future__ import annotations
@@ -19,10 +22,8 @@ from loads import fill
 from loads.acted import Acted
 from loads.bar_frequency import check_together as check_ties
 from loads.bars import Forces
-from loads.combine import support_motions
 from loads.kinds.driven import check_inertia, check_together
 from loads.kinds.gravity import GravityTable
-from loads.kinds.sequence import Pause, Shock
 from loads.kinds.tie import TieTable, bar
 from loads.kinds.tilt import TiltTable, load_factors
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
@@ -33,12 +34,14 @@ from masonry_cd.foundation.extensions import Entries
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.guides import Guide
+from masonry_cd.mechanics.model.shocks import Pause, Shock
 
 __all__ = ["KINDS", "Loading", "build", "parse_load", "suggest"]
 
 REST = 1.0  # after the loads of a run that states no duration [s]
 FASTEST = 1e4  # speed of a support [m/s]
 STRONGEST = 1e6  # body force [m/s2]
+LARGEST = 4e9  # bytes that the motions of the supports may take
 
 KINDS: Entries[LoadKind] = Entries("loads.kinds", "KINDS")
 
@@ -54,7 +57,7 @@ class Loading:
         summary: the same numbers, ready for JSON.
         support_of: (B,) the motion that each block follows, -1 for a free block: the assembly's for this run; None without an assembly.
         shocks: of sequences, in order of time.
-        pauses: rests that the run loop may end early, see ``loads.kinds.sequence``.
+        pauses: rests that the run loop may end early, see :mod:`loads.kinds.sequence`.
         warnings: of what is likely a mistake in the tables.
         acted: how much of each load that says so has acted by a time.
         forces: on single blocks, which depend on where the blocks are, see ``loads.bars``; None where there are none.
@@ -122,7 +125,7 @@ def build(
     for part in parts:
         if part.acceleration is not None:
             acceleration += part.acceleration
-    velocity, support_of = support_motions(parts, grid)
+    velocity, support_of = _support_motions(parts, grid)
     _check_range("supports would move", velocity, FASTEST, "m/s")
     _check_range("blocks would be pulled", acceleration, STRONGEST, "m/s2")
     base = _base(velocity, grid.dt)
@@ -295,3 +298,52 @@ def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:
         "end_displacement": [float(d) for d in moved[-1, 0]],
         "largest_difference": float(np.sqrt((apart**2).sum(axis=1)).max()),
     }
+
+
+def _support_motions(parts: Sequence[Part], grid: RunGrid) -> tuple[np.ndarray, np.ndarray | None]:
+    """The distinct motions of the supports and which block follows which.
+
+    Args:
+        parts: what the tables contribute.
+        grid: the run.
+
+    Returns:
+        Velocities (N + 1, S, 3) [m/s], and ``support_of`` (B,), -1 for a free block; None without an assembly.
+
+    Raises:
+        InputError: more motions than memory should be asked for.
+    """
+    moving = [part for part in parts if part.motion is not None]
+    delays, shares, support_of = _distinct(moving, grid)
+    size = 24.0 * (grid.steps + 1) * len(delays)
+    if size > LARGEST:
+        many = f"{len(delays)} supports that each move on their own take {size / 1e9:.1f} GB over {grid.steps} steps"
+        raise InputError("loads", f"{many}; name fewer groups, or shorten the run")
+    velocity = np.zeros((grid.steps + 1, len(delays), 3))
+    for i, part in enumerate(moving):
+        assert part.motion is not None
+        done: dict[float, np.ndarray] = {}
+        for s, (delay, share) in enumerate(zip(delays[:, i], shares[:, i], strict=True)):
+            if share == 0.0:
+                continue
+            if delay not in done:
+                done = {delay: part.motion(grid.times - delay)}  # only the last is kept: rows are sorted by delay
+            velocity[:, s] += share * done[delay]
+    return velocity, support_of
+
+
+def _distinct(parts: Sequence[Part], grid: RunGrid) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """Delays and shares of the distinct motions by table, (S, tables) each, and the motion of each block (B,)."""
+    assembly, n = grid.assembly, len(parts)
+    if assembly is None or not assembly.fixed.any():
+        support_of = None if assembly is None else np.full(assembly.count, -1)
+        return np.zeros((1, n)), np.ones((1, n)), support_of
+    fixed = np.flatnonzero(assembly.fixed)
+    table = np.zeros((len(fixed), 2 * n + 1))  # a last column of zeros, for runs in which nothing moves
+    for i, part in enumerate(parts):
+        table[:, i] = 0.0 if part.delay is None else part.delay[fixed]
+        table[:, n + i] = 1.0 if part.share is None else part.share[fixed]
+    rows, index = np.unique(table, axis=0, return_inverse=True)
+    support_of = np.full(assembly.count, -1)
+    support_of[fixed] = index.ravel()
+    return rows[:, :n], rows[:, n : 2 * n], support_of

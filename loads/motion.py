@@ -25,6 +25,7 @@ from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.guides import Guide
+from masonry_cd.mechanics.model.shocks import Pause, Shock
 
 STANDARD_GRAVITY = 9.80665  # [m/s2], the g in which records are written (CGPM 1901); not the site's gravity
 ROUNDING = 1e-10
@@ -82,8 +83,8 @@ class Part:
     lines: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()  # of what is likely a mistake
     summary: dict[str, Any] = field(default_factory=dict)
-    shocks: tuple[Any, ...] = ()  # loads.kinds.sequence.Shock
-    pauses: tuple[Any, ...] = ()  # loads.kinds.sequence.Pause
+    shocks: tuple[Shock, ...] = ()
+    pauses: tuple[Pause, ...] = ()
     forces: tuple[PointLoad | Tie | Guide, ...] = ()
     acted: Acted | None = None  # how much of it has acted by a time; None of what acts all along, or does not say
 

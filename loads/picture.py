@@ -17,7 +17,7 @@ from loads.signal.baseline import History
 from loads.signal.intensity import arias, significant_window
 from loads.signal.response import default_periods, response_spectrum
 from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, in_a_line, parse_table
 from masonry_cd.foundation.figures import blank
 
 BEFORE, AFTER = "#9aa3ab", "#0b5fa5"
@@ -56,7 +56,7 @@ def record_picture(before: History, after: History, path: Path, title: str = "",
     except OSError as failure:
         raise InputError(path, f"the picture cannot be written: {(failure.strerror or str(failure)).lower()}") from None
     except ValueError as failure:  # an ending that no picture has
-        raise InputError(path, f"the picture cannot be written ({' '.join(str(failure).split())[:100]})") from None
+        raise InputError(path, f"the picture cannot be written ({in_a_line(failure)})") from None
 
 
 def file_picture(file: Path, picture: Path | None, dt: float = 1e-3, **keys: Any) -> Processed:

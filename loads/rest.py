@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from loads.kinds.sequence import Pause
+from masonry_cd.mechanics.model.shocks import Pause
 
 if TYPE_CHECKING:
     from loads import Loading

@@ -26,8 +26,7 @@ from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.grades import NAMES, read_grades
 from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
-from masonry_cd.analysis.outputs.measured import Measured
-from masonry_cd.analysis.outputs.summary import damage_numbers
+from masonry_cd.analysis.outputs.measured import Measured, damage_numbers
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.results import Results

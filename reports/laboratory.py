@@ -20,7 +20,7 @@ from masonry_cd.analysis.gauge_histories import (
 )
 from masonry_cd.analysis.pushover import PushCurve, push_curves
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, in_a_line
 from masonry_cd.foundation.fields import finite_number
 from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
@@ -49,8 +49,8 @@ INSIDE = 5  # curves at most whose legend goes into the plot
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
 
 
-def write_laboratory(results: Results, folder: Path, drawn: bool = True) -> Summary:
-    """Write the tables and, where they are to be ``drawn``, the plots; return the summary's share, nothing of a run without pushes."""
+def write_laboratory(results: Results, folder: Path) -> Summary:
+    """Write the tables and the plots; return the summary's share, nothing of a run without pushes."""
     if not results.gauges.any:
         return Summary()
     curves = push_curves(results)
@@ -65,9 +65,9 @@ def write_laboratory(results: Results, folder: Path, drawn: bool = True) -> Summ
     gauges = histories_of(results, asked=False)
     for kind, found in gauges.items():
         write_csv(folder / f"{kind}.csv", [TABLES[f"{kind}.csv"][0], *next(iter(found.values()))], _rows(found.items()), digits=10)
-    if drawn and curves:
+    if curves:
         save(push_figure([curve for curve in curves if curve.kind == "push"] or curves, title=results.title), folder / CURVE_PLOT)
-    if drawn and gauges:
+    if gauges:
         save(gauges_figure(gauges, results.title), folder / GAUGE_PLOT)
     return Summary(pushes=pushes) if pushes else Summary()
 
@@ -164,7 +164,7 @@ def read_measured(path: Path) -> list[Curve]:
     try:
         rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
     except (OSError, UnicodeDecodeError) as reason:
-        raise InputError(path, f"no measured curve can be read: {' '.join(str(reason).split())}") from None
+        raise InputError(path, f"no measured curve can be read: {in_a_line(reason)}") from None
     head = [cell.strip().lower() for cell in rows[0]] if rows and not all(finite_number(cell) is not None for cell in rows[0]) else []
     places = [next((head.index(name) for name in names if name in head), k) for k, names in enumerate(MEASURED)]
     values: list[list[float]] = []

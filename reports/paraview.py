@@ -38,9 +38,9 @@ from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
+from masonry_cd.io.block_arrays import Meshes
 from masonry_cd.io.hdf5_file import created
 from masonry_cd.io.layout import EDGE_STRESS, JOINT_HISTORIES
-from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import rotation_matrices
 from reports.drawing.bands import DrawnJoints

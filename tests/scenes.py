@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 
 GRAVITY = 9.81
@@ -37,17 +38,12 @@ def assemble(
     t1 = np.cross(helper, n)
     t1 /= np.linalg.norm(t1, axis=1)[:, None]
     frame = np.stack([n, t1, np.cross(n, t1)], axis=1)  # (C, 3 rows, 3)
-    jacobian = np.zeros((len(n), 2, 3, 6))
-    for side, sign in ((0, 1.0), (1, -1.0)):
-        on = bodies[:, side] >= 0
-        arm = points[on] - centres[bodies[on, side]]
-        jacobian[on, side, :, :3] = sign * frame[on]
-        jacobian[on, side, :, 3:] = sign * np.cross(arm[:, None, :], frame[on])  # frame . (omega x arm)
+    arm = np.where(bodies[:, :, None] >= 0, points[:, None] - centres[bodies], 0.0)
     offset = np.zeros((len(n), 3))
     if gap is not None:
         offset[:, 0] = np.maximum(gap, 0.0) / step
     friction = np.broadcast_to(mu, (len(n),)).astype(float).copy()
-    return FrictionProblem(inverse_mass, v_free, bodies, jacobian, offset, friction, np.zeros_like(offset))
+    return FrictionProblem(inverse_mass, v_free, bodies, Geometry.by_arms(frame, arm), offset, friction, np.zeros_like(offset))
 
 
 def _corners(low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -124,7 +120,7 @@ def tower(blocks: int, **kwargs: float) -> FrictionProblem:
 def apart() -> FrictionProblem:
     """A box that touches nothing."""
     one = tower(1)
-    return replace(one, jacobian=np.zeros((0, 2, 3, 6)), bodies=np.zeros((0, 2), dtype=np.int64), offset=np.zeros((0, 3)), mu=np.zeros(0))
+    return one.subset(np.zeros(one.contacts, dtype=np.bool_))
 
 
 def wall(columns: int, courses: int, **kwargs: float) -> FrictionProblem:

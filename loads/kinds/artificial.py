@@ -27,10 +27,9 @@ from loads.kinds.record import sample
 from loads.motion import DirectionKey, LoadKind, Part, Positive, RunGrid, describe, smooth_step
 from loads.signal.accelerogram import Processed, between
 from loads.signal.baseline import ORDERS, History, correct, integrate
-from loads.signal.code_spectrum import CodeSpectrum
+from loads.signal.code_spectrum import GROUND, CodeSpectrum, SiteSpectrum
 from loads.signal.intensity import in_words, reached
 from loads.signal.response import Oscillators, response_spectrum
-from loads.signal.site_spectrum import GROUND, SiteSpectrum
 from loads.supports import ShakingTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError

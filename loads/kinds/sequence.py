@@ -35,6 +35,7 @@ from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.fields import Span, is_number
 from masonry_cd.foundation.table_schema import rows
 from masonry_cd.foundation.units import Unit
+from masonry_cd.mechanics.model.shocks import Pause, Shock
 
 
 def _rest(value: object) -> float | str:
@@ -71,26 +72,6 @@ class SequenceTable(ShakingTable):
     """Speed below which a block counts as still."""
     hold: Span = 0.5
     """How long all blocks have to be still."""
-
-
-@dataclass(frozen=True)
-class Shock:
-    """When a shock acts: from step first to step last of the loads."""
-
-    name: str
-    first: int
-    last: int
-
-
-@dataclass(frozen=True)
-class Pause:
-    """Steps of the loads during which nothing changes; see the head of this file for what the run loop does with it."""
-
-    first: int
-    last: int
-    speed: float  # below which the structure counts as still [m/s]
-    hold: int  # steps that it has to be
-    after: str  # the shock before
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, P
 from loads.supports import Names, NeededNames, select_supports, structure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Instant, Span
-from masonry_cd.foundation.quantities import length
+from masonry_cd.foundation.quantities import counted, length
 from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.usual import LENGTHS
@@ -83,7 +83,7 @@ def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
     return Part(
         motion=_pulse(table, grid, where),
         share=moving,
-        lines=(f"{where} settlement of {_count(moving)} by {along}, {_when(table)}",),
+        lines=(f"{where} settlement of {counted(int(moving.sum()), 'support')} by {along}, {_when(table)}",),
         warnings=_all_alike(moving > 0.0, grid, where),
         summary=_summary(table, moving, grid),
         acted=_acted(table, where),
@@ -131,7 +131,7 @@ def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
     return Part(
         motion=_pulse(table, grid, where),
         share=share,
-        lines=(f"{where} spreading of {_count(moving)} by {table.displacement:g} m {over}, {_when(table)}",),
+        lines=(f"{where} spreading of {counted(int(moving.sum()), 'support')} by {table.displacement:g} m {over}, {_when(table)}",),
         summary=_summary(table, moving, grid),
         acted=_acted(table, where),
     )
@@ -170,12 +170,6 @@ def _when(table: SpreadingTable) -> str:
 def _acted(table: SpreadingTable, where: str) -> Acted:
     """By the displacement reached, d(t) of the head of this file."""
     return over_time(where, "displacement", table.start, table.duration, lambda x: x * x * x * (10.0 + x * (6.0 * x - 15.0)))
-
-
-def _count(moving: np.ndarray) -> str:
-    """How many supports a mask has, in words."""
-    count = int(np.count_nonzero(moving))
-    return f"{count} support{'s' if count > 1 else ''}"
 
 
 def _summary(table: SpreadingTable, moving: np.ndarray, grid: RunGrid) -> dict[str, object]:

@@ -15,6 +15,7 @@ from typing import Any
 
 from loads.readers.pieces import joined, of_channel_asked, of_traces
 from loads.readers.source import RawRecord, Reader, Request, Source
+from masonry_cd.foundation.errors import in_a_line
 from masonry_cd.foundation.extras import require
 
 BEGINNINGS = (re.compile(rb"\d{6}[DRQM][ \0]"), re.compile(rb"MS\x03"))  # of files of version 2 and 3
@@ -43,7 +44,7 @@ def _open(source: Source) -> list[Any]:
             warnings.simplefilter("error")  # obspy only warns of broken records, and returns what is left
             stream = _read_mseed(io.BytesIO(source.data))
     except Exception as failure:  # of many kinds, obspy's own and those of its C library
-        raise source.error(f"not readable as miniSEED ({' '.join(str(failure).split())[:120]})") from None
+        raise source.error(f"not readable as miniSEED ({in_a_line(failure)})") from None
     if not stream:
         raise source.error("no samples in the file")
     return sorted(stream, key=lambda trace: trace.id)

@@ -35,8 +35,8 @@ def reached(where: str, histories: Sequence[tuple[float, History]]) -> Acted:
     return Acted(where, "Arias intensity", end, lambda time: share_of(sum(float(np.interp(time, *one)) for one in built), total))
 
 
-def significant_window(history: History, low: float = 0.05, high: float = 0.95) -> tuple[float, float]:
-    """When the Arias intensity passes two shares of its end value, times since the first sample [s].
+def significant_window(history: History) -> tuple[float, float]:
+    """When the Arias intensity passes 5 and 95 % of its end value, times since the first sample [s].
 
     Linear between samples. (0, 0) for a record that is zero throughout.
     """
@@ -44,7 +44,7 @@ def significant_window(history: History, low: float = 0.05, high: float = 0.95) 
     if built[-1] == 0.0:
         return 0.0, 0.0
     times = history.step * np.arange(len(built))
-    begin, end = np.interp([low * built[-1], high * built[-1]], built, times)
+    begin, end = np.interp([0.05 * built[-1], 0.95 * built[-1]], built, times)
     return float(begin), float(end)
 
 

@@ -109,9 +109,9 @@ class Oscillators:
         return x, v
 
 
-def default_periods(count: int = 100, shortest: float = 0.02, longest: float = 4.0) -> np.ndarray:
+def default_periods(count: int) -> np.ndarray:
     """Periods (count,) that are even on a logarithmic axis [s]."""
-    return libm.geometric(shortest, longest, count)
+    return libm.geometric(0.02, 4.0, count)
 
 
 def _transition(omega: float, damping: float, h: float) -> np.ndarray:

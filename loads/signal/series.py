@@ -92,7 +92,8 @@ def _quantity(raw: RawRecord, keys: Keys, where: str, path: str) -> str:
     asked, units = keys.quantity, keys.units
     by_key = _by_unit(units, f'units = "{units}"')
     if units is not None and by_key is None:
-        raise InputError(f"{where}.units", f'unknown unit "{units}"; known: {_known()}')
+        known = "; ".join(f"{', '.join(sizes)} of {quantity}" for quantity, sizes in UNITS.items())
+        raise InputError(f"{where}.units", f'unknown unit "{units}"; known: {known}')
     firm = _firm(raw, path)
     if firm and asked not in (None, firm.quantity):
         raise InputError(
@@ -149,8 +150,3 @@ def _size(raw: RawRecord, quantity: str, units: str | None, where: str, path: st
         says = f'says "{raw.unit}", which is no known unit' if raw.unit else "does not name its unit"
         raise InputError(f"{where}.units", f"missing, and {path} {says}; give one of {', '.join(UNITS[quantity])}")
     return found[1]
-
-
-def _known() -> str:
-    """All units, by quantity."""
-    return "; ".join(f"{', '.join(sizes)} of {quantity}" for quantity, sizes in UNITS.items())

@@ -10,7 +10,8 @@ import numpy as np
 
 from masonry_cd.mechanics.dynamics.adaptive import AdaptedStep, AdaptiveSteps
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
-from masonry_cd.mechanics.dynamics.pauses import Pauses, Shock
+from masonry_cd.mechanics.dynamics.pauses import Pauses
+from masonry_cd.mechanics.model.shocks import Shock
 
 
 class Advanced(NamedTuple):

@@ -9,7 +9,7 @@ from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.damage.verdict import FALSE_SHARE, bed_words, beyond_their_law, not_acted
 from masonry_cd.analysis.modal.left_out import left_out_lines
 from masonry_cd.analysis.pushover import push_line
-from masonry_cd.analysis.stress.words import stress_lines
+from masonry_cd.analysis.stress.summary import stress_lines
 from masonry_cd.analysis.verdict import NOT_GRADED, Verdict
 from masonry_cd.foundation.quantities import counted, force, in_words, length, per_cent
 from masonry_cd.io.summary import Summary

@@ -25,7 +25,7 @@ UNKNOWNS = ("three unknowns per block instead of six", "six unknowns per block i
 
 def left_out(scene: Scene, stepper: Stepper, report: RunReport) -> list[str]:
     """All that was left out of a run that has ended, one line each."""
-    lines = [_plane(scene, stepper), *_pairs(stepper, report), _impacts(report), _islands(scene, report), _solver(scene, report)]
+    lines = [_plane(scene, stepper), *_pairs(stepper, report), _islands(scene, report), _solver(scene, report)]
     lines += _laws(stepper)
     return [*lines, *_outputs(scene.report), packages_not_loaded()]
 
@@ -34,18 +34,14 @@ def _plane(scene: Scene, stepper: Stepper) -> str:
     """The reduction to a plane, or why there is none."""
     if stepper.plane is not None:
         axis, at = AXES[stepper.plane.axis], stepper.plane.at
+        unknowns = UNKNOWNS[(stepper.assembly.deformation is not None) + (stepper.system.facets is not None)]
         return (
             f"third dimension: the scene is its own mirror image about {axis} = {at:.4g} m and moves in that plane; half the contacts, "
-            f"two rows per contact instead of three, {UNKNOWNS[_kind(stepper)]}"
+            f"two rows per contact instead of three, {unknowns}"
         )
     if not scene.run.planar:
         return "third dimension: kept, since run.planar is false"
     return "third dimension: kept, since blocks or motion are not symmetric about one plane"
-
-
-def _kind(stepper: Stepper) -> int:
-    """Which of UNKNOWNS holds: for rigid blocks, for such of one strain, or for meshed ones."""
-    return (stepper.assembly.deformation is not None) + (stepper.system.facets is not None)
 
 
 def _pairs(stepper: Stepper, report: RunReport) -> list[str]:
@@ -59,13 +55,9 @@ def _pairs(stepper: Stepper, report: RunReport) -> list[str]:
         f"listed pairs: contact points kept {kept} times, since the pair had not moved; "
         f"not looked at {far} times, since it could not have met",
         f"iterations: none in {report.steps_as_before} of {report.steps} steps, in which the impulses of the last step were good enough",
+        f"impacts apart from forces: not solved in {report.steps - report.steps_apart} of {report.steps} steps, in which no gap closed "
+        "fast enough to matter",
     ]
-
-
-def _impacts(report: RunReport) -> str:
-    """Steps that needed no solution of impacts apart from forces."""
-    spared = report.steps - report.steps_apart
-    return f"impacts apart from forces: not solved in {spared} of {report.steps} steps, in which no gap closed fast enough to matter"
 
 
 def _islands(scene: Scene, report: RunReport) -> str:

@@ -37,14 +37,13 @@ def is_run(folder: Path) -> bool:
         return False
 
 
-def free_folder(folder: Path, marks: tuple[str, ...], force: bool, names: tuple[str, ...] = ()) -> None:
+def free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
     """Refuse a folder that holds results, is none, or cannot be written, or where a file of somebody else would be overwritten.
 
     Args:
         folder: for results; need not be there.
         marks: files that are results.
         force: overwrite them, as far as they are ours.
-        names: all that may be written, where that is more than the marks and is known before the work.
 
     Raises:
         InputError: names the folder, the files, and the remedy.
@@ -57,4 +56,4 @@ def free_folder(folder: Path, marks: tuple[str, ...], force: bool, names: tuple[
     if not force and any((folder / mark).exists() for mark in marks):
         raise InputError(folder, "holds results already; choose another folder, or --force to overwrite them")
     if marks != RUN:  # a run looks itself, once it knows all of its outputs
-        own_files.check(folder, names or marks)
+        own_files.check(folder, marks)

@@ -16,12 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from loads import kind_of
-from loads.motion import STANDARD_GRAVITY, FromFile
+from loads.motion import STANDARD_GRAVITY, STEEP, FromFile
 from loads.readers.orientation import Orientation, of_record
 from masonry_cd.foundation.units import Usual
 
 USUAL = Usual(0.05, 2.0 * STANDARD_GRAVITY, "records of interest have 0.005 to 2 g; are units and scale those of the file?")
-UPRIGHT = math.cos(math.radians(45.0))  # of the angle to the vertical
 APART = 20.0  # degrees: lines nearer than this are one
 ALIKE = 1e-9  # of the numbers of one motion read twice
 CLOSE = 2e-3  # of a ratio of units: 9.8, 9.81 and 9.82 are g
@@ -117,7 +116,7 @@ def _acting(motion: FromFile) -> Iterator[_Acting]:
 
 def _upright(one: _Acting) -> Iterator[tuple[str, str]]:
     """A vertical channel that acts level, or a horizontal one that acts upwards."""
-    points, upright = one.orientation, abs(float(one.direction[2])) > UPRIGHT
+    points, upright = one.orientation, abs(float(one.direction[2])) > STEEP
     if points is not None and points.vertical != upright:
         is_, acts = ("vertical", "level") if points.vertical else ("horizontal", "along the vertical")
         yield (

@@ -12,6 +12,7 @@ from masonry_cd.app.gauge_rows import GaugeRows
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.per_step import QUANTITIES, Made
 from masonry_cd.app.step_contacts import contacts_of, reactions_of
+from masonry_cd.io.block_arrays import Meshes
 from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.layout import (
     BONDED,
@@ -27,7 +28,6 @@ from masonry_cd.io.layout import (
     SHOCK_PEAKS,
     STRESS,
 )
-from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.mean_stress import MeanStress

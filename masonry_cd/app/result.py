@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Generic, TypeVar
 
@@ -47,8 +48,4 @@ def silent(line: str) -> None:
 
 def said(shown: bool) -> Say:
     """Takes the lines of a command at work, to standard error where they are to be shown."""
-    return _say if shown else silent
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
+    return partial(print, file=sys.stderr, flush=True) if shown else silent

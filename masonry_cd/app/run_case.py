@@ -5,11 +5,14 @@ from __future__ import annotations
 
 import math
 import os
+import shutil
 import signal
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.advance import Advance, Advanced
@@ -17,28 +20,32 @@ from masonry_cd.app.bed_checks import beds
 from masonry_cd.app.beginning import begin as begin_run
 from masonry_cd.app.beginning import pauses_of, stepper_of
 from masonry_cd.app.case import Case
+from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.closing_lines import run_warnings
-from masonry_cd.app.disc_space import check_disc_space, result_bytes
 from masonry_cd.app.dump import Dump
 from masonry_cd.app.explain import left_out
 from masonry_cd.app.folders import is_run, names_of_run
-from masonry_cd.app.inputs import digests
+from masonry_cd.app.inputs import digests, require_same
 from masonry_cd.app.load_factor import outcome, tie_bars
+from masonry_cd.app.per_step import QUANTITIES
 from masonry_cd.app.progress import Interrupt, Progress, TimedOut
-from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import Checkpoints, Plan
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.summary import loads_acted, run_summary, tolerances
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.atomic import part_of
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
+from masonry_cd.io.block_arrays import Meshes
 from masonry_cd.io.lock import locked
-from masonry_cd.io.meshes import Meshes
-from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.result_writer import ResultWriter, require_rows
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joint_laws import histories
+from masonry_cd.mechanics.model.joints import Joints
 from reports.files import known_files
 
 RESULTS = "result.h5"
@@ -94,7 +101,7 @@ def run_case(
         mended = ""
         if resume:
             own_files.begin(folder, names_of_run(), is_run)
-            mended = choose(case, stepper, folder / RESULTS, saved)
+            mended = _chosen(case, stepper, folder / RESULTS, saved)
             dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, case.steps)
         else:
             _clear(folder)
@@ -259,3 +266,68 @@ def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
         )
     numbers = checkpoint.load(saved)[1]
     return ResultWriter.resumed(file, numbers["rows"], numbers["mark"], sums=False)
+
+
+NUMBER = 8  # bytes
+OF_BLOCK = 3 + 4 + 6  # numbers of a frame: position, orientation, velocity
+OF_STRAIN = 9  # those of its gradient, where blocks deform
+OF_STRESS = (6, 2)  # numbers of a frame: of a block, and of a joint
+OF_SUPPORT = 6  # numbers of a frame: force and moment
+OF_JOINT = 6 + 3 + 3  # numbers of a frame: six histories, the force and its place, see io/results.py; and those of their laws
+
+
+def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int, stress: bool = False, of_meshes: int = 0) -> float:
+    """About how large result.h5 will be, its ties and shocks apart [B].
+
+    ``stress``: it keeps stress; ``of_meshes``: numbers of a frame that meshed blocks then have besides, in single precision.
+    """
+    of_block = OF_BLOCK + (0 if assembly.deformation is None else OF_STRAIN)
+    frame = 1 + of_block * assembly.count + (OF_JOINT + len(histories(assembly.laws))) * joints.count
+    frame += OF_SUPPORT * int(assembly.fixed.sum())
+    frame += (OF_STRESS[0] * assembly.count + OF_STRESS[1] * joints.count) * stress
+    return float(NUMBER) * ((frame + 0.5 * of_meshes * stress) * frames + len(QUANTITIES) * steps)
+
+
+def check_disc_space(folder: Path, needed: float, there: float = 0.0) -> None:
+    """Refuse a run whose results do not fit on the disc.
+
+    Args:
+        folder: for the results; it need not exist.
+        needed: of the results in all [B].
+        there: what the folder holds of them already [B].
+
+    Raises:
+        InputError: names what is needed and what is free.
+    """
+    place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    free = float(shutil.disk_usage(place).free)
+    if needed - there > free:
+        raise InputError(
+            "run.frames_per_second",
+            f"the results would take about {needed / 1e9:.3g} GB, {free / 1e9:.3g} GB are free where {folder} lies; "
+            "fewer frames, larger steps or a shorter run take less",
+        )
+
+
+def _chosen(case: Case, stepper: Stepper, results: Path, saved: Path) -> str:
+    """Put the last checkpoint that can be gone on from in its place; return a line where it is not the last that was taken, or "".
+
+    Args:
+        case: as it is now.
+        stepper: at its start.
+        results: of the run.
+        saved: the last checkpoint.
+
+    Raises:
+        InputError: other inputs than those of the results, or no checkpoint that can be gone on from. Nothing is changed.
+    """
+    with Results.open(results) as found:
+        if found.scene != case.scene.text:
+            raise InputError(results, "made by another scene; resume with the same scene file and the same --set")
+        require_same(digests(case), found.inputs, results)
+
+        def fits(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
+            check_content(arrays, numbers, stepper, case.joints.count, case.scene.stress)
+            require_rows(found, numbers["rows"], numbers["mark"])
+
+        return checkpoint.mend(saved, fits)

@@ -28,9 +28,10 @@ from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.dynamics.adaptive import AdaptedStep, AdaptiveSteps
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper, StepReport
-from masonry_cd.mechanics.dynamics.pauses import Aftermath, Pauses, Shock
+from masonry_cd.mechanics.dynamics.pauses import Aftermath, Pauses
 from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
 from masonry_cd.mechanics.model.joints import JointMeasures, Joints
+from masonry_cd.mechanics.model.shocks import Shock
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -89,12 +89,9 @@ def contacts_of(stepper: Stepper, pair_joint: np.ndarray) -> Contacts:
 def _relative_velocity(stepper: Stepper, made: StepProblem) -> np.ndarray:
     """(C, m) at the end of the last step, without what a gap over the step or a spring adds in the law [m/s]."""
     rows, step = made.rows, stepper.motion.span * stepper.settings.dt
-    u, v = rows.offset.copy(), stepper.motion.v
-    u[:, 0] -= np.maximum(rows.gap, 0.0) / step
-    for side in range(2):
-        on = rows.bodies[:, side] >= 0
-        u[on] += np.einsum("cij,cj->ci", rows.jacobian[on, side], v[rows.bodies[on, side]])
-    return u
+    offset = rows.offset.copy()
+    offset[:, 0] -= np.maximum(rows.gap, 0.0) / step
+    return replace(made.problem, offset=offset).relative_velocity(stepper.motion.v)
 
 
 def reactions_of(stepper: Stepper, contacts: Contacts) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the run itself yields for summary.json (:mod:`masonry_cd.io.summary`)."""
+"""What the run itself yields for summary.json (:mod:`masonry_cd.io.summary`), and what of the masonry it leaves out."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ import numpy as np
 
 from masonry_cd import __version__
 from masonry_cd.analysis.damage.verdict import FEW, SOUND_ELASTIC, SOUND_RIGID
-from masonry_cd.app.left_out import elasticity_left_out
-from masonry_cd.app.modelled import masses
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.io.summary import FORMAT, Summary
 from masonry_cd.io.summary_tables import Acted, Closing, Energy, Islands, LeftOut, Loads, Solver, SummaryTable, TimeStep
 from masonry_cd.mechanics.dynamics.adaptive import error_tolerance
 from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.masonry_kinds import facts
 from masonry_cd.mechanics.solvers import threads_that_pay
 
@@ -114,3 +113,38 @@ def tolerances(case: Case, results: Results) -> dict[str, float]:
         "error_reached": float(np.quantile(error, 1.0 - FEW, method="higher")) if len(error) else 0.0,
         "tolerance_sound": SOUND_ELASTIC if elastic else SOUND_RIGID,
     }
+
+
+NAMED = 12  # groups whose masses are listed, the heaviest
+
+
+def masses(assembly: Assembly) -> str:
+    """The masses of the free blocks, what rides on them included, in a line."""
+    free, riding = ~assembly.fixed, sum(block.carried.mass for block in assembly.blocks if block.carried is not None)
+    by_group = np.bincount(assembly.group_of[free], assembly.mass[free], minlength=len(assembly.groups))
+    heaviest = [k for k in np.argsort(-by_group, kind="stable").tolist() if by_group[k] > 0.0]
+    named = [f"{assembly.groups[k]} {1e-3 * by_group[k]:.4g} t" for k in heaviest[:NAMED]]
+    named += ["and others"] if len(heaviest) > NAMED else []
+    fill = f"; {1e-3 * riding:.4g} t of it is fill that rides on blocks" if riding else ""
+    return f"masses: {1e-3 * assembly.mass[free].sum():.4g} t free to move, {', '.join(named)}{fill}"
+
+
+FEW_FREE = 5  # free ones that are a study of mechanics rather than a building
+
+
+def elasticity_left_out(case: Case) -> Summary:
+    """The elastic period that rigid joints leave out, for the summary; nothing where something is elastic, or nothing shakes."""
+    from loads import shakes
+
+    assembly, material = case.assembly, case.scene.material
+    shaken = case.loading.support_velocity.any() and shakes(case.scene.loads)  # a settlement moves the base once
+    rigid = assembly.deformation is None and not assembly.laws.elastic.any() and not assembly.shapes.rounding.any()
+    if not rigid or (~assembly.fixed).sum() <= FEW_FREE or not case.joints.count or not shaken:
+        return Summary()
+    from masonry_cd.analysis.modal.elastic_period import elastic_period
+
+    named = material.masonry
+    moduli = None if named is None else named.model_copy(update={"stiffness": "mean"}).moduli
+    velocity = case.loading.support_velocity
+    moved = velocity[: case.scene.run.steps + 1].mean(axis=1)
+    return elastic_period(assembly, case.joints, moved, case.scene.run.dt, moduli)

@@ -24,8 +24,8 @@ import numpy as np
 
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.local_error import PASSING
-from masonry_cd.mechanics.dynamics.pauses import Pause
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.shocks import Pause
 
 ENERGY = 0.95
 PER_PERIOD = 10.0

@@ -41,6 +41,7 @@ from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics import islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.law_terms import errors_by_group
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.mechanics.linalg.small_blocks import room_for
@@ -191,7 +192,8 @@ def _falling_block(kind: SceneKind) -> FrictionProblem:
     jacobian = np.zeros((1, 2, m, n))
     jacobian[0, 0, :, :m] = np.eye(m)
     body, contact = np.zeros((1, n)), np.zeros((1, m))
-    return FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), jacobian, contact, np.full(1, 0.5), contact)
+    at = Geometry.by_arms(np.eye(3)[None], np.zeros((1, 2, 3))) if (m, n) == (3, 6) else Geometry.by_rows(jacobian)
+    return FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), at, contact, np.full(1, 0.5), contact)
 
 
 def _unsolved(problem: Problem, _: Options, start: Solution | None) -> Solution:

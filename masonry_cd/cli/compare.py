@@ -27,7 +27,7 @@ def compare(
       masonry-cd compare out/mu0.5 out/mu0.6 out/mu0.7 -o out/friction
     """
     from reports.compare.comparison import compare as laid_side_by_side
-    from reports.compare.comparison_files import markdown, write_comparison
+    from reports.compare.comparison import markdown, write_comparison
 
     found = laid_side_by_side(folders)
     return Result(found, markdown(found).splitlines(), found.words, [] if output is None else write_comparison(found, output))

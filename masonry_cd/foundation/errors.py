@@ -162,6 +162,11 @@ def in_plain_words(failure: OSError) -> str:
     return f"{failure.filename}: {why}" if failure.filename else why
 
 
+def in_a_line(reason: Exception) -> str:
+    """What an exception says, in one line; its kind where it says nothing."""
+    return " ".join(str(reason).split()) or type(reason).__name__
+
+
 def suggest(word: str, known: Iterable[str]) -> str:
     """Return ' (did you mean "x"?)' when a known word is close to the given one, else an empty string."""
     close = difflib.get_close_matches(word, list(known), n=1)

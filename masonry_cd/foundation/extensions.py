@@ -7,7 +7,6 @@
     loads.readers           FORMATS = {"name": Reader}      [[loads]] format = "name"
     masonry_cd.mechanics.solvers      solve(problem, options, start)  [run] solver = "MODULE"
     reports.outputs         OUTPUTS = {"name": Output}      [report] name = true
-    ...studies.study.designs  runs(space)                   design = "MODULE" of a study
 
 MODULE is the name of the file without its ending. Modules that define no such thing are helpers of the others. What a module defines
 is read from its source, where it stands at the beginning of a line: names can be checked before anything heavy is imported.

@@ -29,10 +29,9 @@ def gmsh_session() -> Iterator[Any]:
             with _signals_as_they_are():
                 gmsh.initialize(readConfigFiles=False, interruptible=False)
     except (ImportError, OSError, AttributeError) as failure:
-        reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
-        from masonry_cd.foundation.errors import InputError
+        from masonry_cd.foundation.errors import InputError, in_a_line
 
-        raise InputError(f"gmsh does not start ({reason}); on Debian and Ubuntu", f"apt-get install {PACKAGES}") from None
+        raise InputError(f"gmsh does not start ({in_a_line(failure)}); on Debian and Ubuntu", f"apt-get install {PACKAGES}") from None
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.model.add("structure")

@@ -71,3 +71,8 @@ def classes(smallest: float, largest: float) -> list[float]:
     while bounds[-1] < largest * (1 - 1e-9):
         bounds.append(next_step(bounds[-1]))
     return bounds
+
+
+def finite(value: float) -> float | None:
+    """A number as files have it, or nothing where there is none."""
+    return float(value) if math.isfinite(value) else None

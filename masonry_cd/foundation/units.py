@@ -257,8 +257,12 @@ def _read(value: Any, declared: Declared, parts: tuple[str | int, ...]) -> Any:
 @cache
 def _fields(model: type[BaseModel]) -> dict[str, Declared]:
     """What each key of a model declares."""
-    fields = {field.alias or name: field for name, field in model.model_fields.items()}
-    return {key: Declared(unit_of(field), tuple(_models(field)), _usual(field)) for key, field in fields.items()}
+    found = {}
+    for name, field in model.model_fields.items():
+        models = (*getattr(field.json_schema_extra, "models", ()), *models_in(field.annotation))  # the first: of its JSON schema
+        usual = dict.fromkeys(mark for mark in (*field.metadata, *_marks(field.annotation)) if isinstance(mark, Usual))
+        found[field.alias or name] = Declared(unit_of(field), models, tuple(usual))
+    return found
 
 
 def unit_of(field: FieldInfo) -> str:
@@ -266,22 +270,11 @@ def unit_of(field: FieldInfo) -> str:
     return next((mark.name for mark in (*field.metadata, *_marks(field.annotation)) if isinstance(mark, Unit)), "")
 
 
-def _usual(field: FieldInfo) -> tuple[Usual, ...]:
-    """Usual values of a field, or of each number in it."""
-    return tuple(dict.fromkeys(mark for mark in (*field.metadata, *_marks(field.annotation)) if isinstance(mark, Usual)))
-
-
 def _marks(annotation: Any) -> Iterator[Any]:
     """What stands in the ``Annotated`` within an annotation such as ``list[Annotated[float, Unit("m")]] | None``."""
     yield from getattr(annotation, "__metadata__", ())
     for inner in get_args(annotation):
         yield from _marks(inner)
-
-
-def _models(field: FieldInfo) -> Iterator[type[BaseModel]]:
-    """The models of the tables in a field: those of its annotation, and those that its JSON schema names (:mod:`.table_schema`)."""
-    yield from getattr(field.json_schema_extra, "models", ())
-    yield from models_in(field.annotation)
 
 
 def models_in(annotation: Any) -> Iterator[type[BaseModel]]:

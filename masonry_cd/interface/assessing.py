@@ -14,15 +14,14 @@ from masonry_cd.analysis.assessment.verdict import heading, lines_of, to_pin_dow
 from masonry_cd.analysis.outputs import ASSESS, units_in
 from masonry_cd.app.result import said
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.interface.plots import Page
+from masonry_cd.interface.plots import Page, drawn
 from masonry_cd.interface.returned import closing_as_html, returned
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.studies import warn, without_main
-from masonry_cd.interface.study_plots import drawn
 from masonry_cd.interface.tables import frame_of_rows
-from masonry_cd.interface.temporary import TemporaryFolder
-from reports.assess.tables import COLUMNS, cells_of
+from masonry_cd.interface.temporary import TemporaryFolder, place_of
+from reports.assess.outputs import COLUMNS, cells_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -153,8 +152,7 @@ def assess(
     from masonry_cd.studies.assess.plan import AssessPlan
     from masonry_cd.studies.study.study_case import Options
 
-    keeper = TemporaryFolder() if folder is None else None
-    place = keeper.path if keeper is not None else Path(str(folder))
+    place, keeper = place_of(folder)
     plan = AssessPlan(scene(source).checked, all_pairs)
     with without_main():
         result = command(plan, place, Options(plan.where(workers), retry, force, quiet=not progress, warn=warn), said(progress))

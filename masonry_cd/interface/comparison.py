@@ -14,7 +14,7 @@ from masonry_cd.interface.plots import shown
 from masonry_cd.interface.results import Run
 from masonry_cd.interface.returned import RunWarning
 from masonry_cd.interface.sealed import Sealed
-from reports.compare import comparison, comparison_files
+from reports.compare import comparison
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,23 +40,23 @@ class Comparison(Sealed):
 
     def plot(self) -> Figure:
         """The picture of the comparison, a figure that a notebook shows."""
-        from reports.compare.comparison_files import comparison_figure
+        from reports.compare.comparison import comparison_figure
 
         return shown(comparison_figure(self._found))
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write comparison.csv, comparison.md and comparison.png; return their paths."""
-        return comparison_files.write_comparison(self._found, Path(folder))
+        return comparison.write_comparison(self._found, Path(folder))
 
     def __str__(self) -> str:
-        return comparison_files.markdown(self._found)
+        return comparison.markdown(self._found)
 
     def __repr__(self) -> str:
         return f"<Comparison of {', '.join(self._found.header[2:])}>"
 
     def _repr_html_(self) -> str:
         shown: Any = self.table.map(lambda value: f"{value:.3g}" if isinstance(value, float) else value)
-        return str(shown.to_html(na_rep=comparison_files.MISSING))
+        return str(shown.to_html(na_rep=comparison.MISSING))
 
 
 def compare(runs: Sequence[Source] | Mapping[str, Source]) -> Comparison:

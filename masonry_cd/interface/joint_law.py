@@ -26,7 +26,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.plugins import find
-from masonry_cd.interface.own_forces import Now, Pushes
+from masonry_cd.interface.own_forces import Now, Pushes, Pushing
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
@@ -64,7 +64,7 @@ def law_of(given: JointLaw | str) -> JointLaw:
     return found
 
 
-class BoundLaw:
+class BoundLaw(Pushing):
     """A law on the joints of an assembly, with what its points remember.
 
     Raises:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Forces that Python gives, beside those of the scene's loads, as the step asks for them: at the places of its middle, q_m.
+"""Forces and motions that Python gives, beside those of the scene's loads, as the step asks for them: at the places of its middle, q_m.
 
 A field is a function ``f(now)`` of all blocks at once, a history the force on one block over time. Both enter the free velocity as point
 loads do, so they are explicit: one that grows with displacement, of stiffness k on a mass m, needs a time step below 2 sqrt(m / k).
+Blocks whose motion is given become supports, driven on top of what moves all supports.
 """
 
 from __future__ import annotations
@@ -14,10 +15,13 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from loads.acted import Acted, by_integral
+from loads.motion import Part
+from masonry_cd.app.case import Structure, assembled, structure_of
+from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.values import numbers
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
-from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.guides import Guide
 
 ROUNDING = 1e-9  # share of the largest force
@@ -43,16 +47,20 @@ class Pushes(NamedTuple):
 
 
 class Pushing(Protocol):
-    """What pushes blocks."""
+    """What pushes blocks. By default it remembers nothing."""
+
+    keeps_plane: bool = False  # whether what leads out of the plane of a scene cancels in it
 
     def pushes(self, now: Now) -> Pushes:
         """The forces in the middle of a step. It may be asked several times for one step, and does not count steps by it."""
 
     def taken(self) -> None:
         """The step last asked for was made."""
+        return
 
     def copied(self) -> Pushing:
         """A copy with the same history, independent of this one."""
+        return self
 
 
 class History:
@@ -102,7 +110,7 @@ class History:
         return None if self._function is not None else by_integral(self._where, measure, self._time, self._values)
 
 
-class BlockHistories:
+class BlockHistories(Pushing):
     """Forces on single blocks over time, at their centres of mass.
 
     Raises:
@@ -118,15 +126,8 @@ class BlockHistories:
         """The forces at a time."""
         return Pushes(self._block, np.array([history.at(now.time) for history in self._histories]), np.zeros((len(self._block), 3)))
 
-    def taken(self) -> None:
-        """Nothing is remembered."""
 
-    def copied(self) -> Pushing:
-        """Nothing is remembered, so it may be shared."""
-        return self
-
-
-class Field:
+class Field(Pushing):
     """A field of forces on all blocks."""
 
     def __init__(self, function: Callable[[Now], Any], assembly: Assembly) -> None:
@@ -141,13 +142,6 @@ class Field:
         found = numbers(self._function(now), f"forces: at {now.time:g} s", (len(self._fixed), 3))
         block = np.flatnonzero(~self._fixed & found.any(axis=1))
         return Pushes(block, found[block], np.zeros((len(block), 3)))
-
-    def taken(self) -> None:
-        """Nothing is remembered."""
-
-    def copied(self) -> Pushing:
-        """Nothing is remembered, so it may be shared."""
-        return self
 
 
 @dataclass(eq=False)
@@ -195,7 +189,7 @@ class OwnForces:
 
     def _pushes(self, now: Now) -> list[Pushes]:
         every = [item.pushes(now) for item in self.own]
-        if self.axis >= 0 and any(_across(found, self.axis) for item, found in zip(self.own, every, strict=True) if not keeps_plane(item)):
+        if self.axis >= 0 and any(_across(found, self.axis) for item, found in zip(self.own, every, strict=True) if not item.keeps_plane):
             raise InputError(
                 "forces",
                 f"at {now.time:g} s one acts along {'xyz'[self.axis]}, across the plane in which this scene moves; "
@@ -247,14 +241,9 @@ class OwnForces:
         if self.base is not None and self.base.leaves_plane(axis, at, centre):
             return True
         still = Now(0.0, centre, np.broadcast_to(np.eye(3), (len(centre), 3, 3)), np.zeros((len(centre), 6)), self.dt)
-        looked_at = [item for item in self.own if not keeps_plane(item)]
+        looked_at = [item for item in self.own if not item.keeps_plane]
         times = np.linspace(0.0, self.end, LOOKS).tolist() if looked_at else []
         return any(_across(item.pushes(still._replace(time=t)), axis) for t in times for item in looked_at)
-
-
-def keeps_plane(item: Pushing) -> bool:
-    """Whether what leads out of the plane of a scene cancels in it."""
-    return bool(getattr(item, "keeps_plane", False))
 
 
 def _across(pushes: Pushes, axis: int) -> bool:
@@ -297,3 +286,34 @@ def free_block(name: object, assembly: Assembly, where: str) -> int:
     if assembly.fixed[block]:
         raise InputError(where, f'"{name}" is a support, which moves as its loads and "motions" say')
     return block
+
+
+def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[Structure, list[Part]]:
+    """The structure of a scene with some blocks as supports, and what each of these adds to the loads.
+
+    Args:
+        scene: of the run.
+        motions: by block, its velocity over time, (3,) [m/s]; see :class:`History`.
+
+    Raises:
+        InputError: an unknown block, or no history.
+    """
+    built = structure_of(scene)
+    names = [block.name for block in built.blocks]
+    numbers = [block_named(name, names, "motions") for name in motions]
+    histories = [History(given, (3,), f'motions["{name}"]') for name, given in motions.items()]
+    blocks = [replace(block, fixed=block.fixed or i in numbers) for i, block in enumerate(built.blocks)]
+    made = replace(assembled(scene, blocks, built.notes, built.bars), fills=built.fills)
+    return made, [_part(history, number, blocks) for history, number in zip(histories, numbers, strict=True)]
+
+
+def _part(history: History, block: int, blocks: list[Block]) -> Part:
+    """What drives one block."""
+    share = np.zeros(len(blocks))
+    share[block] = 1.0
+    return Part(
+        motion=lambda times: np.array([history.at(float(t)) for t in times]),
+        share=share,
+        summary={"kind": "python", "block": blocks[block].name},
+        acted=history.acted("path"),
+    )

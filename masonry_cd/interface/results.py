@@ -15,8 +15,7 @@ from masonry_cd.analysis.damage.joint_damage import joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.analysis.deformed import solids_of
 from masonry_cd.analysis.gauge_histories import unit_of_column
-from masonry_cd.analysis.outputs.measured import Measured
-from masonry_cd.analysis.outputs.summary import damage_numbers
+from masonry_cd.analysis.outputs.measured import Measured, damage_numbers
 from masonry_cd.analysis.pushover import push_curves, require_pushes
 from masonry_cd.app.closing_lines import closing_lines, damage_line
 from masonry_cd.app.per_step import QUANTITIES

@@ -25,8 +25,7 @@ from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.events import EVENTS, Events
 from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
-from masonry_cd.interface.own_forces import OwnForces, Pushing, own_forces
-from masonry_cd.interface.own_motions import driven
+from masonry_cd.interface.own_forces import OwnForces, Pushing, driven, own_forces
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.simulation_state import SimulationState, checked_state, require_apart, with_first_velocities

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.foundation.extras import require
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.mechanics.model.blocks import Block
@@ -64,13 +63,10 @@ class Structure(Sealed, Sequence[Block]):
 
     def picture(self, title: str = "Structure", view: str = "auto") -> Image:
         """The blocks by group, as an image that a notebook shows; ``view`` as in :meth:`Scene.picture`."""
-        require("a picture", "PIL")
-        from PIL import Image as images
-
-        from reports.drawing.figure import Sheet
+        from masonry_cd.interface.plots import image_of
         from reports.drawing.solids import structure_scene
 
-        return images.fromarray(Sheet.drawn(structure_scene(self.blocks, title, view, self.ties)).pixels())
+        return image_of(structure_scene(self.blocks, title, view, self.ties))
 
     @overload
     def __getitem__(self, key: int | str) -> Block: ...

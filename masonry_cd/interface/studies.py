@@ -19,21 +19,27 @@ from masonry_cd.analysis.fragility.measures import unit
 from masonry_cd.analysis.fragility.sensitivity import COLUMNS
 from masonry_cd.analysis.outputs import STUDY, numbers_in, units_in
 from masonry_cd.app.result import said
+from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.open_run import RESULTS
+from masonry_cd.interface.plots import StudyPlots
 from masonry_cd.interface.results import Run
 from masonry_cd.interface.returned import RunWarning, closing_as_html, returned
+from masonry_cd.interface.scenes import scene
 from masonry_cd.interface.sealed import Sealed
-from masonry_cd.interface.study_plots import StudyPlots
 from masonry_cd.interface.tables import frame_of
-from masonry_cd.interface.temporary import TemporaryFolder
+from masonry_cd.interface.temporary import TemporaryFolder, place_of
+from masonry_cd.interface.values import plain
+from masonry_cd.studies.study.folder import StudyFolder
+from masonry_cd.studies.study.plan import Plan
+from masonry_cd.studies.study.study_case import plan_of_study, require_own
+from masonry_cd.studies.study.study_file import parse_study
 from reports.study.joint_maps import JointStudy, joint_study
 from reports.study.tables import COLUMNS_OF_FITS, row_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
-
-    from masonry_cd.studies.study.plan import Plan
 
 COUNTS = ("seed", *(key for key, number in numbers_in(STUDY).items() if number.whole))  # columns of whole numbers
 UNITS = {"level": "", **units_in(STUDY), "seconds": "s"}
@@ -205,8 +211,7 @@ def study(
     from masonry_cd.studies.study.command import study as command
     from masonry_cd.studies.study.study_case import Options
 
-    keeper = TemporaryFolder() if folder is None else None
-    place = keeper.path if keeper is not None else Path(str(folder))
+    place, keeper = place_of(folder)
     plan = _plan(source, place, force)
     where = plan.where(workers, scheduler, None if slurm is None else Path(slurm))
     with without_main():
@@ -227,8 +232,6 @@ def open_study(folder: str | os.PathLike[str]) -> Study:
 def _plan(source: str | os.PathLike[str] | Mapping[str, Any], folder: Path, force: bool) -> Plan:
     """The plan of a study, checked."""
     if isinstance(source, Mapping):
-        from masonry_cd.interface.study_tables import plan_of_tables
-
         return plan_of_tables(source, folder, force)
     if not isinstance(source, str | os.PathLike):
         raise InputError("study", f"a file or a dict of its tables is needed, got a {type(source).__name__}")
@@ -268,3 +271,40 @@ def _with_units(table: DataFrame, units: Mapping[str, str]) -> DataFrame:
     known = UNITS | dict(units)
     table.attrs["units"] |= {name: known[name] for name in table.columns if known.get(name)}
     return table
+
+
+CALLED = "study"  # one made in Python, in messages
+FILE = "study.toml"
+
+
+def plan_of_tables(tables: Mapping[str, Any], folder: Path, force: bool) -> Plan:
+    """The plan of a study made in Python; the files that hold its arrays are written into its folder, once all is checked.
+
+    Args:
+        tables: of a study file; ``scene`` may be anything that :func:`masonry_cd.scene` takes.
+        folder: of the study.
+        force: write over files of other arrays.
+
+    Raises:
+        InputError: anything wrong with the study or its scene; another study in the folder.
+    """
+    if "scene" not in tables:
+        raise InputError(CALLED, "scene: missing")
+    asked = scene(tables["scene"])
+    inside, arrays = asked.portable()
+    given = {name: value for name, value in tables.items() if name != "scene"}
+    own = plain(given | ({"title": asked.title} if "title" not in given else {}), "")
+    records = own.get("records")
+    if isinstance(records, dict) and isinstance(records.get("folder"), str):
+        records["folder"] = str(Path(records["folder"]).absolute())
+    text = dump_toml(own | {"scene": inside})
+    if not arrays:
+        return plan_of_study(parse_study(text, folder / FILE, CALLED))
+    plan = plan_of_study(parse_study(text, asked.checked.folder / FILE, CALLED))  # where the arrays lie now
+    if not force:
+        require_own(plan, folder)
+    StudyFolder(folder).hold(arrays)
+    for name, content in arrays.items():
+        with replacing(folder / name) as part:
+            part.write_bytes(content)
+    return plan_of_study(parse_study(text, folder / FILE, CALLED))

@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import h5py
 import numpy as np
 
-from masonry_cd.mechanics.model.blocks import Block, Carried
+from masonry_cd.io.layout import MESH_ARRAYS
+from masonry_cd.mechanics.dynamics.element_stress import meshes_of, starts
+from masonry_cd.mechanics.dynamics.strain import Strains
+from masonry_cd.mechanics.model.blocks import Assembly, Block, Carried
 from masonry_cd.mechanics.model.geometry import Faces
 
 
@@ -28,17 +31,13 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
         carried = [b.carried or Carried(0.0, np.zeros(3), np.zeros((3, 3))) for b in blocks]
         for name in Carried._fields:
             group[f"carried_{name}"] = np.array([getattr(each, name) for each in carried])
-    shells = [_kept(b) for b in blocks]
+    # of a sphere its centre
+    shells: list[tuple[np.ndarray, Faces]] = [(b.vertices[:1], ()) if b.radius else (b.vertices, b.faces) for b in blocks]
     group["vertex_start"] = np.cumsum([0, *(len(vertices) for vertices, _ in shells)])
     group["vertices"] = np.concatenate([vertices for vertices, _ in shells])
     group["face_start"] = np.cumsum([0, *(len(faces) for _, faces in shells)])
     group["loop_start"] = np.cumsum([0, *(len(face) for _, faces in shells for face in faces)])
     group["loops"] = np.array([i for _, faces in shells for face in faces for i in face], dtype=np.int64)
-
-
-def _kept(block: Block) -> tuple[np.ndarray, Faces]:
-    """What a file keeps of a block's shell: of a sphere its centre, without faces."""
-    return (block.vertices[:1], ()) if block.radius else (block.vertices, block.faces)
 
 
 def read_blocks(group: h5py.Group) -> Iterator[Block]:
@@ -68,3 +67,50 @@ def _carried(group: h5py.Group, count: int) -> list[Carried | None]:
         return [None] * count
     mass, centre, inertia = (group[f"carried_{name}"][...] for name in Carried._fields)
     return [Carried(float(m), c, i) if m else None for m, c, i in zip(mass, centre, inertia, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Meshes:
+    """The meshes of M blocks, one after the other: K nodes, E elements of d + 1 corners, tetrahedra or, in a plane, triangles."""
+
+    block: np.ndarray  # (M,) numbers of the blocks
+    node_start: np.ndarray  # (M + 1,)
+    nodes: np.ndarray  # (K, 3) as built, world frame [m]; in a plane in the middle of the block
+    element_start: np.ndarray  # (M + 1,)
+    elements: np.ndarray  # (E, d + 1) nodes, counted over all
+
+    @classmethod
+    def of(cls, assembly: Assembly, strains: Strains | None) -> Meshes | None:
+        """Those of an assembly; None: no block is meshed."""
+        if strains is None or strains.warps is None:
+            return None
+        own, block = meshes_of(strains.warps), np.flatnonzero(strains.warps.of_block >= 0)
+        node_start, element_start = starts(own)
+        nodes = np.concatenate([assembly.centre[b] + mesh.nodes for b, mesh in zip(block, own, strict=True)])
+        elements = np.concatenate([mesh.elements + first for mesh, first in zip(own, node_start[:-1], strict=True)])
+        return cls(block, node_start, nodes, element_start, elements)
+
+    @classmethod
+    def read(cls, file: h5py.File) -> Meshes:
+        """Those of a result file that has them."""
+        return cls(**{name: file[f"meshes/{name}"][...] for name in MESH_ARRAYS})
+
+    def write(self, file: h5py.File) -> None:
+        """Write them into a result file."""
+        for name in MESH_ARRAYS:
+            file[f"meshes/{name}"] = getattr(self, name)
+
+    @property
+    def block_of_node(self) -> np.ndarray:
+        """(K,) number of the block of each node."""
+        return np.repeat(self.block, np.diff(self.node_start))
+
+    @property
+    def block_of_element(self) -> np.ndarray:
+        """(E,) number of the block of each element."""
+        return np.repeat(self.block, np.diff(self.element_start))
+
+    @property
+    def numbers(self) -> int:
+        """Real numbers of a frame: displacements of the nodes, stresses of the elements."""
+        return 3 * len(self.nodes) + 6 * len(self.elements)

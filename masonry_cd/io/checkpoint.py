@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.atomic import part_of, replacing
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, in_a_line
 from masonry_cd.foundation.files import size_of_regular
 
 NAME = "checkpoint.npz"
@@ -71,7 +71,7 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
             text = str(stored["numbers"])
             numbers, checksum = json.loads(text), str(stored["checksum"]) if "checksum" in stored.files else None
     except Exception as reason:  # damaged bytes make the readers of zip files, arrays and JSON raise whatever they like
-        raise Damaged(path, f"not a readable checkpoint: {_in_a_line(reason)}") from None
+        raise Damaged(path, f"not a readable checkpoint: {in_a_line(reason)}") from None
     if not isinstance(numbers, dict):
         raise Damaged(path, "not a readable checkpoint: it holds no table of numbers")
     if (form := numbers.get("format")) != FORMAT:
@@ -124,8 +124,3 @@ def _checksum(arrays: Mapping[str, np.ndarray], text: str) -> str:
         digest.update(f"{name} {array.dtype.str} {array.shape} ".encode())
         digest.update(array.tobytes())
     return digest.hexdigest()
-
-
-def _in_a_line(reason: Exception) -> str:
-    """What an exception says, in one line; its kind where it says nothing."""
-    return " ".join(str(reason).split()) or type(reason).__name__

@@ -27,6 +27,7 @@ from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.files import is_file
 from masonry_cd.io.stored_arrays import datasets, npz_arrays, open_hdf5
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.coupling import in_places, is_definite, pattern_of
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem
 from masonry_cd.mechanics.linalg.small_blocks import inverses, size_tuple
@@ -394,4 +395,4 @@ def _as_bodies_of(
         at = rows.indptr[on] + side
         bodies[on, side], jacobian[on, side] = rows.indices[at], rows.data[at]
     v_free = np.einsum("bij,bj->bi", inverse, f.reshape(count, n))
-    return FrictionProblem(inverse, v_free, bodies, jacobian, w.copy(), mu, compliance)
+    return FrictionProblem(inverse, v_free, bodies, Geometry.by_rows(jacobian), w.copy(), mu, compliance)

@@ -29,11 +29,10 @@ from masonry_cd.foundation.atomic import part_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.json_files import as_json
 from masonry_cd.io import tie_bars
-from masonry_cd.io.block_arrays import write_blocks
+from masonry_cd.io.block_arrays import Meshes, write_blocks
 from masonry_cd.io.gauges import ATTRIBUTE as GAUGES
 from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.layout import BY_NAME, CLOSING, CONSTANTS, FORMAT, JOINT_CONSTANTS, JOINT_PEAKS
-from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.io.segments import Sealer, append, checksum_of_constants, growing, in_pieces
 from masonry_cd.io.summary import Summary

@@ -18,8 +18,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from masonry_cd.foundation.errors import InputError
-from masonry_cd.io.block_arrays import read_blocks
+from masonry_cd.foundation.errors import InputError, in_a_line
+from masonry_cd.io.block_arrays import Meshes, read_blocks
 from masonry_cd.io.gauges import Gauges, read_gauges
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 from masonry_cd.io.layout import (
@@ -36,7 +36,6 @@ from masonry_cd.io.layout import (
     STEP_PEAKS,
     STRESS,
 )
-from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
 from masonry_cd.io.summary import Summary
@@ -107,7 +106,7 @@ class Results:
             raise
         except (*READ_ERRORS, IndexError, AttributeError) as reason:
             file.close()
-            raise InputError(path, f"damaged: {_in_a_line(reason)}") from None
+            raise InputError(path, f"damaged: {in_a_line(reason)}") from None
 
     def __enter__(self) -> Results:
         return self
@@ -328,8 +327,3 @@ class Results:
     def scene_file(self) -> Path:
         """Where the scene file lay when the run began, as seen from here; older versions did not write it: then beside the results."""
         return self.path.parent / str(self.file.attrs.get("scene_file", "") or "scene.toml")
-
-
-def _in_a_line(reason: Exception) -> str:
-    """What an exception says, in one line; its kind where it says nothing."""
-    return " ".join(str(reason).split()) or type(reason).__name__

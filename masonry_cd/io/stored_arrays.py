@@ -16,7 +16,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, in_a_line
 from masonry_cd.foundation.files import size_of_regular
 
 MOST = 16e9  # bytes of all arrays of a file: problems of millions of contacts
@@ -40,7 +40,7 @@ def npz_arrays(path: Path) -> dict[str, np.ndarray]:
     except InputError:
         raise
     except (*BROKEN, *NO_ZIP) as failure:
-        raise InputError(path, f"no .npz file that can be read ({_reason(failure)})") from None
+        raise InputError(path, f"no .npz file that can be read ({in_a_line(failure)})") from None
 
 
 @contextmanager
@@ -58,7 +58,7 @@ def open_hdf5(path: Path) -> Iterator[h5py.File]:
     except InputError:
         raise
     except BROKEN as failure:
-        raise InputError(path, f"no HDF5 file that can be read ({_reason(failure)})") from None
+        raise InputError(path, f"no HDF5 file that can be read ({in_a_line(failure)})") from None
 
 
 def datasets(group: h5py.Group | h5py.Dataset | None, prefix: str = "") -> dict[str, np.ndarray]:
@@ -86,8 +86,3 @@ def _check_size(path: Path, size: float) -> None:
     """Refuse arrays that are too large [B]."""
     if size > MOST:
         raise InputError(path, f"announces arrays of {size / 1e9:.3g} GB, at most {MOST / 1e9:g} GB are read")
-
-
-def _reason(failure: BaseException) -> str:
-    """What a library says, in its first line."""
-    return (str(failure).splitlines() or [type(failure).__name__])[0][:200]

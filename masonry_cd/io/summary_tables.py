@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 
+from masonry_cd.foundation.fields import Flag
 from masonry_cd.foundation.json_files import plain
 from masonry_cd.foundation.units import Unit
 
 Real = Annotated[float, Strict(), BeforeValidator(lambda value: math.nan if value is None else value)]
-Flag = Annotated[bool, Strict()]
 Count = Annotated[int, Strict(), Field(lt=2**53, gt=-(2**53))]  # as a float holds it
 Metres = Annotated[Real, Unit("m")]
 Speed = Annotated[Real, Unit("m/s")]
@@ -28,7 +28,7 @@ class SummaryTable(BaseModel):
 
     model_config = ConfigDict(extra="allow", frozen=True)
 
-    def has(self, name: str) -> Flag:
+    def has(self, name: str) -> bool:
         """True for a key that was written."""
         return name in self.model_fields_set
 

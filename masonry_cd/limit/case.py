@@ -21,9 +21,9 @@ from masonry_cd.analysis.limit.macro import ElementAnalysis
 from masonry_cd.analysis.limit.search import watched
 from masonry_cd.app.doubts import check_doubts, doubts
 from masonry_cd.app.limit_structure import LimitStructure, limit_structure
-from masonry_cd.app.modelled import masses
 from masonry_cd.app.progress import Progress
 from masonry_cd.app.scene import Scene, read_scene
+from masonry_cd.app.summary import masses
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.assumed import Without, without_assumptions
 from masonry_cd.limit.checked import Checked, PartLooked, checked, gravest, in_full, in_order

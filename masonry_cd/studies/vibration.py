@@ -39,6 +39,8 @@ from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
+from reports.drawing.figure import FAINT, INK, plain_axes, save
+from reports.drawing.plots import colour, legend, sheet
 
 STEPS = 40  # of the highest mode's period, at least: the scheme lengthens a period by (2 pi / 40)^2 / 12 = 0.2 %
 PERIODS = 20  # of the lowest mode, in free vibration
@@ -144,8 +146,6 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
     write_json(folder / "vibration.json", found)
     write_rows(folder / "vibration.csv", found["modes"])
     if asked.sweep:
-        from masonry_cd.studies.vibration_picture import sweep_picture
-
         write_rows(folder / "sweep.csv", found["sweep"])
         sweep_picture(found, folder / "sweep.png")
     written = [folder / name for name in OUTPUTS if (folder / name).exists()]
@@ -303,3 +303,27 @@ def _linear_response(assembly: Assembly, companion: Companion, axis: int, block:
         gain = weighted[:, axis].sum() * shape[block, axis]
         out += gain * lsim(([1.0], [1.0, 2.0 * damping * omega, omega**2]), push, time)[1]
     return out[1:]
+
+
+def sweep_picture(found: Mapping[str, Any], path: Path) -> None:
+    """Draw what :func:`masonry_cd.studies.vibration.vibration` found in a sweep into a PNG.
+
+    Raises:
+        InputError: a file that cannot be written.
+    """
+    rows, axis = found["sweep"], found["direction"]
+    f, own, linear = (np.array([row[key] for row in rows]) for key in ("frequency_hz", "nscd_ratio", "linear_ratio"))
+    facts = f"block {found['block']} along {axis}; base moved by v(t) = C sin(2 pi f t), C = {found['velocity']:.3g} m/s"
+    figure, (axes,) = sheet(f"Sweep: {found['title']}", facts, size=(11.0, 6.4))
+    axes.plot(f, linear, color=FAINT, linewidth=1.6, label="linear: rigid blocks on the same elastic joints, never open")
+    axes.plot(f, own, color=colour(0), linewidth=1.2, marker="o", markersize=5, label="run: joints that open and slide")
+    axes.set_yscale("log")
+    axes.set_xlim(0.0, 1.03 * f[-1])
+    for row in found["modes"]:
+        if row["linear_hz"] <= f[-1] and row[f"mass_{axis}"] > 0.01:
+            axes.axvline(row["linear_hz"], color=FAINT, linewidth=0.8, linestyle=":")
+            words, place = f"mode {row['mode']}: {row['linear_hz']:.4g} Hz\nrun {row['nscd_hz']:.4g} Hz", (row["linear_hz"], 0.03)
+            axes.annotate(words, place, (5, 0), ("data", "axes fraction"), "offset points", fontsize=10, color=INK)
+    plain_axes(axes, "largest displacement relative to the base,\nover that of the base", "frequency of the base [Hz]")
+    legend(axes, 2)
+    save(figure, path)

@@ -20,16 +20,25 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.damage.macro_elements import WHOLE
-from masonry_cd.analysis.damage.part_damage import PartDamage
+from masonry_cd.analysis.damage.part_damage import PartDamage, Row
 from masonry_cd.analysis.outputs import COMPARE, numbers_in, values_in
 from masonry_cd.analysis.outputs.measured import Measured
 from masonry_cd.analysis.verdict import NOT_GRADED
+from masonry_cd.foundation import own_files
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.csv_files import markdown as table
+from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary, read_summary
 from masonry_cd.io.summary_tables import SummaryTable
 from reports.damage import damage_of, damage_settings
+from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
+from reports.drawing.palette import DARK, GRADES
+from reports.drawing.plots import STROKES
 from reports.settings import Report, report_of
 
 
@@ -187,3 +196,155 @@ def _solver_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
         ("stepping", "s", [*found], "stepping_seconds"),
     )
     return [(name, unit, [getattr(one, key) if one.has(key) else None for one in tables]) for name, unit, tables, key in columns]
+
+
+MISSING = "–"
+
+
+def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
+    """Write comparison.csv, comparison.md and comparison.png into a folder, which is made if need be."""
+    paths = [folder / f"comparison.{ending}" for ending in ("csv", "md", "png")]
+    own_files.begin(folder, [path.name for path in paths])
+    exact = ([*row[:2], *(v if v is None or isinstance(v, float) else str(v) for v in row[2])] for row in comparison.rows)
+    write_csv(paths[0], comparison.header, exact, digits=9)
+    with replacing(paths[1]) as part:
+        part.write_text(markdown(comparison), encoding="utf-8")
+    save(comparison_figure(comparison), paths[2])
+    return paths
+
+
+def markdown(comparison: Comparison) -> str:
+    """The table in Markdown, its columns aligned so that it reads well as plain text; lengths in millimetres."""
+    cells = [comparison.header]
+    for name, unit, values in comparison.rows:
+        cells.append([name, "mm", *map(_millimetres, values)] if unit == "m" else [name, unit, *map(_short, values)])
+    return table(cells)
+
+
+def _short(value: Any) -> str:
+    """A cell for reading: three digits."""
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return MISSING
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.3g}"
+    return str(value)
+
+
+def _millimetres(value: float | None) -> str:
+    """A cell of a length [m] for reading; what is below a micrometre is as good as nothing, as on the page."""
+    if value is None or np.isnan(value):
+        return MISSING
+    if 0.0 < abs(value) < 1e-6:
+        return "<0.001"
+    return f"{1e3 * value:.0f}" if abs(value) >= 1.0 else f"{1e3 * value:.3g}"
+
+
+HATCHES = ("", "///", "...", "xxx")
+SHOWN = 0.1  # displacements up to this share of the height are shown
+HEAD: dict[str, Any] = {"loc": "left", "fontsize": 13, "fontweight": "bold", "color": INK}
+PARTS = 30  # shown at most
+
+
+def comparison_figure(comparison: Comparison) -> Any:
+    """A comparison as a figure of matplotlib."""
+    runs = comparison.runs
+    parts = _rows_by_part(runs)
+    tall = 7.6 + max(1.6, 0.32 * len(parts) + 1.0)
+    figure = blank((13.0, tall), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.2, h_pad=0.15)
+    rows = figure.add_gridspec(3, 2, height_ratios=(3.6, 3.4, tall - 7.6))
+    _response(figure.add_subplot(rows[0, :]), runs)
+    draw_states(figure.add_subplot(rows[1, 0]), runs)
+    _widths(figure.add_subplot(rows[1, 1]), runs)
+    _grade_table(figure.add_subplot(rows[2, :]), runs, parts)
+    return figure
+
+
+def _response(axes: Any, runs: list[Run]) -> None:
+    """Displacement of the highest block over time."""
+    reach = max(float(np.abs(run.top).max()) for run in runs)
+    shown = min(1.1 * reach, SHOWN * max(run.height for run in runs))  # a fallen block must not flatten the others to a line
+    factor, unit = (1000.0, "mm") if shown < 0.5 else (1.0, "m")
+    for k, run in enumerate(runs):
+        left = " (left the picture)" if np.abs(run.top).max() > shown else ""
+        look = {"color": COLOURS[k % len(COLOURS)], "linestyle": STROKES[(k // len(COLOURS) + k) % len(STROKES)]}
+        axes.plot(run.time, factor * run.top, label=run.name + left, linewidth=1.8, **look)
+    if reach > shown:
+        axes.set_ylim(-factor * shown, factor * shown)
+    axes.axhline(0.0, color=FAINT, linewidth=0.6)
+    axes.set_title("Highest block: horizontal displacement relative to the base", **HEAD)
+    axes.legend(fontsize=10, frameon=False, ncols=min(4, len(runs)), loc="upper left", bbox_to_anchor=(0.0, -0.13))
+    plain_axes(axes, f"[{unit}]", "time [s]", "y")
+
+
+def draw_states(axes: Any, runs: list[Run]) -> None:
+    """Joints by state, and lost blocks, side by side."""
+    labels = {
+        "only_opened": "joints\nopened",
+        "only_slid": "joints\nslid",
+        "opened_and_slid": "opened\nand slid",
+        "separated": "joints\nseparated",
+        "hinges": "hinges\nleft",
+        "lost_blocks": "blocks\nlost",
+    }
+    for bars in _bars(axes, runs, labels, "Damage of the structure") if len(runs) <= 6 else ():
+        axes.bar_label(bars, fontsize=9, color=INK)
+    plain_axes(axes, "number", grid="y")
+
+
+def _widths(axes: Any, runs: list[Run]) -> None:
+    """Cracks left at the end by class of width."""
+    keys = [key for key in runs[0].damage.parts[-1] if key.startswith("crack_")]
+    bounds = [f"{1000 * bound:.3g}" for bound in runs[0].damage.width_classes]
+    _bars(axes, runs, dict(zip(keys, bounds, strict=True)), "Crack widths")
+    plain_axes(axes, "joints", "residual opening of joints, from ... mm to the next class", "y")
+
+
+def _bars(axes: Any, runs: list[Run], labels: Mapping[str, str], title: str) -> list[Any]:
+    """Numbers of the structure, by their keys with labels, side by side for all runs."""
+    width, place = 0.8 / len(runs), np.arange(len(labels))
+    bars = []
+    for k, run in enumerate(runs):
+        look = {"color": COLOURS[k % len(COLOURS)], "hatch": HATCHES[k % len(HATCHES)], "edgecolor": "white", "linewidth": 0.5}
+        values = [run.damage.parts[-1][key] for key in labels]
+        bars.append(axes.bar(place + (k - (len(runs) - 1) / 2) * width, values, width, **look))
+    axes.set_xticks(place, list(labels.values()))
+    axes.set_title(title, **HEAD)
+    axes.yaxis.get_major_locator().set_params(integer=True)
+    return bars
+
+
+def _rows_by_part(runs: list[Run]) -> dict[str, list[Row | None]]:
+    """The rows of the damage by part, the structure first, then from the worst grade on; None where a run has no such part."""
+    named = [{row["part"]: row for row in run.damage.parts} for run in runs]
+    found = {part: [rows.get(part) for rows in named] for part in dict.fromkeys(part for rows in named for part in rows)}
+    whole = runs[0].damage.parts[-1]["part"]
+    worst = {part: max(_rank(row) for row in rows) for part, rows in found.items()}
+    return {part: found[part] for part in sorted(found, key=lambda part: (part != whole, -worst[part]))[:PARTS]}
+
+
+def _rank(row: Row | None) -> int:
+    """Number of a part's grade; -1 where there is none."""
+    return NAMES.index(row["grade"]) if row and row["grade"] in NAMES else -1
+
+
+def _grade_table(axes: Any, runs: list[Run], parts: Mapping[str, list[Row | None]]) -> None:
+    """A row per part and a column per run, the grade written in and shaded."""
+    from matplotlib.patches import Rectangle
+
+    for i, rows in enumerate(parts.values()):
+        for k, row in enumerate(rows):
+            grade = row["grade"] if row else ""
+            axes.add_patch(Rectangle((k, i), 1, 1, facecolor=GRADES.get(grade, "white"), edgecolor="#c9cdd1", linewidth=1.0))
+            text = f"{grade}  {row['mechanism'].removeprefix('none')}" if row and grade in NAMES else grade or "no such part"
+            text += ", provisional" if grade in NAMES and runs[k].damage.provisional else ""
+            axes.text(k + 0.03, i + 0.5, text, va="center", fontsize=10, color="white" if grade in DARK else INK, clip_on=True)
+    axes.set_xlim(0, len(runs))
+    axes.set_ylim(len(parts), 0)
+    axes.set_xticks(np.arange(len(runs)) + 0.5, [run.name for run in runs])
+    axes.xaxis.tick_top()
+    axes.set_yticks(np.arange(len(parts)) + 0.5, list(parts))
+    axes.tick_params(length=0, labelsize=10, colors=FAINT)
+    for side in axes.spines.values():
+        side.set_visible(False)
+    axes.set_xlabel("grade and mechanism of the structure and its parts; thresholds: those of the first run", fontsize=10, color=FAINT)

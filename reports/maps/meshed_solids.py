@@ -13,7 +13,7 @@ import numpy as np
 
 from masonry_cd.analysis.deformed import Pose, Solids, moved_nodes
 from masonry_cd.foundation.extras import require
-from masonry_cd.io.meshes import Meshes
+from masonry_cd.io.block_arrays import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.geometry import Polyhedron
 

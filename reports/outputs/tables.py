@@ -20,7 +20,7 @@ DAMAGE = {
 
 def _damage(job: Job) -> Iterable[Path]:
     """The damage by part, in short in the summary as well."""
-    from masonry_cd.analysis.outputs.summary import in_short
+    from masonry_cd.analysis.outputs.measured import in_short
     from masonry_cd.io.summary import Summary
     from reports.damage import write_part_damage
 

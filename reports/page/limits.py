@@ -9,7 +9,7 @@ from typing import Any
 
 from masonry_cd.analysis.damage.grades import DESCRIPTIONS, LABELS, NAMES, REFERENCE, Grades, percent
 from masonry_cd.analysis.modal.left_out import left_out_lines
-from masonry_cd.analysis.stress.joint_pressure import largest_pressure
+from masonry_cd.analysis.stress.peaks import largest_pressure
 from masonry_cd.foundation.errors import parse_table, table_in_si
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.results import Results

@@ -10,8 +10,7 @@ import numpy as np
 
 from masonry_cd.analysis.stress.elements import element_peaks
 from masonry_cd.analysis.stress.peaks import StressPeaks, principal, stress_peaks
-from masonry_cd.analysis.stress.summary import stress_summary
-from masonry_cd.analysis.stress.words import share_in_words, stress_lines
+from masonry_cd.analysis.stress.summary import share_in_words, stress_lines, stress_summary
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.results import Results
 from reports.drawing.parts import hexed

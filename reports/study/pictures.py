@@ -147,13 +147,10 @@ def ida_picture(found: Findings, path: Path) -> None:
 
 def _ida_curve(axes: Any, curve: Curve, values: np.ndarray, collapsed: np.ndarray, most: float) -> None:
     """One record, up to its collapse."""
-    down = collapsed[curve.rows]
-    first = int(np.argmax(down)) if down.any() else len(down)
-    x, y = np.concatenate([[0.0], values[curve.rows][:first]]), np.concatenate([[0.0], curve.intensity[:first]])
+    y, x, at = curve.demands(values, collapsed)
     axes.plot(x, y, color=PALE, linewidth=0.9, zorder=2)
     axes.plot(x[1:], y[1:], ".", color=PALE, markersize=3.5, zorder=2)
-    if first < len(down):
-        at = float(np.sqrt(y[-1] * curve.intensity[first])) if y[-1] > 0 else float(curve.intensity[first])
+    if np.isfinite(at):
         axes.plot([x[-1], x[-1], most], [y[-1], at, at], color=PALE, linewidth=0.9, zorder=1.5)
         axes.plot(min(x[-1], most), at, "|", color="#8b9299", markersize=7, zorder=3)
 

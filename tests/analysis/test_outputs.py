@@ -19,7 +19,7 @@ from masonry_cd.app.scene import parse_scene
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.state import State
-from masonry_cd.studies.study import numbers
+from masonry_cd.studies.study.task import of_run
 from reports.compare.comparison import compare
 from reports.damage import write_joint_damage
 from reports.page import section, write_page
@@ -95,7 +95,7 @@ def test_one_file_adds_a_number_to_all_that_shows_numbers(add, tmp_path):
             summary = write_joint_damage(results, folder, Report())
             write_page(results, folder / "report.html", summary, parts=part_damage(results))
     assert summary.lowest == pytest.approx(-0.1)
-    row, _, _ = numbers.of_run(folder / "result.h5", summary | Summary(**COMPUTED), parse_scene(SCENE + RUN, tmp_path / "scene.toml"))
+    row, _, _ = of_run(folder / "result.h5", summary | Summary(**COMPUTED), parse_scene(SCENE + RUN, tmp_path / "scene.toml"))
     assert row["lowest"] == summary.lowest
     assert ("lowest corner", "m", [pytest.approx(-0.1)] * 2) in compare(folders).rows
     page = (folder / "report.html").read_text(encoding="utf-8")

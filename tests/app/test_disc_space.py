@@ -11,7 +11,7 @@ import pytest
 from command_line import masonry_cd
 
 from masonry_cd.app.case import prepare
-from masonry_cd.app.disc_space import result_bytes
+from masonry_cd.app.run_case import result_bytes
 from masonry_cd.app.scene import read_scene
 
 

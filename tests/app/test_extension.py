@@ -36,7 +36,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.solvers import SOLVERS
-from masonry_cd.studies.study.perturb import perturb
+from masonry_cd.studies.study.plan import perturb
 from reports.files import Job, known_files
 from reports.settings import report_of
 

@@ -5,8 +5,8 @@ import pytest
 from command_line import masonry_cd
 
 from masonry_cd.app.case import prepare
-from masonry_cd.app.left_out import FEW, elasticity_left_out
 from masonry_cd.app.scene import parse_scene
+from masonry_cd.app.summary import FEW_FREE, elasticity_left_out
 from masonry_cd.io.summary import Summary, read_summary
 
 WALL = 'structure = { kind = "wall", length = 2.0, height = 1.0, thickness = 0.3, course_height = 0.25, unit_length = 0.5 }\n'
@@ -43,7 +43,7 @@ def test_masonry_that_is_named_is_softer_or_stiffer_than_what_is_assumed(tmp_pat
 )
 def test_others_are_left_alone(text, tmp_path):
     assert left_out(text, tmp_path) == Summary()
-    assert FEW >= 4
+    assert FEW_FREE >= 4
 
 
 def test_a_run_says_it_last_and_keeps_it(tmp_path):

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from made_run import box
 
-from masonry_cd.app.modelled import masses
+from masonry_cd.app.summary import masses
 from masonry_cd.mechanics.model.blocks import Assembly, Carried
 
 

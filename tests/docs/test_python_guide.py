@@ -12,7 +12,7 @@ import pytest
 from places import EXAMPLES, ROOT
 
 import masonry_cd as mc
-from masonry_cd.interface.study_plots import StudyPlots
+from masonry_cd.interface.plots import StudyPlots
 
 PAGE = ROOT / "docs" / "python.md"
 SNIPPETS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)

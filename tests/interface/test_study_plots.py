@@ -13,7 +13,7 @@ from hostile import refused_at
 
 import masonry_cd as mc
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.interface.study_plots import StudyPlots
+from masonry_cd.interface.plots import StudyPlots
 
 SCENE = {
     "title": "A block pushed",

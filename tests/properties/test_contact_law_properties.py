@@ -11,6 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
@@ -42,7 +43,9 @@ def contacts(draw: st.DrawFn, m: int, elastic: bool = False, friction: st.Search
     jacobian[0, 0] = h
     compliance = draw(arrays(float, m, elements=st.floats(0.0, 3.0))) * np.trace(w) if elastic else np.zeros(m)
     mu = np.array([draw(friction)])
-    problem = FrictionProblem(inverse_mass[None], speed[None], np.array([[0, -1]]), jacobian, offset[None], mu, compliance[None])
+    problem = FrictionProblem(
+        inverse_mass[None], speed[None], np.array([[0, -1]]), Geometry.by_rows(jacobian), offset[None], mu, compliance[None]
+    )
     assume(np.linalg.norm(problem.free_relative_velocity()) > 1e-3 * (np.linalg.norm(h @ speed) + np.linalg.norm(offset)) > 0.0)
     return problem
 
@@ -108,7 +111,7 @@ def test_units_change_nothing_but_the_numbers(problem: FrictionProblem, kilogram
         problem,
         inverse_mass=problem.inverse_mass / mass / length**2 * np.outer(unit, unit),
         v_free=problem.v_free * unit / time,
-        jacobian=problem.jacobian * length / unit,
+        geometry=Geometry.by_rows(problem.jacobian * length / unit),
         offset=problem.offset * length / time,
     )
     p = solve(problem)
@@ -121,7 +124,7 @@ def test_the_tangents_are_a_choice(problem: FrictionProblem, angle: float) -> No
     """The impulse for one pair of tangents, turned, solves the problem written in another pair."""
     turn = np.eye(3)
     turn[1:, 1:] = [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
-    other = replace(problem, jacobian=turn @ problem.jacobian, offset=problem.offset @ turn.T)
+    other = replace(problem, geometry=Geometry.by_rows(turn @ problem.jacobian), offset=problem.offset @ turn.T)
     _, _, tolerance, _ = scaled(problem, solve(problem))
     assert natural_map_error(other, (turn @ solve(problem))[None]) <= tolerance
 

@@ -12,8 +12,7 @@ from made_assessment import made, row, written
 from PIL import Image
 
 from masonry_cd.analysis.run_row import RunRow
-from reports.assess.outputs import FILES, write_assessment
-from reports.assess.tables import text_table
+from reports.assess.outputs import FILES, text_table, write_assessment
 
 FAILED = RunRow("failed", "blocks <overlap>", 0.1)
 

@@ -20,7 +20,7 @@ from approvals import DRY, SOUND, TITLED, page_of, stack, states, words
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
-from masonry_cd.analysis.stress.joint_pressure import largest_pressure
+from masonry_cd.analysis.stress.peaks import largest_pressure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary

@@ -13,7 +13,7 @@ from hostile import refused_at
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.foundation.errors import InputError
-from reports.compare import comparison, comparison_files
+from reports.compare import comparison
 from reports.drawing.palette import GRADES
 from reports.page.document import filled
 
@@ -68,7 +68,7 @@ def test_the_thresholds_of_the_first_run_judge_all(tmp_path: Path) -> None:
 
 def test_the_table_as_csv_markdown_and_picture(tmp_path: Path) -> None:
     found = comparison.compare([made(tmp_path / "a", 0.006), made(tmp_path / "b", 0.030, mu=0.7)])
-    paths = comparison_files.write_comparison(found, tmp_path / "out")
+    paths = comparison.write_comparison(found, tmp_path / "out")
     with paths[0].open() as file:
         table = {row[0]: row[2:] for row in csv.reader(file)}
     assert table["material.friction"] == ["0.6", "0.7"]
@@ -87,7 +87,7 @@ def test_the_table_as_csv_markdown_and_picture(tmp_path: Path) -> None:
 def test_lengths_are_rounded_to_sense(tmp_path: Path) -> None:
     (run,) = comparison.compare([made(tmp_path / "a", 0.006), made(tmp_path / "b", 0.03)]).runs[:1]
     values = (1.93e-9, 0.0, 0.000189, -0.0049, 4.55, None)
-    table = comparison_files.markdown(comparison.Comparison([run], [("opening", "m", [value]) for value in values]))
+    table = comparison.markdown(comparison.Comparison([run], [("opening", "m", [value]) for value in values]))
     assert [line.split("|")[3].strip() for line in table.splitlines()[2:]] == ["<0.001", "0", "0.189", "-4.9", "4550", "–"]
 
 
@@ -133,6 +133,6 @@ def test_counts_have_whole_ticks_and_grades_the_colours_of_the_page(tmp_path):
         folder.mkdir()
         write_run(folder / "result.h5", blocks, [at_rest(blocks), shifted(at_rest(blocks), 1, (0.01, 0, 0))])
     axes = Figure().subplots()
-    comparison_files.draw_states(axes, comparison.compare(folders).runs)
+    comparison.draw_states(axes, comparison.compare(folders).runs)
     assert all(tick == round(tick) for tick in axes.get_yticks())
     assert f".grade.D3 {{ background: {GRADES['D3']}; }}" in filled("style.css")

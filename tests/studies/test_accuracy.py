@@ -15,7 +15,7 @@ from pictures import main_colours
 from benchmarks import scenes as bench_scenes
 from benchmarks.ours import stepper
 from masonry_cd.io.problem_files import write_problem
-from masonry_cd.studies.accuracy.measurement import table as markdown
+from masonry_cd.studies.accuracy.picture import table as markdown
 from masonry_cd.studies.accuracy.scene_runs import Motion, SceneRow, motion_errors, run_rows
 from masonry_cd.studies.accuracy.solver_rows import SolverRow, solver_rows, solvers_for
 from reports.drawing.figure import COLOURS

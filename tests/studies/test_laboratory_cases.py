@@ -15,9 +15,9 @@ from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.summary import Summary
 from masonry_cd.limit.case import limit_case
-from masonry_cd.studies.laboratory import field_tests, granite_walls
+from masonry_cd.studies.laboratory import field_tests
 from masonry_cd.studies.laboratory.case import run_in
-from masonry_cd.studies.laboratory.cases import CASES, overturning, restitution
+from masonry_cd.studies.laboratory.cases import CASES, granite_walls, overturning, restitution
 from masonry_cd.studies.laboratory.cases.bed import exact
 from reports.laboratory import curves_figure
 

@@ -15,9 +15,9 @@ from studied import GRID, rows_without_seconds, write_study
 
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, connected
+from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import Engine
 from masonry_cd.studies.study.plan import Planned
-from masonry_cd.studies.study.space import Asked
 from masonry_cd.studies.study.task import Outcome, Task
 
 if TYPE_CHECKING:

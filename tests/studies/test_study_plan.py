@@ -15,7 +15,7 @@ from masonry_cd.analysis.fragility.limits import LimitTable
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.checks import bound_doubts, scene_of_run
-from masonry_cd.studies.study.designs.ida import next_level
+from masonry_cd.studies.study.designs import next_level
 from masonry_cd.studies.study.plan import Plan
 from masonry_cd.studies.study.study_case import plan_of
 from masonry_cd.studies.study.study_file import IdaTable

@@ -21,9 +21,9 @@ from typer.testing import Result
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.io.results import Results
 from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, read_slurm, slurm_cluster
+from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.plan import Planned
-from masonry_cd.studies.study.space import Asked
 from masonry_cd.studies.study.task import Outcome, Task
 
 

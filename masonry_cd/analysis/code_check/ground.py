@@ -17,9 +17,8 @@ import numpy as np
 
 from loads.motion import STANDARD_GRAVITY
 from loads.signal.accelerogram import Processed, process
-from loads.signal.code_spectrum import NTC_AMPLIFICATION, NTC_PERIOD, CodeSpectrum, damping_factor
+from loads.signal.code_spectrum import NTC_AMPLIFICATION, NTC_PERIOD, CodeSpectrum, SiteSpectrum, damping_factor
 from loads.signal.response import response_spectrum
-from loads.signal.site_spectrum import SiteSpectrum
 from masonry_cd.analysis.code_check.steps import GROUND, Quantity, Working
 from masonry_cd.analysis.code_check.table import CheckRecord, CheckTable
 from masonry_cd.foundation import libm

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from loads.signal.accelerogram import Accelerogram, Scaled
-from loads.signal.site_spectrum import SiteSpectrum
+from loads.signal.code_spectrum import SiteSpectrum
 from masonry_cd.foundation.extensions import Entries
 from masonry_cd.foundation.fields import Span
 from masonry_cd.foundation.units import Unit, Usual

@@ -33,28 +33,19 @@ CUT_OFF = "the run was cut off"
 class EndState:
     """How a structure moves at a frame."""
 
-    time: float  # [s]
-    speed: float  # of the fastest block that stands, relative to that support [m/s]
-    block: str  # its name, empty where no block stands
-    base_speed: float  # of the fastest support [m/s]
+    end: End  # its speeds, for summary.json
     still: float  # what is faster moves [m/s]
     stopped: str  # why the run ended before its time; empty where it did not
-    rattles: str = ""  # the block that moves to and fro in its place, and how fast, in words; empty where none does
 
     @property
     def provisional(self) -> str:
         """Why residual values and grades are provisional, in words; empty where they are final."""
-        reasons = [self.stopped] if self.stopped else []
-        if self.base_speed > self.still:
-            reasons.append(f"the base still moving at {length(self.base_speed)}/s")
-        if self.speed > self.still:
-            reasons.append(f'still moving at {length(self.speed)}/s ("{self.block}")')
-        return f"provisional: {', '.join(reasons)} at {self.time:.4g} s" if reasons else ""
-
-    def as_summary(self) -> Summary:
-        """For summary.json."""
-        end = End(time=self.time, speed=self.speed, block=self.block, base_speed=self.base_speed, rattles=self.rattles)
-        return Summary(provisional=self.provisional, end=end)
+        reasons, end = [self.stopped] if self.stopped else [], self.end
+        if end.base_speed > self.still:
+            reasons.append(f"the base still moving at {length(end.base_speed)}/s")
+        if end.speed > self.still:
+            reasons.append(f'still moving at {length(end.speed)}/s ("{end.block}")')
+        return f"provisional: {', '.join(reasons)} at {end.time:.4g} s" if reasons else ""
 
 
 def end_state(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> EndState:
@@ -69,15 +60,14 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
         speed = np.minimum(now, speeds(_since(results, index), solids, results.support))
     fastest = int(np.argmax(speed)) if standing.any() else -1
     base = np.linalg.norm(velocity[solids.fixed, :3], axis=1)
-    return EndState(
+    end = End(
         time=float(results.time[index]),
         speed=float(speed[fastest]) if fastest >= 0 else 0.0,
         block=results.blocks[fastest].name if fastest >= 0 else "",
         base_speed=float(base.max(initial=0.0)),
-        still=still,
-        stopped=_stopped(results) if index == results.frames - 1 else "",
         rattles=_fastest_in_words(results, np.where(speed <= still, now, 0.0), still),
     )
+    return EndState(end, still, _stopped(results) if index == results.frames - 1 else "")
 
 
 def _fastest_in_words(results: Results, speed: np.ndarray, still: float) -> str:

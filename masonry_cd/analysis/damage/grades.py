@@ -27,6 +27,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, field_validator
 
+from masonry_cd.analysis.verdict import NOT_GRADED
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.foundation.quantities import length
@@ -147,3 +148,8 @@ def grade_of(width: float, drift: float, lost: float, grades: Grades, what: str 
 def percent(share: float) -> str:
     """A share in per cent."""
     return f"{100 * share:.3g} %"
+
+
+def grade_number(grade: str) -> int | None:
+    """The number of a grade; None where the run cannot be relied on, so that it was not graded."""
+    return None if grade == NOT_GRADED else NAMES.index(grade)

@@ -116,7 +116,8 @@ def checks_of(summary: Summary, thresholds: Thresholds, end: EndState | None = N
     if summary.beds is not None:
         found.append(_beds(summary.beds))
     if summary.loads.acted is not None:
-        found.append(_loads(summary))
+        short = not_acted(summary)
+        found.append(Finding(LOADS, LOOK, "; ".join(short)) if short else Finding(LOADS, GOOD, "all of them have acted"))
     found += [_noted(LAWS, lines, "") for lines in [beyond_their_law(summary)] if lines]
     if summary.doubts is not None:
         found.append(_noted(MODEL, summary.doubts, "no value is unusual, and every block is carried"))
@@ -218,12 +219,6 @@ def not_acted(summary: Summary) -> list[str]:
     """A line for each load of which less than ENOUGH has acted in a run."""
     acted = summary.loads.acted or ()
     return [f"{per_cent(one.share)} of the {one.measure} of {one.load} has acted" for one in acted if one.share < ENOUGH]
-
-
-def _loads(summary: Summary) -> Finding:
-    """How much of the loads has acted by the end of the run."""
-    lines = not_acted(summary)
-    return Finding(LOADS, LOOK, "; ".join(lines)) if lines else Finding(LOADS, GOOD, "all of them have acted")
 
 
 def beyond_their_law(summary: Summary) -> list[str]:

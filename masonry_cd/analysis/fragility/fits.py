@@ -232,16 +232,11 @@ def _betas(study: Study, z: np.ndarray | None, curve: Lognormal, split: object) 
     if z is None:
         return Betas(None, None, "some runs lack a number of what varies")
     if z.shape[1] == 0:
-        return betas.without_model(float(curve.beta[0]), bool(study.motions), bool(study.varied) and _differ(study))
+        return betas.without_model(float(curve.beta[0]), bool(study.motions), any(len(set(study.text(name))) > 1 for name in study.varied))
     found: Betas = split(z)
     if not study.motions and found.model is not None:
         return Betas(None, found.model, "no records: what is left is scatter that no number explains")
     return found
-
-
-def _differ(study: Study) -> bool:
-    """Whether what varies, being words, differs between runs."""
-    return any(len(set(study.text(name))) > 1 for name in study.varied)
 
 
 # --- warnings -------------------------------------------------------------------------------------------------------------------

@@ -33,6 +33,19 @@ class Curve(NamedTuple):
     rows: np.ndarray  # (n,) of the table
     intensity: np.ndarray  # (n,)
 
+    def demands(self, values: np.ndarray, collapsed: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        """From (0, 0) on the intensities and demands of the runs before the collapse, and the intensity of that; inf where there is none.
+
+        It lies between two runs; as elsewhere it is put into their geometric mean. ``values`` and ``collapsed`` (N,) are of all rows.
+        """
+        down = collapsed[self.rows]
+        first = int(np.argmax(down)) if down.any() else len(down)
+        x, y = np.concatenate([[0.0], self.intensity[:first]]), np.concatenate([[0.0], values[self.rows][:first]])
+        if first == len(down):
+            return x, y, np.inf
+        last, fallen = float(x[-1]), float(self.intensity[first])
+        return x, y, float(np.sqrt(last * fallen)) if last > 0 else fallen
+
 
 class Capacities(NamedTuple):
     """Capacities of C curves."""
@@ -136,11 +149,5 @@ def demand_quantiles(curves: Sequence[Curve], values: np.ndarray, collapsed: np.
 
 def _demand(curve: Curve, values: np.ndarray, collapsed: np.ndarray, grid: np.ndarray) -> np.ndarray:
     """The demand of a curve at intensities (G,)."""
-    down = collapsed[curve.rows]
-    first = int(np.argmax(down)) if down.any() else len(down)
-    x, y = np.concatenate([[0.0], curve.intensity[:first]]), np.concatenate([[0.0], values[curve.rows][:first]])
-    out = np.interp(grid, x, y)
-    if first < len(down):  # the collapse lies between two runs; as elsewhere it is put into their geometric mean
-        last, fallen = x[-1], curve.intensity[first]
-        out[grid > (np.sqrt(last * fallen) if last > 0 else fallen)] = np.inf
-    return np.asarray(out)
+    intensity, demand, collapse = curve.demands(values, collapsed)
+    return np.where(grid > collapse, np.inf, np.interp(grid, intensity, demand))

@@ -64,7 +64,7 @@ def continuum_modes(
     meshed = time.perf_counter()
     nodes, cells, gradients, volumes, products = _elements(mesh, order)
     stiffness = _stiffness(cells, gradients, volumes, table[mesh.kind, 0], poisson, len(nodes))
-    mass = sparse.kron(_scalar_mass(cells, products, table[mesh.kind, 1], len(nodes)), sparse.identity(3), format="csr")
+    mass = sparse.kron(_scattered(cells, products * table[mesh.kind, 1][:, None, None], len(nodes)), sparse.identity(3), format="csr")
     free = np.flatnonzero(~_held(mesh, nodes, cells, blocks, held or {}).ravel())
     translation = np.tile(np.eye(3), (len(nodes), 1))
     carried = (mass @ translation)[free]
@@ -123,11 +123,6 @@ def _stiffness(
         unknown = (3 * cells[part, :, None] + np.arange(3)).reshape(-1, 3 * k)
         out = out + _scattered(unknown, block.reshape(-1, 3 * k, 3 * k), 3 * nodes)
     return out
-
-
-def _scalar_mass(cells: np.ndarray, products: np.ndarray, density: np.ndarray, nodes: int) -> sparse.csr_matrix:
-    """int density N_i N_j dV, (N, N)."""
-    return _scattered(cells, products * density[:, None, None], nodes)
 
 
 def _scattered(unknown: np.ndarray, blocks: np.ndarray, size: int) -> sparse.csr_matrix:

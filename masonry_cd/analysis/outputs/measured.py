@@ -3,16 +3,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.damage.joint_damage import JointDamage, collapsed_blocks, displacement_max, fallen, joint_damage
+from masonry_cd.analysis.damage.end_state import EndState
+from masonry_cd.analysis.damage.joint_damage import (
+    JointDamage,
+    bonds,
+    collapsed_blocks,
+    crushing,
+    displacement_max,
+    fallen,
+    joint_counts,
+    joint_damage,
+    shock_rows,
+)
+from masonry_cd.analysis.damage.macro_elements import can_be_graded
 from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
+from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.deformed import Solids, base_shift, solids_of
+from masonry_cd.analysis.outputs import SUMMARY, values_in
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
+from masonry_cd.io.summary_tables import PartInShort
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +65,7 @@ class Measured:
     @cached_property
     def fallen(self) -> tuple[str, ...]:
         """Names of the blocks that have fallen."""
-        return tuple(collapsed_blocks(self.results, self.settings.thresholds))
+        return collapsed_blocks(self.results, self.settings.thresholds)
 
     @cached_property
     def displacement_max(self) -> float:
@@ -86,3 +103,37 @@ class Measured:
             middle = (low + high) // 2
             low, high = (low, middle) if fallen(self.results, self.settings.thresholds, middle).any() else (middle + 1, high)
         return float(self.results.time[high])
+
+
+def damage_numbers(run: Measured, end: EndState) -> Summary:
+    """The numbers of damage for a summary, the verdict and those after each shock of a sequence among them."""
+    results, thresholds = run.results, run.settings.thresholds
+    numbers = Summary(
+        **joint_counts(run.table).as_dict(),
+        blocks=len(results.blocks),
+        joints=results.joints.count,
+        collapsed_blocks=len(run.fallen),
+        collapsed_block_names=run.fallen,
+        **values_in(SUMMARY, run),
+    )
+    checks = checks_of((results.closing or Summary()) | numbers, thresholds, end)
+    return (
+        numbers
+        | Summary(provisional=end.provisional, end=end.end)
+        | checks.as_summary(_whole(run) if checks.reliable else None)
+        | (Summary(shocks=shock_rows(results, thresholds)) if results.shocks else Summary())
+        | bonds(results)
+        | crushing(results)
+    )
+
+
+def _whole(run: Measured) -> dict[str, Any] | None:
+    """The damage of the structure as a whole at the end; None of groups that no table of parts can have."""
+    if not can_be_graded(run.results.blocks):
+        return None
+    return part_damage(run.results, run.settings, np.array([run.results.frames - 1])).parts[-1]
+
+
+def in_short(parts: Sequence[Row]) -> tuple[PartInShort, ...]:
+    """The columns of damage.csv that go into a summary."""
+    return tuple(PartInShort(**{key: row[key] for key in PartInShort.model_fields}) for row in parts)

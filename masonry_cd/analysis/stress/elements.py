@@ -15,7 +15,7 @@ import numpy as np
 
 from masonry_cd.analysis.stress.peaks import AT_ONCE, NOTHING, Largest, principal, require_stress, strengths
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.io.meshes import Meshes
+from masonry_cd.io.block_arrays import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_tables import ElementStress
 

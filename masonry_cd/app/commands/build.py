@@ -3,16 +3,20 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from masonry_cd.analysis.outputs.folders import BLOCKS, files_of
 from masonry_cd.app.folders import free_folder
 from masonry_cd.app.result import Result, Say, said, silent
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation import own_files
+from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 
@@ -21,6 +25,7 @@ if TYPE_CHECKING:
     from structures import Made
     from structures.geometry.checks import Unsound
 
+PLAN = tuple(name for name in files_of("build") if name.startswith("plan"))  # plan.json, plan.svg, plan_left.csv
 JSON = "json"  # the format in which a structure of kind "file" is best read again
 
 
@@ -117,13 +122,6 @@ def _write_blocks(made: Made, folder: Path, formats: Sequence[str]) -> tuple[lis
     return [*written, folder / fillfile.FILL_FILE], lines
 
 
-def _write_plan(scene: Scene, folder: Path, picture: bool) -> list[Path]:
-    """Write the plan of a building."""
-    from masonry_cd.app import plan_files
-
-    return plan_files.write_plan_files(scene, folder, picture)
-
-
 def _draw(scene: Scene, made: Made, folder: Path, picture: bool) -> list[Path]:
     """Draw structure.png where it is asked for."""
     if not picture:
@@ -147,3 +145,47 @@ def _draw_problem(fault: Unsound, folder: Path, say: Say) -> None:
         said(True)(f"masonry-cd: warning: problem.png is not drawn: {failure}")
     else:
         say(f"written: {folder / 'problem.png'}")
+
+
+def _write_plan(scene: Scene, folder: Path, picture: bool) -> list[Path]:
+    """Write the plan from which a structure is built; the paths of what was written, none for a kind without a plan.
+
+    Args:
+        scene: of a structure that can be built.
+        folder: which gets the files.
+        picture: whether plan.svg is asked for.
+
+    Raises:
+        InputError: a file cannot be written.
+    """
+    from structures.plans.json_plan import write_json
+    from structures.tables import own_keys
+
+    kind = scene.kind
+    if kind is None or kind.plan is None:
+        return []
+    tables, left = kind.plan(own_keys(scene.structure), scene.folder)
+    own_files.remove(folder, PLAN[1:])  # of a former build
+    written = [folder / PLAN[0]]
+    write_json(written[0], tables)
+    if picture:
+        written.append(folder / PLAN[1])
+        _draw_plan(tables, written[-1], scene.title)
+    if left:
+        written.append(folder / PLAN[2])
+        with replacing(written[-1]) as part, part.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([("handle", "layer", "drawn_as", "why"), *left])
+    return written
+
+
+def _draw_plan(tables: dict[str, Any], path: Path, title: str) -> None:
+    """Draw plan.svg: the walls, and the outlines of vaults and columns."""
+    from reports.drawing.plan_picture import plan_picture
+    from structures.plans.outlines import outline_of
+
+    walls = [outline_of(wall) for wall in tables["walls"]]
+    others = [(vault["shape"], np.array(vault["corners"], dtype=float)) for vault in tables.get("vaults", ()) if vault.get("corners")]
+    for column in tables.get("columns", ()):
+        at, half = np.array(column["at"], dtype=float), 0.5 * float(column.get("size", 0.6))
+        others += [("", place + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])) for place in at.reshape(-1, 2)]
+    plan_picture(walls, others, path, title)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.analysis.outputs.summary import in_short
+from masonry_cd.analysis.outputs.measured import in_short
 from masonry_cd.app.closing_lines import damage_line, part_lines, verdict_lines
 from masonry_cd.app.folders import is_run, names_of_run
 from masonry_cd.app.result import Result

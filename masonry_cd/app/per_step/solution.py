@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When a step was made, how it was solved, and what is off in its solution."""
+"""The energy balance after a step; when it was made, how it was solved, and what is off in its solution."""
 
 from __future__ import annotations
 
 from masonry_cd.app.per_step import Quantity
+from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 
 QUANTITIES = {
+    **{
+        f"energy/{name}": Quantity(lambda made, name=name: made.stepper.energy[name], words, "J")  # type: ignore[misc]
+        for name, words in ENERGIES.items()
+    },
     "step_time": Quantity(lambda made: made.stepper.state.time, "at the end of the step", "s"),
     "load_step": Quantity(lambda made: made.load_step, "step of the loads that was applied", whole=True),
     "penetration": Quantity(lambda made: made.report.penetration, "largest overlap of rigid contacts", "m"),

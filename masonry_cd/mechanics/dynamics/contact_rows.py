@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Assemble: the friction problem of the contacts at q_m.
 
-Each contact has a frame of unit vectors n, t1, t2 and a row of H along each. On a block whose centre is at x, the row of a contact at X
-along t is
+Each contact has a frame of unit vectors n, t1, t2, and at X an arm X - x on a block whose centre is at x. These are its H, of rigid blocks
+in space; in a plane, and of blocks that deform, H has rows. That along t is
 
     sign (t, (X - x) x t),        sign = +1 on the candidate, -1 on the antagonist,
 
-and the offset b holds the velocity of the supports and, on the normal, the gap over the step, max(g, 0) / h. In a plane a contact has the
-rows n and t1 only, and t1 lies in the plane. Elastic and bonded joints then put their law in, see ``joint_law.py``.
+and what strains add. The offset b holds the velocity of the supports and, on the normal, the gap over the step, max(g, 0) / h. In a plane a
+contact has the rows n and t1 only, and t1 lies in the plane. Elastic and bonded joints then put their law in, see ``joint_law.py``.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
     if warps is not None and touch is not None:
         fill_warp_rows(warps.arrays, touch, predicted.rotation, rows)
     none = rows.offset[:0]  # (0, m)
-    rigid = FrictionProblem(predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=none)
+    rigid = FrictionProblem(predicted.inverse_mass, predicted.v_free, rows.bodies, rows.geometry, rows.offset, rows.mu, compliance=none)
     made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0))
     return made if system.laws is None else with_springs(system, system.laws, last, made, pairs)
 
@@ -99,8 +99,8 @@ def fill_rows(
     point, gap, area, previous = found.point, found.gap, found.area, found.previous
     free_index, support_of, group_of, columns = blocks.free_index, blocks.support_of, blocks.group_of, blocks.columns
     step, plane_axis, closed = constants.step, constants.plane_axis, constants.closed
-    frames, jacobian, offset = rows.frame, rows.jacobian, rows.offset
-    m, n = jacobian.shape[2], len(columns)
+    frames, jacobian, offset, by_rows = rows.frame, rows.jacobian, rows.offset, len(rows.jacobian) > 0
+    m, n = offset.shape[1], len(columns)
     arm, row = np.empty(3), np.empty(6)
     count = share[0]
     for c in range(share[0], share[1]):
@@ -122,12 +122,15 @@ def fill_rows(
             if plane_axis >= 0:
                 arm[plane_axis] = 0.0
             x, y, z = arm[0], arm[1], arm[2]
+            for d in range(3):
+                rows.arm[count, side, d] = arm[d] if free_index[block] >= 0 else 0.0
             for i in range(m):
                 tx, ty, tz = frames[count, i, 0], frames[count, i, 1], frames[count, i, 2]
-                row[0], row[1], row[2] = sign * tx, sign * ty, sign * tz
-                row[3], row[4], row[5] = sign * (y * tz - z * ty), sign * (z * tx - x * tz), sign * (x * ty - y * tx)
-                for j in range(n):
-                    jacobian[count, side, i, j] = row[columns[j]]
+                if by_rows:
+                    row[0], row[1], row[2] = sign * tx, sign * ty, sign * tz
+                    row[3], row[4], row[5] = sign * (y * tz - z * ty), sign * (z * tx - x * tz), sign * (x * ty - y * tx)
+                    for j in range(n):
+                        jacobian[count, side, i, j] = row[columns[j]]
                 if free_index[block] < 0:
                     s = support_of[block]
                     offset[count, i] += sign * (tx * support_velocity[s, 0] + ty * support_velocity[s, 1] + tz * support_velocity[s, 2])

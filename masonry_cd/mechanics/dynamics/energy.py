@@ -20,13 +20,13 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import entry
-from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
+from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities, support_velocity
 from masonry_cd.mechanics.dynamics.driving import work_of_guides
 from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES, LOSSES, WORKS
 from masonry_cd.mechanics.dynamics.new_state import Update
-from masonry_cd.mechanics.dynamics.relative_velocity import of_bodies, of_supports
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import EnergyBalance, Motion, System
+from masonry_cd.mechanics.friction.contact_geometry import velocity_between
 from masonry_cd.mechanics.model.state import State
 
 NONE_ELASTIC = np.zeros(0, dtype=np.bool_)
@@ -94,19 +94,17 @@ def works(
     elastic (C,) bool: springs, whose losses are not counted here, (0,) if there are none; impulses (C, m) [N s]; velocities at the
     beginning and the end of the step.
     """
-    bodies, supports, jacobian, frame = rows.bodies, rows.supports, rows.jacobian, rows.frame
     v, velocity = 0.5 * (before.free + after.free), 0.5 * (before.support + after.support)
     friction, impact, base_work = 0.0, 0.0, 0.0
     for c in range(impulse.shape[0]):
+        motion, base = velocity_between(rows.bodies, rows, c, v), support_velocity(rows, c, velocity)
         for i in range(impulse.shape[1]):
-            motion = of_bodies(bodies, jacobian, c, i, v, 0.0)
-            base = of_supports(supports, frame, c, i, velocity, 0.0)
             if not (len(elastic) and elastic[c]):
                 if i == 0:
-                    impact -= impulse[c, i] * (motion + base)
+                    impact -= impulse[c, i] * (motion[i] + base[i])
                 else:
-                    friction -= impulse[c, i] * (motion + base)
-            base_work -= impulse[c, i] * base
+                    friction -= impulse[c, i] * (motion[i] + base[i])
+            base_work -= impulse[c, i] * base[i]
     begin, end, lifted, a = weights.begin, weights.end, weights.lifted, weights.acceleration
     work, lifting = 0.0, 0.0
     for b in range(len(begin)):

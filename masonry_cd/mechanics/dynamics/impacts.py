@@ -24,14 +24,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.dynamics.islands import FORCES, IMPACTS
-from masonry_cd.mechanics.dynamics.relative_velocity import of_bodies
+from masonry_cd.mechanics.friction.contact_geometry import add_impulse_of_side, velocity_between
+from masonry_cd.mechanics.friction.operators import ProblemArrays, triple_of
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
+from masonry_cd.mechanics.linalg.triples import scaled
 
 FAST = 3.0  # impacts faster than this many times g h count
 AT_ONCE = 1e-6  # gaps that close within this share of the step are closed
@@ -53,22 +54,6 @@ class ImpactStep:
     blow: np.ndarray  # (C, m) impulses of the impacts, and of the contacts whose law holds for the whole step [N s]
 
 
-class ImpactContacts(NamedTuple):
-    """The C contacts of a problem as the kernels of impacts read them."""
-
-    gap: np.ndarray  # (C,) at q_m [m]
-    bodies: np.ndarray  # (C, 2) places among the free blocks; -1: a support
-    jacobian: np.ndarray  # (C, 2, m, n)
-    offset: np.ndarray  # (C, m) [m/s]
-    compliance: np.ndarray  # (C, m); (0, m): all are rigid
-    is_open: np.ndarray  # (C,) bool: open at q_m
-
-    @classmethod
-    def of(cls, problem: FrictionProblem, gap: np.ndarray, is_open: np.ndarray) -> ImpactContacts:
-        """Those of a problem."""
-        return cls(gap, problem.bodies, problem.jacobian, problem.offset, problem.compliance, is_open)
-
-
 def open_contacts(
     problem: FrictionProblem, gap: np.ndarray, pair: np.ndarray, step: float, gravity: float
 ) -> tuple[np.ndarray, np.ndarray] | None:
@@ -86,7 +71,7 @@ def open_contacts(
         gravity: magnitude of the body acceleration [m/s2].
     """
     is_open, struck = np.empty(len(gap), dtype=np.bool_), np.empty(len(gap), dtype=np.bool_)
-    hit = find_impacts(ImpactContacts.of(problem, gap, is_open), pair, problem.v_free, step, gravity, struck)
+    hit = find_impacts(problem.arrays(), gap, pair, step, gravity, is_open, struck)
     return (is_open, struck) if hit else None
 
 
@@ -103,18 +88,19 @@ def open_among(
 
 
 @entry()
-def find_impacts(contacts: ImpactContacts, pair: np.ndarray, v_free: np.ndarray, step: float, gravity: float, struck: np.ndarray) -> bool:
-    """Fill ``contacts.is_open`` and ``struck`` (C,), see :func:`open_contacts`; return whether there is an impact.
+def find_impacts(
+    problem: ProblemArrays, gap: np.ndarray, pair: np.ndarray, step: float, gravity: float, is_open: np.ndarray, struck: np.ndarray
+) -> bool:
+    """Fill ``is_open`` and ``struck`` (C,), see :func:`open_contacts`; return whether there is an impact.
 
-    ``contacts``: ImpactContacts, those of a pair one after the other; pairs (C,), free velocities (F, n), h [s], gravity [m/s2].
+    Contacts of ProblemArrays, those of a pair one after the other; gaps (C,) [m], pairs (C,), h [s], gravity [m/s2].
     """
-    gap, is_open, count, any_hit = contacts.gap, contacts.is_open, len(contacts.gap), False
-    bodies, jacobian, offset = contacts.bodies, contacts.jacobian, contacts.offset
-    first = 0
+    count, any_hit, first = len(gap), False, 0
     while first < count:
         last, hit = first, False
         while last < count and pair[last] == pair[first]:
-            ahead = of_bodies(bodies, jacobian, last, 0, v_free, offset[last, 0])  # negative: the gap closes before the next q_m
+            # negative: the gap closes before the next q_m
+            ahead = problem.offset[last, 0] + velocity_between(problem.bodies, problem.geometry, last, problem.v_free)[0]
             closing = max(gap[last], 0.0) / step - ahead
             is_open[last] = closing > FAST * gravity * step and ahead < 0.0  # for now: whether it is hit hard
             hit = hit or (is_open[last] and gap[last] > AT_ONCE * closing * step)
@@ -150,8 +136,7 @@ def solve_apart(
     impacts = replace(problem, v_free=problem.body_velocity(force))
     second = solve(impacts, Solution(guess, None, 0), IMPACTS)
     error = max(error_of(forces, first), error_of(impacts, second))
-    contacts, after = ImpactContacts.of(impacts, gap, is_open), impacts.body_velocity(second.impulse)
-    carried = carried_impulse(contacts, impacts.v_free, after, force, second.impulse, step)
+    carried = carried_impulse(impacts.arrays(), gap, is_open, impacts.body_velocity(second.impulse), force, second.impulse, step)
     reason = first.reason if first.reason == second.reason else f"{first.reason}; impacts: {second.reason}"
     total = Solution(force + second.impulse, None, first.iterations + second.iterations, reason)
     return ImpactStep(total, error, carried, forces, impacts, second.impulse)
@@ -164,19 +149,26 @@ def error_of(problem: FrictionProblem, solution: Solution) -> float:
 
 @entry()
 def carried_impulse(
-    contacts: ImpactContacts, before: np.ndarray, after: np.ndarray, force: np.ndarray, blow: np.ndarray, step: float
+    problem: ProblemArrays,
+    gap: np.ndarray,
+    is_open: np.ndarray,
+    after: np.ndarray,
+    force: np.ndarray,
+    blow: np.ndarray,
+    step: float,
 ) -> np.ndarray:
     """(f - 1/2) H^T p' of the contacts that the impacts open, (F, n), with f of the hardest blow on either body of the contact.
 
-    ``contacts``: ImpactContacts; velocities without and with the blows (F, n), impulses p' of the forces and of the blows (C, m) [N s].
+    ProblemArrays of the impacts; gaps (C,) [m], contacts that are open at q_m (C,), velocities with the blows (F, n), impulses p' of the
+    forces and of the blows (C, m) [N s], h [s].
     """
-    gap, is_open, bodies, jacobian, offset = contacts.gap, contacts.is_open, contacts.bodies, contacts.jacobian, contacts.offset
+    before, bodies, geometry, offset = problem.v_free, problem.bodies, problem.geometry, problem.offset
     count, supports, out = len(gap), len(before), np.zeros_like(before)
     closing = np.zeros(count)  # speed at which the gap closes before the blow; of other contacts than those that are hit zero
     hardest, moment = np.zeros(supports + 1), np.full(supports + 1, 0.5)  # by body; the last entry stands for all supports
     for c in range(count):
         if is_open[c] and blow[c, 0] > 0.0:
-            closing[c] = max(0.0, gap[c] / step - of_bodies(bodies, jacobian, c, 0, before, offset[c, 0]))
+            closing[c] = max(0.0, gap[c] / step - offset[c, 0] - velocity_between(bodies, geometry, c, before)[0])
             for body in bodies[c]:
                 if body >= 0 and closing[c] > 0.0 and blow[c, 0] >= hardest[body]:
                     hardest[body], moment[body] = blow[c, 0], gap[c] / (step * closing[c])
@@ -186,17 +178,15 @@ def carried_impulse(
     for c in range(count):
         if is_open[c] or force[c, 0] <= 0.0:
             continue
-        parting = of_bodies(bodies, jacobian, c, 0, after, offset[c, 0])
-        if len(contacts.compliance):
-            parting += contacts.compliance[c, 0] * blow[c, 0]
+        parting = offset[c, 0] + velocity_between(bodies, geometry, c, after)[0]
+        if len(problem.compliance):
+            parting += problem.compliance[c, 0] * blow[c, 0]
         if parting <= LIFTED * fastest:
             continue
         first, second = bodies[c]
         f = moment[first] if hardest[first] >= hardest[second] else moment[second]
+        impulse = scaled(f - 0.5, triple_of(force, c, len(problem.m)))
         for side in range(2):
-            body = bodies[c, side]
-            if body >= 0:
-                for j in range(out.shape[1]):
-                    for i in range(force.shape[1]):
-                        out[body, j] += (f - 0.5) * force[c, i] * jacobian[c, side, i, j]
+            if bodies[c, side] >= 0:
+                add_impulse_of_side(geometry, c, side, bodies[c, side], out.shape[1], impulse, out)
     return out

@@ -54,9 +54,10 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.dynamics.block_arrays import StepConstants
-from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
-from masonry_cd.mechanics.dynamics.relative_velocity import of_bodies, of_both, of_supports
+from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities, support_velocity
+from masonry_cd.mechanics.friction.contact_geometry import velocity_between
 from masonry_cd.mechanics.friction.problem import FrictionProblem
+from masonry_cd.mechanics.linalg.triples import plus
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 
 AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it
@@ -139,9 +140,8 @@ def load_springs(
     the step; velocities of the supports (S, 3) at its end; ``memory``: JointMemory of the last set; ``bonding``: gaps up to which new
     contacts are bonded [m], negative after the first step.
     """
-    bodies, supports, jacobian, frame, groups = rows.bodies, rows.supports, rows.jacobian, rows.frame, rows.groups
-    h, m = constants.step, rows.jacobian.shape[2]
-    base, moved, pair = np.empty(m), np.zeros((6, 3)), -1
+    frame, groups, h, m = rows.frame, rows.groups, constants.step, rows.offset.shape[1]
+    moved, pair = np.zeros((6, 3)), -1
     for c in range(rows.active.shape[0]):
         k, first, second = rows.active[c], groups[c, 0], groups[c, 1]
         if found.area[k] == 0.0:
@@ -153,9 +153,10 @@ def load_springs(
             springs.bonded[c] = memory.bonded[old] if old >= 0 else gap <= bonding
         if springs.bonded[c]:
             springs.bond[c] = h * apex * area
+        base = support_velocity(rows, c, support_after)
+        start_velocity = plus(velocity_between(rows.bodies, rows, c, before.free), support_velocity(rows, c, before.support))
         for i in range(m):
-            springs.before[c, i] = of_both(bodies, supports, jacobian, frame, c, i, before.free, before.support, 0.0)
-            base[i] = of_supports(supports, frame, c, i, support_after, 0.0)
+            springs.before[c, i] = start_velocity[i]
         if k_n == 0.0:
             continue
         springs.elastic[c] = True
@@ -246,7 +247,7 @@ def _rigid_slip(found, rows, first, constants, rotation, memory, moved):
             arm[d] -= middle[d]
         torque += memory.area[old] * _triple(n, arm, slip)
     polar = max(polar, polar_before)
-    if rows.jacobian.shape[2] == 3 and polar > 0.0:
+    if rows.offset.shape[1] == 3 and polar > 0.0:
         for d in range(3):
             moved[1, d] = torque / polar * n[d]
 
@@ -306,14 +307,14 @@ def unload_springs(
         (4,) what elastic contacts took from the blocks, what of that friction used up, and the energy of all springs after and before the
         step [J].
     """
-    bodies, supports, jacobian, frame, groups = rows.bodies, rows.supports, rows.jacobian, rows.frame, rows.groups
-    contacts, m = rows.active.shape[0], rows.jacobian.shape[2]
+    frame, groups, (contacts, m) = rows.frame, rows.groups, rows.offset.shape
     u, w, slips, work = np.zeros((contacts, m)), np.zeros((contacts, m)), np.zeros(contacts, dtype=np.bool_), np.zeros(4)
     for c in range(contacts):
         if springs.area[c] > 0.0:
+            motion, base = velocity_between(rows.bodies, rows, c, after.free), support_velocity(rows, c, after.support)
             for i in range(m):
-                u[c, i] = of_both(bodies, supports, jacobian, frame, c, i, after.free, after.support, 0.0)
-                w[c, i] = of_bodies(bodies, jacobian, c, i, after.free, springs.offset[c, i] + springs.compliance[c, i] * impulse[c, i])
+                u[c, i] = motion[i] + base[i]
+                w[c, i] = motion[i] + springs.offset[c, i] + springs.compliance[c, i] * impulse[c, i]
             reach = rows.mu[c] * (impulse[c, 0] + springs.bond[c])
             slips[c] = _size(w[c, 1:]) > still and _size(impulse[c, 1:]) >= (1.0 - AT_LIMIT) * reach
     first = 0

@@ -18,9 +18,10 @@ import numpy as np
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.dynamics.free_motion import drift
 from masonry_cd.mechanics.dynamics.jams import Closing
-from masonry_cd.mechanics.dynamics.relative_velocity import of_bodies
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import System
+from masonry_cd.mechanics.friction.contact_geometry import fill_row, velocity_between
+from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.model.state import State
 
 OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone, or those of the joints as built
@@ -51,14 +52,7 @@ def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state:
         problem = problem.subset(made.rigid)
     k = len(system.blocks.columns)  # no strain is changed
     shift = np.empty((len(problem.v_free), k))
-    lift(
-        gap,
-        problem.bodies,
-        np.ascontiguousarray(problem.jacobian[..., :k]),
-        np.ascontiguousarray(problem.inverse_mass[:, :k, :k]),
-        allowed,
-        shift,
-    )
+    lift(problem.arrays(), gap, allowed, shift)
     velocity = np.zeros_like(state.velocity)
     velocity[np.ix_(system.free, system.blocks.columns)] = shift
     before = state.position.copy()
@@ -97,30 +91,31 @@ def still_closing(system: System, made: StepProblem, v: np.ndarray) -> Closing |
 
 
 @entry()
-def lift(gap, bodies, jacobian, inverse_mass, allowed, shift):
-    """Fill the displacements ``shift`` (F, n) that take a share of the overlaps away, see the head of this file.
+def lift(problem: ProblemArrays, gap: np.ndarray, allowed: float, shift: np.ndarray) -> None:
+    """Fill the displacements ``shift`` (F, k) that take a share of the overlaps away, see the head of this file.
 
-    Gaps (C,) [m], bodies (C, 2), H (C, 2, m, n), M^-1 (F, n, n), and the overlap that is left alone [m].
+    ProblemArrays, of whose unknowns the first k change; gaps (C,) and the overlap that is left alone [m].
     """
-    contacts, n = gap.shape[0], inverse_mass.shape[1]
+    contacts, n, bodies = gap.shape[0], shift.shape[1], problem.bodies
     multiplier, compliance = np.zeros(contacts), np.zeros(contacts)
-    row = np.empty((contacts, 2, n))  # M^-1 H_n^T
+    normal, row = np.empty(n), np.empty((contacts, 2, n))  # H_n, M^-1 H_n^T
     for c in range(contacts):
         for side in range(2):
             b = bodies[c, side]
             if b < 0:
                 continue
+            fill_row(problem.geometry, c, side, 0, normal)
             for j in range(n):
                 value = 0.0
                 for k in range(n):
-                    value += inverse_mass[b, j, k] * jacobian[c, side, 0, k]
+                    value += problem.inverse_mass[b, j, k] * normal[k]
                 row[c, side, j] = value
-                compliance[c] += jacobian[c, side, 0, j] * value
+                compliance[c] += normal[j] * value
     shift[:] = 0.0
     for _ in range(SWEEPS):
         for c in range(contacts):
             wanted = gap[c] + CORRECTED * (-allowed - gap[c]) if gap[c] < -allowed else -allowed
-            moved = of_bodies(bodies, jacobian, c, 0, shift, gap[c])
+            moved = gap[c] + velocity_between(bodies, problem.geometry, c, shift)[0]
             step = max(-multiplier[c], (wanted - moved) / compliance[c])
             multiplier[c] += step
             for side in range(2):

@@ -18,11 +18,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.shocks import Pause, Shock
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 DROP = 0.5  # of a block's height
@@ -30,46 +30,6 @@ TILT = 45.0  # [degrees]
 STILL = 1e-3  # speed below which a block counts as still at the end of a run [m/s]
 ALIKE = 1e-6  # share of the largest motion of a support by which others may differ and count as moving alike
 HOLD = 0.5  # for which all blocks have to be still [s]
-
-
-class Pause(Protocol):
-    """Steps of the loads during which nothing changes."""
-
-    @property
-    def first(self) -> int:
-        """The step at which the pause begins."""
-
-    @property
-    def last(self) -> int:
-        """The step at which the loads go on."""
-
-    @property
-    def speed(self) -> float:
-        """Below which the structure counts as still [m/s]."""
-
-    @property
-    def hold(self) -> int:
-        """Steps in a row that it has to be."""
-
-    @property
-    def after(self) -> str:
-        """The shock before."""
-
-
-class Shock(Protocol):
-    """Steps of the loads during which a shock acts."""
-
-    @property
-    def name(self) -> str:
-        """For reports."""
-
-    @property
-    def first(self) -> int:
-        """The step at which it begins."""
-
-    @property
-    def last(self) -> int:
-        """The step from which on the base stands still."""
 
 
 @dataclass(frozen=True)

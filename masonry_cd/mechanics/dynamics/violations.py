@@ -24,9 +24,10 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import entry
-from masonry_cd.mechanics.dynamics.relative_velocity import all_of_bodies
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import System
+from masonry_cd.mechanics.friction.contact_geometry import velocity_between
+from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.linalg.threads import in_shares
 
 UNBONDED = np.zeros(0)
@@ -39,18 +40,6 @@ class Violation(NamedTuple):
     slip: float = 0.0  # largest false slip of a contact so far [m]
     opening: float = 0.0  # largest false opening of a contact in this step [m]
     blocks: tuple[int, int] = (-1, -1)  # of the contact with the largest slip; -1: there is no contact
-
-
-class ContactLaws(NamedTuple):
-    """The laws of C contacts with m rows, as the kernel reads them, on F free blocks with n unknowns."""
-
-    bodies: np.ndarray  # (C, 2) -1: a support
-    jacobian: np.ndarray  # (C, 2, m, n)
-    offset: np.ndarray  # (C, m) [m/s]
-    mu: np.ndarray  # (C,)
-    compliance: np.ndarray  # (C, m) [m/s per N s]; (0, m): all are rigid
-    inverse_mass: np.ndarray  # (F, n, n), whose first entry is 1 / mass
-    bond: np.ndarray  # (C,) by which the cones begin below zero [N s]; (0,): at zero
 
 
 class FalseSlip(NamedTuple):
@@ -74,12 +63,11 @@ def find_violations(
         v: (F, n) velocities at its end.
         before: false slip of all contacts of the last step [m].
     """
-    p, count, h = made.problem, made.problem.contacts, system.constants.step
+    count, h, problem = made.problem.contacts, system.constants.step, made.problem.arrays()
     bond = UNBONDED if made.springs is None else made.springs.bond
-    laws = ContactLaws(p.bodies, p.jacobian, p.offset, p.mu, p.compliance, p.inverse_mass, bond)
     after = np.zeros((max(1, len(made.found.gap)), system.rows - 1))
     slips = FalseSlip(made.rows.active, made.found.previous, before, after)
-    found = in_shares(lambda _, first, end: violate(laws, slips, impulse, v, h, (first, end)), system.threads_for(count), count)
+    found = in_shares(lambda _, first, end: violate(problem, bond, slips, impulse, v, h, (first, end)), system.threads_for(count), count)
     speed, slip, opening, worst = found[0]
     for other in found[1:]:
         slip, worst = (other[1], other[3]) if other[1] > slip else (slip, worst)
@@ -90,30 +78,32 @@ def find_violations(
 
 @entry()
 def violate(
-    laws: ContactLaws, slips: FalseSlip, impulse: np.ndarray, v: np.ndarray, step: float, share: tuple[int, int]
+    problem: ProblemArrays, bond: np.ndarray, slips: FalseSlip, impulse: np.ndarray, v: np.ndarray, step: float, share: tuple[int, int]
 ) -> tuple[float, float, float, int]:
-    """Fill ``slips.after`` of a share of the contacts, its first and its end; impulses (C, m), velocities (F, n), h [s].
+    """Fill ``slips.after`` of a share of the contacts of ProblemArrays, its first and its end; impulses (C, m), velocities (F, n), h [s].
+
+    ``bond`` (C,): by which the cones begin below zero [N s]; (0,): at zero.
 
     Returns the largest violation [m/s], false slip and false opening [m], and the contact with the largest false slip, -1 for none.
     """
-    bodies, jacobian, offset, compliance, m = laws.bodies, laws.jacobian, laws.offset, laws.compliance, impulse.shape[1]
+    bodies, offset, compliance, m = problem.bodies, problem.offset, problem.compliance, impulse.shape[1]
     speed, slip, opening, worst = 0.0, -1.0, 0.0, -1  # speed and slip squared
     for c in range(share[0], share[1]):
-        w0, w1, w2 = all_of_bodies(bodies, jacobian, c, v)
+        w0, w1, w2 = velocity_between(bodies, problem.geometry, c, v)
         p1, p2 = impulse[c, 1], impulse[c, 2] if m == 3 else 0.0
         w0, w1, w2 = w0 + offset[c, 0], w1 + offset[c, 1], w2 + offset[c, 2] if m == 3 else 0.0
         rho = 0.0
         for side in range(2):
             if bodies[c, side] >= 0:
-                rho += laws.inverse_mass[bodies[c, side], 0, 0]
+                rho += problem.inverse_mass[bodies[c, side], 0, 0]
         rho_n = rho_t = rho
         if len(compliance):
             w0, w1 = w0 + compliance[c, 0] * impulse[c, 0], w1 + compliance[c, 1] * p1
             w2 += compliance[c, m - 1] * p2
             rho_n, rho_t = rho + compliance[c, 0], rho + compliance[c, 1]
-        pressed = impulse[c, 0] + (laws.bond[c] if len(laws.bond) else 0.0)
+        pressed = impulse[c, 0] + (bond[c] if len(bond) else 0.0)
         parting = min(w0, rho_n * pressed)
-        x1, x2, radius = rho_t * p1 - w1, rho_t * p2 - w2, laws.mu[c] * rho_t * max(pressed, 0.0)
+        x1, x2, radius = rho_t * p1 - w1, rho_t * p2 - w2, problem.mu[c] * rho_t * max(pressed, 0.0)
         square = x1 * x1 + x2 * x2
         s1, s2 = w1, w2
         if square > radius * radius:

@@ -27,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 from masonry_cd.mechanics.linalg.small_blocks import STEP, dot, room_for
@@ -67,8 +68,8 @@ def condense(problem: FrictionProblem, velocity: np.ndarray | None = None) -> Co
     count = room_for(int(rows.width.max(initial=0)))
     width = np.maximum(-(-rows.width // STEP) * STEP, STEP)
     condensed = replace(
-        problem, inverse_mass=_identities(bodies, count), v_free=np.zeros((bodies, count)), jacobian=rows.jacobian[..., :count],
-        offset=rows.offset, width=width,
+        problem, inverse_mass=_identities(bodies, count), v_free=np.zeros((bodies, count)),
+        geometry=Geometry.by_rows(rows.jacobian[..., :count]), offset=rows.offset, width=width,
     )  # fmt: skip
     return Condensed(condensed, rows.velocity[:, :count], rows.kept)
 
@@ -98,17 +99,17 @@ def sides_of_bodies(bodies, count):
 @entry()
 def fill_rows(problem: ProblemArrays, start: np.ndarray, sides: np.ndarray, moved: np.ndarray, rows: _Rows) -> None:
     """L of all bodies by :func:`sides_of_bodies`, row by row; ``moved`` (B, n) are velocities less v_free, or (0, n)."""
-    n, room = problem.v_free.shape[1], rows.jacobian.shape[3]
+    n, room, jacobian = problem.v_free.shape[1], rows.jacobian.shape[3], problem.geometry.jacobian
     basis, along, vector, scratch = np.empty((room, n)), np.empty(room), np.empty(n), np.empty((2, n * n))
     for b in range(len(start) - 1):
-        rank, used = 0, unknowns_felt(problem.jacobian, sides[start[b] : start[b + 1]])
+        rank, used = 0, unknowns_felt(jacobian, sides[start[b] : start[b + 1]])
         own, root = vector[:used], scratch[0, : used * used].reshape((used, used))
         if start[b] < start[b + 1]:
             factorise_mass(problem.inverse_mass[b], used, scratch[1].reshape((n, n)), root)
         for e in range(start[b], start[b + 1]):
             c, side = sides[e] // 2, sides[e] % 2
             for i in range(len(problem.m)):
-                row, line = problem.jacobian[c, side, i], rows.jacobian[c, side, i]
+                row, line = jacobian[c, side, i], rows.jacobian[c, side, i]
                 rows.offset[c, i] += dot(row, problem.v_free[b], used)
                 turn_row(root, row, own)  # g = C^T h
                 size = np.sqrt(dot(own, own, used))

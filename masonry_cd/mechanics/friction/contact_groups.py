@@ -11,8 +11,7 @@ and a contact that lies at a from there, in the frame too, has the velocity u = 
 of the joint, which goes back to the blocks in the same way. So a contact needs three numbers in place of the 36 of its rows of H, and a
 joint fifteen: of four contacts, a sixth of the data and a quarter of the operations.
 
-In a plane, where a joint has two contacts, nothing would be won; blocks that deform, and problems from files whose H is not that of rigid
-bodies, have no such frames. There each contact is a joint of its own, with its rows of H, and its twist is its velocity.
+Contacts that have rows of H (contact_geometry.py) are joints of their own, and their twist is their velocity.
 
 A matrix of lanes has four columns for each of its fields. Where a group has fewer than four joints, or a joint fewer contacts than its
 neighbours, places stay empty: they have no number, scale, stiffness or impulse, and stand for contacts between supports.
@@ -25,9 +24,10 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower
-from masonry_cd.mechanics.friction.joint_twists import fill_arm, fill_frame
+from masonry_cd.mechanics.friction.contact_geometry import Geometry, arm_at, axes_at
 from masonry_cd.mechanics.friction.natural_map import squared_residual
 from masonry_cd.mechanics.friction.operators import trace_of_contact, unknowns_at
+from masonry_cd.mechanics.linalg.small_blocks import size_tuple
 from masonry_cd.mechanics.linalg.triples import cross, in_axes, inner, minus, out_of_axes, plus, scaled, times
 from masonry_cd.mechanics.linalg.vectors import (
     LANES,
@@ -44,7 +44,7 @@ from masonry_cd.mechanics.linalg.vectors import (
 
 # Fields of the table of contacts: a [m], b [m/s], C, mu, d = trace(W_cc + C_cc) / m, R; then what the law needs of them, see put_stiffness
 ARM, OFFSET, COMPLIANCE, MU, SCALE, STIFFNESS, NORMAL, TANGENT, STRETCH, SHARE, FIELDS = 0, 3, 6, 9, 10, 11, 12, 13, 14, 15, 16
-AXES, ARMS = 0, 9  # fields of a frame: d_0, d_1, d_2, and r_a, r_b
+AXES, ARMS, NUMBERS = 0, 9, 15  # fields of a frame: d_0, d_1, d_2, and r_a, r_b
 
 
 class ContactGroups(NamedTuple):
@@ -199,37 +199,34 @@ def put_stiffness(table, row, r):
 
 
 @borrower()
-def fill_group(given, problem, groups, g, scratch):
-    """Fill the frames or rows and the table of group g, but for the stiffness; ``problem`` has its bodies in order, scratch is (15,)."""
-    frame, table, contact, jacobian, place = groups.frame, groups.table, groups.contact, given.jacobian, groups.place
-    first, end, n, m, shared = groups.start[g], groups.start[g + 1], len(problem.n), jacobian.shape[2], len(groups.s) > 3
+def fill_group(problem, groups, g):
+    """Fill the frames or rows and the table of group g, but for the stiffness; ``problem`` has its bodies in order."""
+    table, contact, geometry, place = groups.table, groups.contact, problem.geometry, groups.place
+    first, end, n, m, shared = groups.start[g], groups.start[g + 1], len(problem.n), len(problem.m), len(groups.s) > 3
     table[first:end] = 0.0
     for lane in range(LANES):
         one = contact[first, lane]
         if shared:
-            scratch[:] = 0.0
-            if one >= 0:
-                fill_frame(jacobian, given.bodies, one, scratch)
-            for k in range(len(scratch)):
-                frame[g, LANES * k + lane] = scratch[k]
+            fill_frame(geometry, one, groups.frame, g, lane)
         else:
             for k in range(2 * m * n):
-                groups.rows[g, LANES * k + lane] = jacobian[one, k // (m * n), k // n % m, k % n] if one >= 0 else 0.0
+                groups.rows[g, LANES * k + lane] = geometry.jacobian[one, k // (m * n), k // n % m, k % n] if one >= 0 else 0.0
         for row in range(first, end):
             c = contact[row, lane]
             if c < 0:
                 break
             if shared:
-                fill_arm(jacobian, given.bodies, one, c, scratch)
+                side = 0 if place[g, lane] < len(problem.free) else 1
+                arm = in_axes(axes_at(geometry, one), minus(arm_at(geometry, c, side), arm_at(geometry, one, side)))
                 for i in range(3):
-                    table[row, LANES * (ARM + i) + lane] = scratch[9 + i]
+                    table[row, LANES * (ARM + i) + lane] = arm[i]
             else:
                 table[row, LANES * SCALE + lane] = trace_of_contact(problem, c, place[g, lane], place[g, LANES + lane])
-            table[row, LANES * MU + lane] = given.mu[c]
+            table[row, LANES * MU + lane] = problem.mu[c]
             for i in range(m):
-                table[row, LANES * (OFFSET + i) + lane] = given.offset[c, i]
-                if len(given.compliance):
-                    table[row, LANES * (COMPLIANCE + i) + lane] = given.compliance[c, i]
+                table[row, LANES * (OFFSET + i) + lane] = problem.offset[c, i]
+                if len(problem.compliance):
+                    table[row, LANES * (COMPLIANCE + i) + lane] = problem.compliance[c, i]
     if shared:
         add_rigid_traces(groups, g, problem.inverse)
     for row in range(first, end):
@@ -240,12 +237,19 @@ def fill_group(given, problem, groups, g, scratch):
                 table[row, LANES * SCALE + lane] = 0.0
 
 
+@borrower()
+def fill_frame(geometry, c, frame, g, lane):
+    """Fill one lane of group g with the frame and the arms of contact c, or with zeros if that is -1."""
+    for k in range(9):
+        frame[g, LANES * (AXES + k) + lane] = geometry.frame[c, k // 3, k % 3] if c >= 0 else 0.0
+    for k in range(6):
+        frame[g, LANES * (ARMS + k) + lane] = geometry.arm[c, k // 3, k % 3] if c >= 0 else 0.0
+
+
 @borrower(forceinline=True, fastmath={"contract"})
 def arm_in_world(groups, row, axes):
-    """Where contacts of a row lie from the first of their joint, in the axes of the world; in axes that are left-handed, as problems from
-    files may have them, their components have the other sign, so that velocity_at holds."""
-    left = where_at_most(inner(axes[0], cross(axes[1], axes[2])), fill_four(0.0), fill_four(-1.0), fill_four(1.0))
-    return scaled(left, out_of_axes(axes, three(groups.table, row, ARM)))
+    """Where contacts of a row lie from the first of their joint, in the axes of the world."""
+    return out_of_axes(axes, three(groups.table, row, ARM))
 
 
 @borrower(fastmath={"contract"})
@@ -324,3 +328,8 @@ def scatter_stiffness(matrix, rows, g, at, sign, moments, r, s):
         scatter(matrix, rows, g, at, 21 + 7 * i, trace - s[i] * of_r[i] - first[i] * r[i] - squares[i])
         scatter(matrix, rows, g, at, 21 + 6 * i + j, -1.0 * (s[i] * of_r[j] + first[i] * r[j] + products[i]))
         scatter(matrix, rows, g, at, 21 + 6 * j + i, -1.0 * (s[j] * of_r[i] + first[j] * r[i] + products[i]))
+
+
+def size_of_twist(geometry: Geometry, m: int) -> tuple[int, ...]:
+    """As many zeros as the twists of contacts with m rows each have components, see small_blocks.py."""
+    return size_tuple(6 if len(geometry.frame) else m)

@@ -18,6 +18,9 @@ which is exactly linear when W is diagonal and isotropic, and nearly so otherwis
 or three steps (the idea of the secular equation of trust regions, More & Sorensen, SIAM J. Sci. Stat. Comput. 4, 1983).
 
 Planar contacts (one tangent) use the same step with a second tangent that carries nothing.
+
+Without friction the cone is its axis: p_n = max(0, -q_n / W_nn), p_t = 0. A mu below FRICTIONLESS counts as none. Methods that need a cone
+with an inside give it one of NARROWEST, whatever mu is below.
 """
 
 from __future__ import annotations
@@ -29,7 +32,14 @@ from masonry_cd.foundation.jit import borrower, kernel
 OPEN, STICK, SLIP = 0, 1, 2  # status of a contact
 INVERSE_NN, COUPLING, SCHUR, NN, SCALE, START, MU, Q, P, C = 0, 1, 3, 6, 7, 8, 9, 10, 13, 16  # columns of a table of contacts
 ROW = 19
-FRICTIONLESS = 1e-60  # below this mu the impulse is that of no friction: |t| grows as 1 / mu, and its third power has to stay a number
+FRICTIONLESS = 1e-60  # |t| grows as 1 / mu, and its third power has to stay a number
+NARROWEST = 1e-6
+
+
+@kernel(inline="always")
+def has_friction(mu: float) -> bool:
+    """Whether a contact with this coefficient counts as one with friction."""
+    return mu >= FRICTIONLESS
 
 
 @kernel(inline="always")
@@ -97,7 +107,7 @@ def local_impulse(q: Vector, row: Row, mu: float, s: float) -> tuple[float, floa
     pn = -qn * winv - c1 * p1 - c2 * p2
     if pn >= 0.0 and p1 * p1 + p2 * p2 <= mu * mu * pn * pn:
         return pn, p1, p2, s
-    if mu < FRICTIONLESS:
+    if not has_friction(mu):
         return -qn * winv, 0.0, 0.0, s
     return slip_impulse(qn, a1, a2, row, mu, s)
 

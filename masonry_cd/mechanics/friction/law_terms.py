@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry, kernel
-from masonry_cd.mechanics.friction.body_sides import add_impulse
-from masonry_cd.mechanics.friction.joint_twists import NUMBERS
+from masonry_cd.mechanics.friction.contact_geometry import velocity_between
 from masonry_cd.mechanics.friction.operators import (
     OrderedProblem,
     ProblemArrays,
+    add_impulse,
     body_velocity_of,
     measure_scales,
     squared_map_norm_of,
@@ -62,9 +62,8 @@ def begin_terms(team, given, scaled, terms):
     """
     count, n, v = len(given.v_free), len(given.n), terms.v
     problem = OrderedProblem(
-        given.inverse_mass, np.empty((0, n, n)), given.v_free, terms.places, np.empty(0, dtype=np.int64), given.jacobian,
-        np.empty((0, NUMBERS)), given.offset, given.mu, given.compliance, widths_in_order(given.width, np.arange(count)), terms.d,
-        given.coupling, given.m, given.n,
+        given.inverse_mass, np.empty((0, n, n)), given.v_free, terms.places, np.empty(0, dtype=np.int64), given.geometry,
+        given.offset, given.mu, given.compliance, widths_in_order(given.width, np.arange(count)), terms.d, given.coupling, given.m, given.n,
     )  # fmt: skip
     parts, (b0, b1) = share_of(team, 0, PARTS), share_of(team, 0, count)
     first, end = part_of(parts[0], len(given.mu))[0], part_of(parts[1], len(given.mu))[0]
@@ -138,3 +137,12 @@ def new_velocity(problem: ProblemArrays, p: np.ndarray, v: np.ndarray) -> None:
     terms = allocate_terms(problem)
     move_terms(alone(), begin_terms(alone(), problem, False, terms), p, terms)
     copy_flat(terms.v[: len(v)], v)
+
+
+@entry()
+def add_velocities(problem: ProblemArrays, v: np.ndarray, u: np.ndarray) -> None:
+    """Add H v of ProblemArrays to u (C, m), for body velocities v (B, n)."""
+    for c in range(len(u)):
+        x = velocity_between(problem.bodies, problem.geometry, c, v)
+        for i in range(len(problem.m)):
+            u[c, i] += x[i]

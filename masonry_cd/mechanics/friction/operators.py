@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""The operators of a friction problem: u = H v + b, M^-1, the scales d, and the residual of the natural map; G p is in body_sides.py.
+r"""The operators of a friction problem: u = H v + b, G p, M^-1, the scales d, and the residual of the natural map.
 
     M (v - v_free) = G p,     w = H v + b + C p,     W = H M^-1 G.
 
@@ -14,8 +14,14 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.coupling import Coupling
-from masonry_cd.mechanics.friction.joint_twists import velocity_in
+from masonry_cd.mechanics.friction.contact_geometry import (
+    Geometry,
+    add_impulse_of_side,
+    is_by_arms,
+    trace_by_arms,
+    velocity_of_side,
+)
+from masonry_cd.mechanics.friction.coupling import Coupling, add_coupled, is_coupled
 from masonry_cd.mechanics.friction.natural_map import squared_residual
 from masonry_cd.mechanics.linalg.small_blocks import add_outer_product, invert, is_wide
 from masonry_cd.mechanics.linalg.triples import inner, plus, times
@@ -28,7 +34,7 @@ class ProblemArrays(NamedTuple):
     inverse_mass: np.ndarray  # (B, n, n)
     v_free: np.ndarray  # (B, n)
     bodies: np.ndarray  # (C, 2) candidate and antagonist body; -1: a support
-    jacobian: np.ndarray  # (C, 2, m, n)
+    geometry: Geometry
     offset: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
     compliance: np.ndarray  # (C, m); (0, m) where all contacts are rigid
@@ -46,8 +52,7 @@ class OrderedProblem(NamedTuple):
     free: np.ndarray  # (B, n) v_free
     places: np.ndarray  # (C, 2) places of the bodies; B: a support
     block: np.ndarray  # (C,) the block of M + H^T R H that couples them, below the diagonal; -1: none
-    jacobian: np.ndarray  # (C, 2, m, n)
-    frame: np.ndarray  # (C, 15) frames of contacts between rigid blocks in space, see joint_twists.py; (0, 15): they are not all such
+    geometry: Geometry
     offset: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
     compliance: np.ndarray  # (C, m) or (0, m)
@@ -109,7 +114,9 @@ def trace_of_contact(problem, c, a, b):
     """trace(W_cc) of contact c, between the bodies at the places a and b, those of supports after all."""
     if has_unit_masses(problem):
         return unit_delassus_trace(problem, c, a, b)
-    inverse, jacobian, n, trace = problem.inverse, problem.jacobian, len(problem.n), 0.0
+    if has_arms(problem):
+        return trace_by_arms(problem.inverse, problem.geometry, c, a, b)
+    inverse, jacobian, n, trace = problem.inverse, problem.geometry.jacobian, len(problem.n), 0.0
     for side in range(2):
         body = b if side else a
         if body == len(inverse):
@@ -128,7 +135,7 @@ def trace_of_contact(problem, c, a, b):
 @borrower(fastmath={"contract"})
 def unit_delassus_trace(problem, c, a, b):
     """:func:`trace_of_contact` for bodies of unit mass."""
-    jacobian, trace = problem.jacobian, 0.0
+    jacobian, trace = problem.geometry.jacobian, 0.0
     for side in range(2):
         body = b if side else a
         for i in range(len(problem.m)):
@@ -171,25 +178,42 @@ def add_product(problem, x, y, rows, one, other, out):
 
 
 @borrower(forceinline=True)
-def has_frames(problem):
-    """Whether contacts have frames; known to be false where blocks are not those of rigid bodies in space."""
-    return len(problem.n) == 6 and len(problem.m) == 3 and len(problem.frame) > 0
+def has_arms(problem):
+    """Whether contacts have frames and arms; known to be false where blocks are not those of rigid bodies in space."""
+    return len(problem.n) == 6 and len(problem.m) == 3 and is_by_arms(problem.geometry)
 
 
 @kernel(inline="always", fastmath={"contract"})
 def velocity_of_contact(problem, v, c):
     """H v of contact c for body velocities v (B + 1, n), that of supports zero: three numbers, the last zero in a plane."""
     a, b = problem.places[c, 0], problem.places[c, 1]
-    if has_frames(problem):
-        return velocity_in(problem.frame[c], v, a, b)
-    jacobian, u0, u1, u2 = problem.jacobian, 0.0, 0.0, 0.0
-    for k in range(unknowns_at(problem, a, b)):
+    if has_arms(problem):
+        return plus(velocity_of_side(problem.geometry, c, 0, a, 6, v), velocity_of_side(problem.geometry, c, 1, b, 6, v))
+    jacobian, u0, u1, u2 = problem.geometry.jacobian, 0.0, 0.0, 0.0
+    for k in range(unknowns_at(problem, a, b)):  # of both sides at once, with lengths that the compiler knows
         x, y = v[a, k], v[b, k]
         u0 += jacobian[c, 0, 0, k] * x + jacobian[c, 1, 0, k] * y
         u1 += jacobian[c, 0, 1, k] * x + jacobian[c, 1, 1, k] * y
         if len(problem.m) == 3:
             u2 += jacobian[c, 0, 2, k] * x + jacobian[c, 1, 2, k] * y
     return u0, u1, u2
+
+
+@borrower(fastmath={"contract"})
+def add_impulse(problem, p, begin, stop, out):
+    """out (B or more, n) += G p of the bodies at the places from begin to stop, for impulses p (C, m).
+
+    Two threads may not add to one body at once. So each of a team passes over all contacts, and adds to bodies of its own: what a body gets
+    is added up in the order of the contacts, whichever thread does it.
+    """
+    if is_coupled(problem):
+        add_coupled(problem, p, begin, stop, out)
+        return
+    for c in range(len(p)):
+        for side in range(2):
+            b = problem.places[c, side]
+            if begin <= b < stop:
+                add_impulse_of_side(problem.geometry, c, side, b, unknowns_at(problem, b, b), triple_of(p, c, len(problem.m)), out)
 
 
 @borrower(fastmath={"contract"})

@@ -26,13 +26,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.coupling import UNCOUPLED, Coupling
-from masonry_cd.mechanics.friction.joint_twists import NUMBERS, frames_of
-from masonry_cd.mechanics.friction.law_terms import allocate_terms, error_bodies, error_by_team, new_velocity
+from masonry_cd.mechanics.friction.law_terms import add_velocities, allocate_terms, error_bodies, error_by_team, new_velocity
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.linalg.small_blocks import EPSILON, FULL, size_of_blocks, size_tuple
@@ -52,7 +52,7 @@ class FrictionProblem:
     inverse_mass: np.ndarray  # (B, n, n) blocks of M^-1, symmetric positive definite
     v_free: np.ndarray  # (B, n) velocities without contact [m/s, rad/s]
     bodies: np.ndarray  # (C, 2) candidate and antagonist body; -1: a support, its velocity is in the offset
-    jacobian: np.ndarray  # (C, 2, m, n) H by contact and body
+    geometry: Geometry  # frames and arms of the contacts, or their rows of H
     offset: np.ndarray  # (C, m) b [m/s]
     mu: np.ndarray  # (C,) coefficients of friction
     compliance: np.ndarray  # (C, m) diagonal of C, not negative [m/s per N s], zeros: rigid contacts; (0, m): all are rigid
@@ -88,7 +88,7 @@ class FrictionProblem:
             np.ascontiguousarray(self.inverse_mass, dtype=np.float64),
             np.ascontiguousarray(self.v_free, dtype=np.float64),
             np.ascontiguousarray(self.bodies, dtype=np.int64),
-            np.ascontiguousarray(self.jacobian, dtype=np.float64),
+            Geometry(*(np.ascontiguousarray(array, dtype=np.float64) for array in self.geometry)),
             np.ascontiguousarray(self.offset, dtype=np.float64),
             np.ascontiguousarray(self.mu, dtype=np.float64),
             np.ascontiguousarray(compliance, dtype=np.float64),
@@ -99,16 +99,14 @@ class FrictionProblem:
         )
 
     @cached_property
-    def frames(self) -> np.ndarray:
-        """The frames of the contacts, (C, 15), or (0, 15) if they are not all between rigid blocks in space, see joint_twists.py."""
-        return frames_of(self.arrays().jacobian, self.arrays().bodies)
+    def jacobian(self) -> np.ndarray:
+        """H by contact and body, (C, 2, m, n)."""
+        return self.geometry.rows(self.bodies)
 
     def relative_velocity(self, v: np.ndarray) -> np.ndarray:
         """u = H v + b, (C, m), for body velocities (B, n)."""
-        u = self.offset.copy()
-        for side in range(2):
-            on = self.bodies[:, side] >= 0
-            u[on] += np.einsum("cij,cj->ci", self.jacobian[on, side], v[self.bodies[on, side]])
+        u = np.array(self.offset, dtype=np.float64, order="C")
+        add_velocities(self.arrays(), np.ascontiguousarray(v, dtype=np.float64), u)
         return u
 
     def body_velocity(self, impulse: np.ndarray) -> np.ndarray:
@@ -140,7 +138,7 @@ class FrictionProblem:
     def subset(self, kept: np.ndarray) -> FrictionProblem:
         """The problem with some of its contacts only: a mask (C,) or their indices."""
         return replace(
-            self, bodies=self.bodies[kept], jacobian=self.jacobian[kept], offset=self.offset[kept], mu=self.mu[kept],
+            self, bodies=self.bodies[kept], geometry=self.geometry.of(kept), offset=self.offset[kept], mu=self.mu[kept],
             compliance=self._compliance_of(kept),
         )  # fmt: skip
 
@@ -148,7 +146,7 @@ class FrictionProblem:
         """The problem of some blocks (indices) and the contacts (indices) on them; ``place`` (B,): their places among those blocks."""
         bodies = self.bodies[contacts]
         return FrictionProblem(
-            self.inverse_mass[blocks], self.v_free[blocks], np.where(bodies >= 0, place[bodies], -1), self.jacobian[contacts],
+            self.inverse_mass[blocks], self.v_free[blocks], np.where(bodies >= 0, place[bodies], -1), self.geometry.of(contacts),
             self.offset[contacts], self.mu[contacts], self._compliance_of(contacts), None if self.width is None else self.width[blocks],
         )  # fmt: skip
 
@@ -193,7 +191,6 @@ class LocalProblem:
     w: sparse.csr_matrix  # (C m, C m)
     q: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
-    frames: ClassVar[np.ndarray] = np.empty((0, NUMBERS))  # none: the contacts are not those of rigid blocks in space
 
     @property
     def contacts(self) -> int:
@@ -223,7 +220,7 @@ class LocalProblem:
         indptr, bodies = blocks.indptr.astype(np.int64), np.column_stack([np.arange(contacts), np.full(contacts, -1)])
         data = blocks.data / np.repeat(scales, np.diff(indptr))[:, None, None]
         return ProblemArrays(
-            scales[:, None, None] * unit, np.ascontiguousarray(self.q, dtype=np.float64), bodies, jacobian, nothing,
+            scales[:, None, None] * unit, np.ascontiguousarray(self.q, dtype=np.float64), bodies, Geometry.by_rows(jacobian), nothing,
             np.ascontiguousarray(self.mu, dtype=np.float64), nothing[:0], FULL,
             Coupling(np.ascontiguousarray(data), blocks.indices.astype(np.int64), indptr), size_tuple(m), size_tuple(m),
         )  # fmt: skip

@@ -61,8 +61,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from masonry_cd.mechanics.friction.contact_groups import size_of_twist
 from masonry_cd.mechanics.friction.coupling import pattern_of
-from masonry_cd.mechanics.friction.joint_twists import size_of_twist
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
 from masonry_cd.mechanics.friction.solver_state import Factors, Learnt, SolverState
@@ -114,7 +114,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     state, factors, index, block = recall(given, start)
     pattern, learnt, k = factors.pattern, state.learnt, next_k(state.learnt)
     settings = AdmmSettings(k, (OPEN, SLIDES), learnt.stale or k != learnt.k, moving, learnt.rate, options.tolerance, limit)
-    groups = group_contacts(given, index, block, pattern.symbolic, size_of_twist(problem.frames, problem.dimension))
+    groups = group_contacts(given, index, block, pattern.symbolic, size_of_twist(given.geometry, problem.dimension))
     work = allocate_workspace(given, pattern, groups, index, (factors.squares, factors.panels, factors.rho))
     threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
     iterations, error, k_end, _, rate = run_by_team(admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity)

@@ -14,7 +14,6 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.contact_groups import fill_group
 from masonry_cd.mechanics.friction.coupling import add_coupled, is_coupled
-from masonry_cd.mechanics.friction.joint_twists import NUMBERS
 from masonry_cd.mechanics.friction.operators import ProblemArrays, body_velocity_of, put_in_order
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
@@ -129,11 +128,10 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
     iterates.v[len(order)] = 0.0
     iterates.trial[len(order)] = 0.0
     iterates.correction[len(order)] = 0.0
-    scratch = np.empty(NUMBERS)
     wait(team)
     for q in range(begin, end):  # all of a subtree while it is in the cache
         for g in range(groups.subtree[q], groups.subtree[q + 1]):
-            fill_group(given, problem, groups, g, scratch)
+            fill_group(problem, groups, g)
         read_impulses(work, q, p_out)
         recall_stiffness(work, q)
         sums[q] = squared_size(work, q, iterates.v)

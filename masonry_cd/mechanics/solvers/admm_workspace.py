@@ -9,7 +9,6 @@ import numpy as np
 
 from masonry_cd.mechanics.friction.contact_groups import ContactGroups
 from masonry_cd.mechanics.friction.coupling import in_places
-from masonry_cd.mechanics.friction.joint_twists import NUMBERS
 from masonry_cd.mechanics.friction.operators import OrderedProblem, ProblemArrays
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.small_blocks import FULL
@@ -88,7 +87,7 @@ def allocate_workspace(
     width = np.append(symbolic.width, 0) if len(symbolic.width) else symbolic.width
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
     problem = OrderedProblem(  # the groups have what is missing
-        np.empty((count + 1, n, n)), np.empty((count, n, n)), np.empty((count, n)), places, FULL, given.jacobian, np.empty((0, NUMBERS)),
+        np.empty((count + 1, n, n)), np.empty((count, n, n)), np.empty((count, n)), places, FULL, given.geometry,
         given.offset, given.mu, given.compliance, width, np.empty(0), in_places(given.coupling, pattern), given.m, given.n,
     )  # fmt: skip
     iterates = Iterates(

@@ -15,10 +15,11 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.mechanics.friction.contact_geometry import arm_at, axes_at
 from masonry_cd.mechanics.friction.coupling import add_coupled_blocks, is_coupled
-from masonry_cd.mechanics.friction.joint_twists import out_of_frame
-from masonry_cd.mechanics.friction.operators import add_product, has_frames, load_mass, unknowns_at
+from masonry_cd.mechanics.friction.operators import add_product, has_arms, load_mass, unknowns_at
 from masonry_cd.mechanics.linalg.small_blocks import is_wide
+from masonry_cd.mechanics.linalg.triples import out_of_axes
 from masonry_cd.mechanics.linalg.vectors import add_six_times, load_six, pack_six, store_six
 
 NUMBERS = 9  # of D^T B D
@@ -27,16 +28,16 @@ NUMBERS = 9  # of D^T B D
 @borrower(fastmath={"contract"})
 def turn_blocks(problem, blocks, first, end, world):
     """world (C, 9) = D^T B D of the contacts first to end of rigid blocks in space, B the first rows of ``blocks``."""
-    if not has_frames(problem):
+    if not has_arms(problem):
         return
     for c in range(first, end):
-        f, block, out = problem.frame[c], blocks[c], world[c]
+        axes, block, out = axes_at(problem.geometry, c), blocks[c], world[c]
         for q in range(3):
-            x, y, z = f[q], f[3 + q], f[6 + q]
+            x, y, z = axes[0][q], axes[1][q], axes[2][q]
             t0 = block[0, 0] * x + block[0, 1] * y + block[0, 2] * z
             t1 = block[1, 0] * x + block[1, 1] * y + block[1, 2] * z
             t2 = block[2, 0] * x + block[2, 1] * y + block[2, 2] * z
-            out[q], out[3 + q], out[6 + q] = out_of_frame(f, t0, t1, t2)
+            out[q], out[3 + q], out[6 + q] = out_of_axes(axes, (t0, t1, t2))
 
 
 @kernel(fastmath={"contract"})
@@ -62,7 +63,7 @@ def augment_blocks(problem, blocks, world, symbolic, share, matrix):
             c += 1
         if not (begin <= a < stop or begin <= b < stop):
             continue
-        if has_frames(problem):
+        if has_arms(problem):
             add_rigid_contact(problem, world, first, share, matrix)
             continue
         rows = take_rows(problem, blocks, first, c, scratch)
@@ -83,7 +84,8 @@ def add_rigid_contact(problem, world, c, share, matrix):
     """What contact c between rigid bodies in space adds to the columns of a share (first, end)."""
     (begin, stop), places, k = share, problem.places, problem.block[c]
     for side in range(2):
-        b, beyond, own, other = places[c, side], places[c, 1 - side], arm_of(problem.frame[c], side), arm_of(problem.frame[c], 1 - side)
+        b, beyond = places[c, side], places[c, 1 - side]
+        own, other = arm_at(problem.geometry, c, side), arm_at(problem.geometry, c, 1 - side)
         if not begin <= b < stop:
             continue
         lines = turn_lines(world[c], own, False)
@@ -111,7 +113,7 @@ def take_rows(problem, blocks, first, end, scratch):
     m = len(problem.m)
     for c in range(first, end):
         for side in range(2):
-            rows, at, body = problem.jacobian[c, side], m * (c - first), problem.places[c, side]
+            rows, at, body = problem.geometry.jacobian[c, side], m * (c - first), problem.places[c, side]
             for i in range(m):
                 for q in range(unknowns_at(problem, body, body)):
                     total = 0.0
@@ -129,13 +131,6 @@ def longest_run(places):
         run = run + 1 if c > 0 and places[c, 0] == places[c - 1, 0] and places[c, 1] == places[c - 1, 1] else 1
         most = max(most, run)
     return most
-
-
-@borrower(forceinline=True)
-def arm_of(frame, side):
-    """The arm r of a side in a frame (15,), three numbers."""
-    at = 9 + 3 * side
-    return frame[at], frame[at + 1], frame[at + 2]
 
 
 @borrower(forceinline=True)

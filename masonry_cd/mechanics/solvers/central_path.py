@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.body_sides import add_impulse
-from masonry_cd.mechanics.friction.coulomb_law import tangent_length
+from masonry_cd.mechanics.friction.coulomb_law import NARROWEST, tangent_length
+from masonry_cd.mechanics.friction.operators import add_impulse
 from masonry_cd.mechanics.linalg.threads import take, wait
 from masonry_cd.mechanics.solvers.linearised import contact_change, contact_velocity, keep_better, map_norm, solve_by_first
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
@@ -69,7 +69,7 @@ class Inside(NamedTuple):
 @kernel()
 def cones_of(problem):
     """The :class:`Cones` of the contacts."""
-    return Cones(np.maximum(problem.mu, 1e-6), problem.m)
+    return Cones(np.maximum(problem.mu, NARROWEST), problem.m)
 
 
 @kernel()

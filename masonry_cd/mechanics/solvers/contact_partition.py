@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.foundation.jit import entry, kernel
-from masonry_cd.mechanics.friction.contact_groups import FIELDS, ContactGroups
-from masonry_cd.mechanics.friction.joint_twists import NUMBERS, shares_frame
+from masonry_cd.mechanics.friction.contact_geometry import shares_faces
+from masonry_cd.mechanics.friction.contact_groups import FIELDS, NUMBERS, ContactGroups
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.linalg.ghost_rows import nodes_of
 from masonry_cd.mechanics.linalg.sorting import sorted_by
@@ -32,7 +32,7 @@ def group_contacts(
         size_s: as many zeros as a twist has components.
     """
     (contact, begin), s, size = sort_by_subtree(index, symbolic), len(size_s), len(symbolic.column) - 1
-    shared = s > given.jacobian.shape[2]
+    shared = s > len(given.m)
     first, joint = split_into_joints(given, contact, begin, shared)
     order, subtree, start = group_joints(first, joint)
     groups, rows = len(start) - 1, start[-1]
@@ -71,7 +71,7 @@ def split_into_joints(given, contact, begin, shared):
     for q in range(len(begin) - 1):
         joint[q] = joints
         for c in range(begin[q], begin[q + 1]):
-            if not shared or c == begin[q] or not shares_frame(given.jacobian, bodies, contact[first[joints - 1]], contact[c]):
+            if not shared or c == begin[q] or not shares_faces(given.geometry, bodies, contact[first[joints - 1]], contact[c]):
                 first[joints] = c
                 joints += 1
     first[joints] = contacts

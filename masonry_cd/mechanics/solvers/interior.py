@@ -45,7 +45,7 @@ import numpy as np
 from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution
 from masonry_cd.mechanics.solvers import admm, nlgs
-from masonry_cd.mechanics.solvers.linearised import Settings, elimination_of
+from masonry_cd.mechanics.solvers.linearised import Elimination, Settings
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
 from masonry_cd.mechanics.solvers.options import Options
 
@@ -75,7 +75,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     arrays, velocity = problem.arrays(), np.empty(problem.v_free.shape)
     near = max(options.tolerance, min(LEAVE * options.tolerance, FAR_OFF))  # where the damped path is left
     state, factors, index, block = admm.recall(arrays, start)
-    elimination = elimination_of(problem, factors.pattern, index, block)
+    elimination = Elimination(factors.pattern.order, factors.pattern.symbolic, index, block)
 
     def method(by_team: Entry, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:

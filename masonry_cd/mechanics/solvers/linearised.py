@@ -8,24 +8,25 @@ does its own contacts or bodies, see shares.py.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.body_sides import add_impulse
-from masonry_cd.mechanics.friction.operators import body_velocity_of, missing_momentum_of, squared_map_norm_of, velocity_of_contact
+from masonry_cd.mechanics.friction.operators import (
+    add_impulse,
+    body_velocity_of,
+    missing_momentum_of,
+    squared_map_norm_of,
+    velocity_of_contact,
+)
 from masonry_cd.mechanics.linalg.ldu import factorise_ldu_by_team
-from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, Factor
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.threads import take, wait
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
 from masonry_cd.mechanics.solvers.augmented import NUMBERS, augment_blocks, turn_blocks
 from masonry_cd.mechanics.solvers.shares import begin_sums, chunk_of, copy_share, sum_of_chunks
-
-if TYPE_CHECKING:
-    from masonry_cd.mechanics.friction.problem import Problem
 
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
 
@@ -37,12 +38,6 @@ class Elimination(NamedTuple):
     symbolic: SymbolicFactor
     places: np.ndarray  # (C, 2) places of the bodies; B: a support
     block: np.ndarray  # (C,) the block that couples them, -1: none
-    frame: np.ndarray  # (C, 15) the frames of the contacts or (0, 15), see :class:`OrderedProblem`
-
-
-def elimination_of(problem: Problem, pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
-    """The :class:`Elimination` of a problem whose contacts have these places (C, 2) of bodies and blocks (C,) in a pattern."""
-    return Elimination(pattern.order, pattern.symbolic, places, block, problem.frames)
 
 
 class Settings(NamedTuple):

@@ -58,7 +58,7 @@ def allocate_common(arena, problem, elimination):
     blocks, rows = (bodies, n, n), (bodies + 1, n)
     return Common(
         allocate_sums(arena, shape[0], bodies), take(arena, blocks), take(arena, blocks), take(arena, (bodies, n)), take(arena, shape[:1]),
-        take(arena, rows), take(arena, shape), allocate_work(arena, symbolic, problem.n, rows, len(elimination.frame)),
+        take(arena, rows), take(arena, shape), allocate_work(arena, symbolic, problem.n, rows, len(problem.geometry.frame)),
     )  # fmt: skip
 
 
@@ -68,8 +68,8 @@ def in_order(shares, common, problem, elimination):
     inverse, mass, free, d, order = common.inverse, common.mass, common.free, common.d, elimination.order
     put_in_order(problem, order, shares.rows[0], shares.rows[1], inverse, mass, free)
     ordered = OrderedProblem(
-        inverse, mass, free, elimination.places, elimination.block, problem.jacobian, elimination.frame, problem.offset, problem.mu,
-        problem.compliance, widths_in_order(problem.width, order), d, problem.coupling, problem.m, problem.n,
+        inverse, mass, free, elimination.places, elimination.block, problem.geometry, problem.offset, problem.mu, problem.compliance,
+        widths_in_order(problem.width, order), d, problem.coupling, problem.m, problem.n,
     )  # fmt: skip
     wait(shares.team)
     measure_scales(ordered, shares.contacts[0], shares.contacts[1])

@@ -28,7 +28,7 @@ import numpy as np
 from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
 from masonry_cd.mechanics.solvers import admm, nlgs
-from masonry_cd.mechanics.solvers.linearised import Settings, elimination_of
+from masonry_cd.mechanics.solvers.linearised import Elimination, Settings
 from masonry_cd.mechanics.solvers.linearised_bodies import newton_by_team, over_bodies
 from masonry_cd.mechanics.solvers.options import Options
 
@@ -54,7 +54,7 @@ def solve_by_proximal_points(
         return nlgs.solve(problem, options, start)
     impulse, velocity = first_impulse(problem, start), np.empty(problem.v_free.shape)
     state, factors, index, block = admm.recall(problem.arrays(), start)
-    elimination = elimination_of(problem, factors.pattern, index, block)
+    elimination = Elimination(factors.pattern.order, factors.pattern.symbolic, index, block)
     settings = Settings(0.0, options.tolerance, options.limit(limit))
     iterations, error = over_bodies(by_team, problem.arrays(), elimination, settings, impulse, velocity, threads)
     return Solution(impulse, velocity, iterations, options.reason(name, error), state, error)

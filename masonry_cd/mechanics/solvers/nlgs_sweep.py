@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.body_sides import add_impulse
+from masonry_cd.mechanics.friction.contact_geometry import Geometry, fill_row
 from masonry_cd.mechanics.friction.coulomb_law import (
     COUPLING,
     INVERSE_NN,
@@ -35,8 +35,7 @@ from masonry_cd.mechanics.friction.coulomb_law import (
     prepare_law,
 )
 from masonry_cd.mechanics.friction.coupling import is_coupled
-from masonry_cd.mechanics.friction.joint_twists import NUMBERS
-from masonry_cd.mechanics.friction.operators import OrderedProblem
+from masonry_cd.mechanics.friction.operators import OrderedProblem, add_impulse
 from masonry_cd.mechanics.linalg.intrinsics import prefetch
 from masonry_cd.mechanics.linalg.small_blocks import cholesky_small
 
@@ -56,9 +55,9 @@ class ScaledProblem(NamedTuple):
 @kernel()
 def scale_by_mass(given):
     """L (B, n, n), G (C, 2, m, n), q = H v_free + b (C, m), and the bodies (C, 2) with the supports as a last one."""
-    m, n, free, jacobian = len(given.m), len(given.n), len(given.v_free), given.jacobian
-    factor, g, q = np.empty((free, n, n)), np.zeros(jacobian.shape), given.offset.copy()
-    index = np.empty(given.bodies.shape, dtype=np.int64)
+    m, n, free, contacts = len(given.m), len(given.n), len(given.v_free), len(given.mu)
+    factor, g, q = np.empty((free, n, n)), np.zeros((contacts, 2, m, n)), given.offset.copy()
+    index, row = np.empty(given.bodies.shape, dtype=np.int64), np.empty(n)
     for b in range(free):
         cholesky_small(given.inverse_mass[b], factor[b], n)
     for c in range(len(index)):
@@ -68,13 +67,14 @@ def scale_by_mass(given):
             if body < 0:
                 continue
             for i in range(m):
+                fill_row(given.geometry, c, side, i, row)
                 for j in range(n):
                     total = 0.0
                     for k in range(j, n):  # L is lower triangular
-                        total += jacobian[c, side, i, k] * factor[body, k, j]
+                        total += row[k] * factor[body, k, j]
                     g[c, side, i, j] = total
                 for k in range(n):
-                    q[c, i] += jacobian[c, side, i, k] * given.v_free[body, k]
+                    q[c, i] += row[k] * given.v_free[body, k]
     return factor, g, q, index
 
 
@@ -129,9 +129,10 @@ def scaled_problem(given, p):
     for c in range(len(table)):
         for i in range(len(given.m)):
             size += q[c, i] * q[c, i] / table[c, SCALE]
+    rows = Geometry(np.empty((0, 3, 3)), np.empty((0, 2, 3)), g)
     problem = OrderedProblem(
-        given.inverse_mass, np.empty((0, n, n)), given.v_free, index, nothing, g, np.empty((0, NUMBERS)), q, given.mu, given.compliance,
-        nothing, table[:, SCALE].copy(), given.coupling, given.m, given.n,
+        given.inverse_mass, np.empty((0, n, n)), given.v_free, index, nothing, rows, q, given.mu, given.compliance, nothing,
+        table[:, SCALE].copy(), given.coupling, given.m, given.n,
     )  # fmt: skip
     return ScaledProblem(factor, problem, table, y, size)
 
@@ -224,7 +225,7 @@ def sweep_spatial(g, y, index, law, starts, order):
 def sweep_any(scaled, starts, order):
     """One sweep for any m and n; planar problems (m = 2, n = 3) come here, and those given by W alone, which have no y to keep."""
     problem, y, law = scaled.problem, scaled.y, scaled.table
-    g, index, (data, indices, indptr) = problem.jacobian, problem.places, problem.coupling
+    g, index, (data, indices, indptr) = problem.geometry.jacobian, problem.places, problem.coupling
     m, n, coupled = len(problem.m), len(problem.n), is_coupled(problem)
     seen, impulse = np.zeros(3), np.zeros(3)
     for joint in order:
@@ -256,7 +257,7 @@ def sweep_any(scaled, starts, order):
 @kernel()
 def sweep(scaled, starts, order):
     """One sweep, joint after joint in the given order: new impulses in the table of a :class:`ScaledProblem`, and new y."""
-    g = scaled.problem.jacobian
+    g = scaled.problem.geometry.jacobian
     if g.shape[2] == 3 and g.shape[3] == 6:
         sweep_spatial(g, scaled.y, scaled.problem.places, scaled.table, starts, order)
     else:

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK
+from masonry_cd.mechanics.friction.contact_geometry import add_impulse_of_side
+from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK, has_friction
 from masonry_cd.mechanics.friction.operators import velocity_of_contact
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
 from masonry_cd.mechanics.solvers.linearised import factorise
@@ -120,11 +121,10 @@ def pivot(problem, work, path, k):
 
     The rate of v follows, by the formula of Sherman and Morrison.
     """
-    z, c, jacobian, index = path.z[k], path.contact[k], problem.jacobian, problem.places
+    z, c = path.z[k], path.contact[k]
     z[:] = 0.0
     for side in range(2):
-        for i in range(len(problem.n)):
-            z[index[c, side], i] += jacobian[c, side, 0, i] * path.a[0] + jacobian[c, side, 1, i] * path.a[1]
+        add_impulse_of_side(problem.geometry, c, side, problem.places[c, side], len(problem.n), (path.a[0], path.a[1], 0.0), z)
     solve_ldu(work.factor, z)
     z[-1] = 0.0
     apply_earlier(problem, path, k)
@@ -156,7 +156,7 @@ def next_kink(problem, springs, path, taken):
         if status[c] == SLIP:  # until |x_t| falls to mu x_n; never without friction, or rounding would have it stick and slip by turns
             side = 1.0 if x_t > 0.0 else -1.0
             beyond, fall = side * x_t - problem.mu[c] * x_n, problem.mu[c] * d_n - side * d_t
-            if problem.mu[c] > 0.0 and fall > 0.0 and beyond < first * fall:
+            if has_friction(problem.mu[c]) and fall > 0.0 and beyond < first * fall:
                 first, which, new = max(beyond, 0.0) / fall, c, STICK
             continue
         for side in (-1.0, 1.0):  # until it rises to that

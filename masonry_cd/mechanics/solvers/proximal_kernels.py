@@ -111,8 +111,8 @@ def movable(problem, free, offset):
     """The problem in the change of the velocities from those of a centre, which spares rounding; free (B + 1, n) and offset (C, m) are
     memory for what changes with it."""
     return OrderedProblem(
-        problem.inverse, problem.mass, free, problem.places, problem.block, problem.jacobian, problem.frame, offset, problem.mu,
-        problem.compliance, problem.width, problem.d, problem.coupling, problem.m, problem.n,
+        problem.inverse, problem.mass, free, problem.places, problem.block, problem.geometry, offset, problem.mu, problem.compliance,
+        problem.width, problem.d, problem.coupling, problem.m, problem.n,
     )  # fmt: skip
 
 

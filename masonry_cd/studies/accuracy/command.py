@@ -15,7 +15,7 @@ from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.files import is_file
 from masonry_cd.mechanics.solvers import SOLVERS
 from masonry_cd.studies.accuracy import ensemble, scene_runs, solver_rows
-from masonry_cd.studies.accuracy.measurement import OUTPUTS, Measurement
+from masonry_cd.studies.accuracy.picture import OUTPUTS, Measurement
 from masonry_cd.studies.study.study_case import Options
 
 LARGEST_STEP = 0.1  # [s]

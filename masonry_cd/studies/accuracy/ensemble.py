@@ -37,12 +37,10 @@ from masonry_cd.foundation.csv_files import write_rows
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import in_words, length
-from masonry_cd.studies.accuracy.measurement import Measurement, nine_digits
-from masonry_cd.studies.accuracy.picture import Diagram, Panel, Point, exponent
+from masonry_cd.studies.accuracy.picture import Diagram, Measurement, Panel, Point, exponent, nine_digits
 from masonry_cd.studies.study.checks import scene_of_run
-from masonry_cd.studies.study.of_scene import SIZE, space_of, tables_of
-from masonry_cd.studies.study.plan import Maker, Plan
-from masonry_cd.studies.study.space import Asked
+from masonry_cd.studies.study.designs import Asked
+from masonry_cd.studies.study.plan import SIZE, Maker, Plan, space_of, tables_of
 from masonry_cd.studies.study.study_case import Options, Ways, make_runs
 from masonry_cd.studies.study.table import Rows
 

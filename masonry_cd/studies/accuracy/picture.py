@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work-precision diagrams: what a setting gives over the seconds that it takes, a line per solver, tolerance or time step.
+"""A measurement of error against run time in files: tables, words, and its work-precision diagram.
 
-Colours are those of Okabe & Ito with a marker each, so that a diagram reads in grey as well. Hollow points missed their tolerance, or
-show a bias.
+The diagram has what a setting gives over the seconds that it takes, a line per solver, tolerance or time step. Colours are those of Okabe &
+Ito with a marker each, so that it reads in grey as well. Hollow points missed their tolerance, or show a bias.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.csv_files import markdown, write_rows
 from reports.drawing.figure import FAINT, INK, plain_axes, save
 from reports.drawing.plots import MARKERS, colour, halo, legend, logarithmic, sheet
 
@@ -115,3 +117,45 @@ def _widen(axis: Any) -> None:
 def exponent(value: float) -> str:
     """A tolerance as people write it: 1e-4."""
     return f"{value:.2g}" if value >= 0.01 else f"{value:.1e}".replace(".0e", "e").replace("e-0", "e-")
+
+
+Row = Mapping[str, Any]
+CSV, MARKDOWN, PICTURE = OUTPUTS = ("accuracy.csv", "accuracy.md", "accuracy.png")
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What was measured; rows of one table have equal keys."""
+
+    heading: str  # of accuracy.md
+    rows: Sequence[Row]  # of accuracy.csv
+    read: Sequence[Row]  # of accuracy.md
+    lines: Sequence[str]
+    warnings: Sequence[str]
+    diagram: Diagram
+
+    def write(self, folder: Path) -> list[Path]:
+        """Write accuracy.csv, accuracy.md and accuracy.png; their paths."""
+        write_rows(folder / CSV, nine_digits(self.rows))
+        lines = [*(f"- {line}" for line in self.lines), *(f"- **{line}**" for line in self.warnings)]
+        with replacing(folder / MARKDOWN) as part:
+            part.write_text("\n".join([f"# {self.heading}", "", table(self.read), *lines]) + "\n", encoding="utf-8")
+        draw(self.diagram, folder / PICTURE)
+        return [folder / name for name in OUTPUTS]
+
+
+def nine_digits(rows: Sequence[Row]) -> list[Row]:
+    """Rows for CSV."""
+    return [{key: f"{v:.9g}" if isinstance(v, float) else v for key, v in row.items()} for row in rows]
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Rows in Markdown, three digits; what was missed stands out."""
+    return markdown([[key.replace("_", " ") for key in rows[0]], *([_cell(key, value) for key, value in row.items()] for row in rows)])
+
+
+def _cell(key: str, value: Any) -> str:
+    """A value for reading."""
+    if isinstance(value, bool):
+        return "yes" if value else "**missed**" if key == "reached" else ""
+    return f"{value:.3g}" if isinstance(value, float) else str(value)

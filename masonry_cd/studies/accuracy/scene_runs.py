@@ -29,8 +29,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import in_words
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
-from masonry_cd.studies.accuracy.measurement import Measurement
-from masonry_cd.studies.accuracy.picture import Diagram, Panel, Point, exponent
+from masonry_cd.studies.accuracy.picture import Diagram, Measurement, Panel, Point, exponent
 
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 DT_FACTORS = (2.0, 1.0, 0.5)  # of the scene's time step
@@ -94,15 +93,12 @@ def measured(title: str, rows: Sequence[SceneRow]) -> Measurement:
 def _panel(words: str, groups: Mapping[str, Sequence[SceneRow]], key: str) -> Panel:
     """An error over the stepping time, a line per tolerance; points of the last one say their time steps."""
     last = list(groups)[-1]
-    lines = [
-        (name, [Point(row.stepping_seconds, 100.0 * getattr(row, key), not row.reached, _step(row) if name == last else "") for row in own])
-        for name, own in groups.items()
-    ]
+    lines = []
+    for name, own in groups.items():
+        labels = [f"dt {1e3 * row.dt:g} ms" if name == last else "" for row in own]
+        points = [Point(row.stepping_seconds, 100.0 * getattr(row, key), not row.reached, at) for row, at in zip(own, labels, strict=True)]
+        lines.append((name, points))
     return Panel(f"{words} error, relative [%]", lines)
-
-
-def _step(row: SceneRow) -> str:
-    return f"dt {1e3 * row.dt:g} ms"
 
 
 def run_rows(

@@ -18,8 +18,7 @@ from masonry_cd.app.commands.solve import load_kernels
 from masonry_cd.app.result import Say
 from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options, pivoting
-from masonry_cd.studies.accuracy.measurement import Measurement
-from masonry_cd.studies.accuracy.picture import Diagram, Panel, Point
+from masonry_cd.studies.accuracy.picture import Diagram, Measurement, Panel, Point
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 REPEATS = 5

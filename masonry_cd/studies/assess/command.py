@@ -41,8 +41,7 @@ def report(folder: Path) -> Result[Assessment | None]:
     Raises:
         InputError: the folder holds no assessment.
     """
-    from reports.assess.outputs import FILES, write_assessment
-    from reports.assess.tables import text_table
+    from reports.assess.outputs import FILES, text_table, write_assessment
 
     found = write_assessment(folder)
     table = [text_table(found), ""] if found.base.row.done else []

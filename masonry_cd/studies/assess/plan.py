@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import combinations, product
 from typing import Any
 
+from loads import shakes
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, LEVEL, PAIR
 from masonry_cd.app.doubts import assess_doubts
 from masonry_cd.app.scene import Scene
@@ -16,9 +17,8 @@ from masonry_cd.app.scene_text import is_within, keys_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
 from masonry_cd.studies.assess.assumptions import DAMPING, POINTS, STIFFNESS, Assumption, Level, assumptions_of
-from masonry_cd.studies.study.of_scene import SIZE, space_of, tables_of
-from masonry_cd.studies.study.plan import Maker, Plan, Planned
-from masonry_cd.studies.study.space import Asked, Space
+from masonry_cd.studies.study.designs import Asked, Space
+from masonry_cd.studies.study.plan import SIZE, Maker, Plan, Planned, space_of, tables_of
 from masonry_cd.studies.study.study_file import Study
 
 DESIGN = "assess"
@@ -86,13 +86,14 @@ class AssessPlan(Plan):
         tables = tables_of(scene) | {"quiet_checks": []}
         if isinstance(tables.get("limit"), Mapping):
             tables["limit"] = {key: value for key, value in tables["limit"].items() if key != "curve"}
-        self.shakes = not scene.limit or _is_shaken(scene)
+        self.shakes = not scene.limit or shakes(scene.loads)
         self.known, self.left_out = assumptions_of(scene, tables, self.shakes)
         if not self.known:
             raise InputError(scene.origin.of("assess"), "assess.leave_out: nothing is left to vary")
         self.doubtful = assess_doubts(scene)
         self.parts = list(self._parts(scene.assess.members, all_pairs))
-        super().__init__(AssessMaker(*space_of(scene, tables), self.known), map(_asked, self.parts), DESIGN)
+        asked = (Asked(member=part.member or None, change=SIZE * part.member, values=part.values()) for part in self.parts)
+        super().__init__(AssessMaker(*space_of(scene, tables), self.known), asked, DESIGN)
 
     def _parts(self, members: int, all_pairs: bool) -> Iterator[Part]:
         """The runs, the base case first."""
@@ -112,15 +113,3 @@ def ends_of(assumption: Assumption) -> tuple[Level, ...]:
     """The two outer levels of an assumption that are no coarser than the base case, or its only one."""
     levels = tuple(level for level in assumption.levels if not level.coarser)
     return levels if len(levels) < 2 else (levels[0], levels[-1])
-
-
-def _asked(part: Part) -> Asked:
-    """A run as the engine knows it."""
-    return Asked(member=part.member or None, change=SIZE * part.member, values=part.values())
-
-
-def _is_shaken(scene: Scene) -> bool:
-    """Whether a load of the scene shakes it, so that it is run beside its limit analysis."""
-    from loads import shakes
-
-    return shakes(scene.loads)

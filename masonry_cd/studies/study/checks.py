@@ -12,8 +12,8 @@ from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.scene import Origin, Scene, scene_of
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.studies.study.designs import Asked, Space
 from masonry_cd.studies.study.plan import Maker, Plan
-from masonry_cd.studies.study.space import Asked, Space
 from masonry_cd.studies.study.study_file import Study
 from masonry_cd.studies.study.study_units import ROTATE, UNITS
 
@@ -39,7 +39,8 @@ def check_varied(study: Study, space: Space) -> None:
         InputError: names the key, the value, and what the scene says of it.
     """
     maker = Maker(study, space)
-    motion, level = space.motions[0], next(iter(space.levels)) or _some_level(study)
+    ida = study.tables.ida
+    motion, level = space.motions[0], next(iter(space.levels)) or (None if ida is None else ida.start)
     for key, value, of in _tried(space):
         if key == ROTATE:
             _check_rotation(study, value)
@@ -92,11 +93,6 @@ def _tried(space: Space) -> Iterator[tuple[str, Any, str]]:
     for key, distribution in space.varied.random.items():
         for value in distribution.extremes():
             yield key, value, "its distribution reaches values where "
-
-
-def _some_level(study: Study) -> float | None:
-    """The first level of an IDA; None for other designs that have no levels."""
-    return None if study.tables.ida is None else study.tables.ida.start
 
 
 def _try(tables: dict[str, Any], key: str) -> None:

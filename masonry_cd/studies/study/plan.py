@@ -2,6 +2,7 @@
 """A run as asked becomes a scene, and gets its name: the digest of that scene and of the files that it reads.
 
 Drawing is no part of it, nor is where files lie, so a study may be moved. What a run costs is guessed by its number of steps.
+Other commands that make an ensemble of one scene make a study of it.
 """
 
 from __future__ import annotations
@@ -11,26 +12,29 @@ import hashlib
 import json
 import random
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.app.inputs import file_digests
-from masonry_cd.app.scene_text import assign
+from masonry_cd.app.scene import Scene, scene_of
+from masonry_cd.app.scene_text import assign, dump_toml
+from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.studies.study.clusters import Where
-from masonry_cd.studies.study.designs import ida
-from masonry_cd.studies.study.perturb import perturb, set_in_motion
-from masonry_cd.studies.study.space import Asked, Space
-from masonry_cd.studies.study.study_file import EnsembleTable, Study
+from masonry_cd.studies.study.designs import DESIGNS, Asked, Space, next_level
+from masonry_cd.studies.study.study_file import EnsembleTable, RunTable, Study, StudyTables
 from masonry_cd.studies.study.study_units import ROTATE
+from masonry_cd.studies.study.varied import Varied
 
-DESIGNS: Extensions[Any] = Extensions("masonry_cd.studies.study.designs", "runs")
 THRESHOLDS = ("opened", "slid", "grades")  # keys of [report] that change the numbers of a run
 NAME_LENGTH = 16  # hexadecimal digits of a run's name: two of a million runs share one with a chance of 3e-8
+# of ensembles that another command makes of a scene
+SIZE = 1e-9  # by which amplitudes of neighbouring members of an ensemble differ, relative; [m/s] of velocities in their place
+TIMEOUT = 6 * 3600.0  # of a run [s]: small blocks and half a time step take several times as long as the scene itself
+OWN_DRAW = ("velocities", "friction")  # what members differ by, instead of loads that have no size
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +194,7 @@ class Plan:
         found = self._found.setdefault(key, {})
         assert asked.level is not None
         found[asked.level] = state.exceeded_by(row)
-        level = ida.next_level(table, found)
+        level = next_level(table, found)
         if level is not None:
             following = self.maker.planned(Asked(asked.motion, level, values=asked.values))
             self.runs.append(following)
@@ -257,3 +261,68 @@ def _replace_paths(table: Any, by: Callable[[str], str]) -> None:
                 table[key] = by(value)
             else:
                 _replace_paths(value, by)
+
+
+def set_in_motion(tables: dict[str, Any], size: float, member: int) -> None:
+    """Have the blocks begin with velocities of at most ``size`` in each direction [m/s], those of a member, in place."""
+    tables["run"]["first_velocities"] = {"size": size, "seed": member}
+
+
+def perturb(tables: dict[str, Any], what: str, change: float) -> None:
+    """Multiply the size of all motions of the base, or the friction, by 1 + change, in place.
+
+    Raises:
+        InputError: no load of the scene has a size that can be changed.
+    """
+    if what == "friction":
+        material = tables["material"]
+        material["friction"] = _times(material.get("friction"), 1.0 + change)
+        return
+    from loads import KINDS, kind_of
+
+    given = tables.get("loads", [])
+    grown = [None if (kind := kind_of(load)) is None else kind.grown for load in given]
+    tables["loads"] = [load if grow is None else grow(load, 1.0 + change) for load, grow in zip(given, grown, strict=True)]
+    if not any(grown):
+        kinds = ", ".join(name for name, kind in KINDS.items() if kind.grown is not None)
+        raise InputError("ensemble.perturb", f'no load is one of {kinds}; perturb = "friction" or "velocities" is for any scene')
+
+
+def _times(friction: Any, factor: float) -> Any:
+    """Friction, a number or one for each pair of groups, times a factor."""
+    if isinstance(friction, dict):
+        return {pair: _times(value, factor) for pair, value in friction.items()}
+    if friction is None:
+        raise InputError("ensemble.perturb", "the scene gives no material.friction")
+    return float(friction) * factor
+
+
+def tables_of(scene: Scene) -> dict[str, Any]:
+    """The tables of a scene as numbers, without what only an assessment reads.
+
+    Raises:
+        InputError: a scene without [run].
+    """
+    scene.refuse_static()
+    with scene.locating():
+        tables = scene_in_si(scene.tables)
+    tables.pop("assess", None)
+    return tables
+
+
+def space_of(scene: Scene, tables: dict[str, Any]) -> tuple[Study, Space]:
+    """The study of a scene and its tables, and what its runs choose from: nothing by itself."""
+    own = replace(scene_of(tables, scene.text, scene.path, scene.origin), quiet_checks=scene.quiet_checks)
+    ensemble = EnsembleTable(perturb=_perturbs(tables), size=SIZE)
+    top = StudyTables(scene=tables, design="ensemble", title=scene.title, ensemble=ensemble, run=RunTable(timeout=TIMEOUT))
+    study = Study(scene.path, dump_toml(tables), top, own, tables, scene.path.name, Varied({}, {}, []), scene.origin)
+    return study, Space(top, None, study.varied)
+
+
+def _perturbs(tables: dict[str, Any]) -> Any:
+    """What the members of an ensemble differ by: the loads where they have a size, else first velocities, else friction."""
+    try:
+        perturb(copy.deepcopy(tables), "loads", SIZE)
+    except InputError:
+        return OWN_DRAW["first_velocities" in tables["run"]]
+    return "loads"

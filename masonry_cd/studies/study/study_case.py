@@ -19,12 +19,12 @@ from masonry_cd.foundation.extras import require
 from masonry_cd.io.lock import locked
 from masonry_cd.studies.study.checks import check_varied
 from masonry_cd.studies.study.clusters import Where, connected
+from masonry_cd.studies.study.designs import Space
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.folder import NAME, StudyFolder, digest_of
 from masonry_cd.studies.study.plan import Maker, Plan, Planned
 from masonry_cd.studies.study.progress import StudyProgress
 from masonry_cd.studies.study.records import find_records
-from masonry_cd.studies.study.space import Space
 from masonry_cd.studies.study.study_file import Study, read_study
 from masonry_cd.studies.study.table import Rows
 from masonry_cd.studies.study.task import Outcome, Task, run_task
@@ -203,7 +203,8 @@ class _Making:
                 interrupt.check()
 
             def ended(run: Planned, outcome: Outcome) -> Iterable[Planned]:
-                self._add(run, outcome)
+                self.folder.add(run, outcome)
+                self.rows[run.name] = outcome.row
                 progress.ended(run.weight, outcome.row)
                 following = [more for more in self.plan.after(run, outcome.row) if more.name not in self.rows]
                 for more in following:
@@ -220,11 +221,6 @@ class _Making:
                 self.stopped = str(lost)
             finally:
                 progress.close()
-
-    def _add(self, run: Planned, outcome: Outcome) -> None:
-        """Keep what a run came to."""
-        self.folder.add(run, outcome)
-        self.rows[run.name] = outcome.row
 
     def _task(self, run: Planned, tables: Any, reference: bool) -> Task:
         """What a worker is asked."""

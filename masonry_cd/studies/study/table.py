@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.analysis.fragility.folder import FIRST, TABLE
+from masonry_cd.analysis.outputs import STUDY, numbers_in
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.studies.study.numbers import QUANTITIES
 from masonry_cd.studies.study.plan import Maker, Plan, Planned
 
 CSV, PARQUET = TABLE, "runs.parquet"
+QUANTITIES = tuple(numbers_in(STUDY))
 OF_PART = ("grade_number", "drift")
 
 Rows = Mapping[str, RunRow]  # of the runs that have ended, by name

@@ -11,7 +11,7 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.analysis.damage.end_state import end_state
-from masonry_cd.analysis.outputs.summary import in_short
+from masonry_cd.analysis.outputs.measured import in_short
 from masonry_cd.app.closing_lines import part_lines
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
@@ -67,7 +67,7 @@ def test_a_block_that_rattles_and_goes_nowhere_is_still(tmp_path: Path, monkeypa
     with results_of(tmp_path, last) as results:
         end = end_state(results)
     assert (end.provisional == "") is still
-    assert end.rattles.startswith('"upper" at ') is still
+    assert end.end.rattles.startswith('"upper" at ') is still
 
 
 def test_a_block_that_has_fallen_may_roll(tmp_path: Path) -> None:

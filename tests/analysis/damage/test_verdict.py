@@ -14,14 +14,14 @@ from made_run import at_rest, box, shifted, write_run
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.fragility.limits import LimitState, LimitTable
-from masonry_cd.analysis.outputs.summary import in_short
+from masonry_cd.analysis.outputs.measured import in_short
 from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.app.closing_lines import part_lines, verdict_lines
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.io.summary_tables import Solver
-from masonry_cd.studies.study import numbers
+from masonry_cd.studies.study.task import of_run
 from reports.compare.comparison import compare
 from reports.damage import damage_of, write_joint_damage, write_part_damage
 from reports.page import write_page
@@ -159,7 +159,7 @@ def test_a_comparison_and_a_study_give_it_no_grade(tmp_path):
     for folder in (cut, ended):
         with Results.open(folder / "result.h5") as results:
             summary = write_joint_damage(results, folder, Report()) | Summary(steps=1, solver=Solver(steps_missed=0, error_max=0.0))
-        exceeded.append(state.exceeded_by(RunRow(DONE, numbers=numbers.of_run(folder / "result.h5", summary, scene)[0])))
+        exceeded.append(state.exceeded_by(RunRow(DONE, numbers=of_run(folder / "result.h5", summary, scene)[0])))
     assert exceeded == [None, True]
 
 

@@ -19,7 +19,7 @@ import masonry_cd as mc
 from masonry_cd.analysis.deformed import Pose, Solids, solids_of
 from masonry_cd.analysis.stress.elements import centres, volumes
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.io.meshes import Meshes
+from masonry_cd.io.block_arrays import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.block_mesh import block_mesh
 from masonry_cd.mechanics.model.blocks import Block

@@ -17,8 +17,7 @@ from pictures import main_colours
 from typer.testing import CliRunner
 
 from masonry_cd.analysis.stress.peaks import principal, stress_peaks, tensors
-from masonry_cd.analysis.stress.summary import stress_summary
-from masonry_cd.analysis.stress.words import stress_lines
+from masonry_cd.analysis.stress.summary import stress_lines, stress_summary
 from masonry_cd.app.case import prepare
 from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case

@@ -10,7 +10,6 @@ import pytest
 from datasets import contents
 from models import GRAVITY, box, gravity, ground, still
 
-from loads.kinds.sequence import Pause, Shock
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.joint_damage import joint_damage, shock_rows
 from masonry_cd.analysis.damage.part_damage import Settings, part_damage
@@ -25,6 +24,7 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.pauses import Pauses, fallen, standing_of
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.shocks import Pause, Shock
 from masonry_cd.mechanics.model.state import State
 
 DT, MU, STEPS = 2e-3, 0.3, 500

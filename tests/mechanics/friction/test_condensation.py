@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from masonry_cd.mechanics.friction.condensation import condense
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options, admm
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings
@@ -31,7 +32,7 @@ def column(m: int, n: int, seed: int = 0, apart: float = 0.3) -> FrictionProblem
     jacobian[pairs < 0] = 0.0
     v_free = random.normal(size=(bodies, n))
     problem = FrictionProblem(
-        inverse, v_free, pairs, jacobian, random.normal(size=(len(pairs), m)), np.full(len(pairs), 0.6), np.zeros((0, m))
+        inverse, v_free, pairs, Geometry.by_rows(jacobian), random.normal(size=(len(pairs), m)), np.full(len(pairs), 0.6), np.zeros((0, m))
     )
     return replace(problem, offset=problem.offset - [[3.0] + [0.0] * (m - 1)])
 
@@ -67,7 +68,7 @@ def test_bodies_have_as_many_unknowns_as_their_own_mesh(m: int, n: int, felt: in
     jacobian = problem.jacobian.copy()
     for side in range(2):
         jacobian[problem.bodies[:, side] % 2 == 1, side, :, felt:] = 0.0
-    problem = replace(problem, jacobian=jacobian)
+    problem = replace(problem, geometry=Geometry.by_rows(jacobian))
     moved = problem.body_velocity(np.random.default_rng(2).normal(size=(problem.contacts, m)))
     found = condense(problem, moved)
     local, other = problem.to_local(), found.problem.to_local()

@@ -10,6 +10,7 @@ import pytest
 import scenes
 
 from masonry_cd.foundation.jit import entry
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.contact_groups import (
     SCALE,
     STIFFNESS,
@@ -19,11 +20,11 @@ from masonry_cd.mechanics.friction.contact_groups import (
     fill_group,
     no_wrench,
     put_three,
+    size_of_twist,
     three,
     twist_of,
     velocity_at,
 )
-from masonry_cd.mechanics.friction.joint_twists import size_of_twist
 from masonry_cd.mechanics.friction.natural_map import project_to_cone
 from masonry_cd.mechanics.friction.operators import ProblemArrays, put_in_order
 from masonry_cd.mechanics.friction.problem import FrictionProblem
@@ -37,11 +38,11 @@ from masonry_cd.mechanics.solvers.contact_partition import group_contacts
 @entry()
 def products(given: ProblemArrays, order: np.ndarray, work: AdmmWorkspace, v: np.ndarray, p: np.ndarray, u: np.ndarray) -> None:
     """Fill the groups of one subtree, u = H v and momentum = H^T p, p and u (L, 12), and the matrix with R = 1 + number of the contact."""
-    problem, groups, scratch = work.problem, work.groups, np.empty(15)
+    problem, groups = work.problem, work.groups
     put_in_order(given, order, 0, len(order), problem.inverse, problem.mass, problem.free)
     problem.inverse[len(order)] = 0.0
     for g in range(groups.subtree[0], groups.subtree[1]):
-        fill_group(given, problem, groups, g, scratch)
+        fill_group(problem, groups, g)
         twist, wrench = twist_of(groups, g, v, problem), no_wrench()
         for row in range(groups.start[g], groups.start[g + 1]):
             put_three(u, row, 0, velocity_at(groups, row, twist))
@@ -72,7 +73,7 @@ def grouped(problem: FrictionProblem) -> tuple[ProblemArrays, Pattern, ContactGr
     found = pattern.locate(given.bodies, given.bodies)
     assert found is not None
     index, block, _ = found
-    return given, pattern, group_contacts(given, index, block, pattern.symbolic, size_of_twist(problem.frames, problem.dimension))
+    return given, pattern, group_contacts(given, index, block, pattern.symbolic, size_of_twist(problem.geometry, problem.dimension))
 
 
 def uneven() -> FrictionProblem:
@@ -86,7 +87,7 @@ def odd_rows() -> FrictionProblem:
     problem = scenes.softened(scenes.thrown(0.3), 0.3)
     jacobian = problem.jacobian.copy()
     jacobian[5, 0, 1, 4] += 1e-3
-    return replace(problem, jacobian=jacobian)
+    return replace(problem, geometry=Geometry.by_rows(jacobian))
 
 
 def coupled() -> FrictionProblem:
@@ -101,7 +102,7 @@ def in_plane() -> FrictionProblem:
     """The first two rows of contacts in space, by three unknowns of their blocks."""
     problem, kept = scenes.softened(scenes.thrown(0.3), 0.3), [0, 2, 4]
     return replace(
-        problem, jacobian=problem.jacobian[:, :, :2, kept], inverse_mass=problem.inverse_mass[:, kept][:, :, kept],
+        problem, geometry=Geometry.by_rows(problem.jacobian[:, :, :2, kept]), inverse_mass=problem.inverse_mass[:, kept][:, :, kept],
         v_free=problem.v_free[:, kept], offset=problem.offset[:, :2], compliance=problem.compliance[:, :2],
     )  # fmt: skip
 

@@ -9,6 +9,7 @@ import scenes
 from cones import project
 from scipy import sparse
 
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
 
@@ -64,7 +65,7 @@ def test_error_has_no_unit() -> None:
         problem.inverse_mass / mass * np.outer(turn, turn),
         problem.v_free * length * turn,
         problem.bodies,
-        problem.jacobian / turn,
+        Geometry.by_rows(problem.jacobian / turn),
         problem.offset * length,
         problem.mu,
         problem.compliance / mass,

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import scenes
 
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import Solution, natural_map_error
 from masonry_cd.mechanics.friction.solver_state import Learnt, SolverState
 from masonry_cd.mechanics.linalg import ordering
@@ -171,7 +172,7 @@ def test_subtrees_give_the_answer_of_the_whole(monkeypatch: pytest.MonkeyPatch) 
 def test_the_order_of_the_two_blocks_of_a_contact_does_not_matter() -> None:
     """With the sides of every contact swapped, as in problems from files, their axes are left-handed; the problem is the same one."""
     problem = scenes.wall(3, 4)
-    swapped = replace(problem, bodies=problem.bodies[:, ::-1].copy(), jacobian=problem.jacobian[:, ::-1].copy())
+    swapped = replace(problem, bodies=problem.bodies[:, ::-1].copy(), geometry=Geometry.by_rows(problem.jacobian[:, ::-1].copy()))
     one, other = (solve(each, Options(tolerance=1e-10), None) for each in (problem, swapped))
     assert other.iterations == one.iterations
     np.testing.assert_allclose(other.impulse, one.impulse, rtol=1e-9, atol=1e-9 * np.abs(one.impulse).max())

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
@@ -34,7 +35,8 @@ def random_problem(seed: int, m: int) -> FrictionProblem:
     jacobian = rng.normal(size=(contacts, 2, m, n))
     jacobian[contacts // 2 :] = jacobian[: contacts - contacts // 2]
     return FrictionProblem(
-        root @ root.transpose(0, 2, 1), rng.normal(size=(bodies, n)), pairs, jacobian, rng.choice([0.0, -0.1], (contacts, m)),
+        root @ root.transpose(0, 2, 1), rng.normal(size=(bodies, n)), pairs, Geometry.by_rows(jacobian),
+        rng.choice([0.0, -0.1], (contacts, m)),
         rng.choice([0.0, 0.3, 1.0, 2.5], contacts), np.zeros((0, m)),
     )  # fmt: skip
 

@@ -10,6 +10,7 @@ import pytest
 import scenes
 
 from masonry_cd.mechanics.dynamics.impacts import solve_apart
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
@@ -24,7 +25,9 @@ def particle(m: int, slide: float, mass: float = 2.0, compliance: tuple[float, f
     jacobian[0, 0, :, :m] = np.roll(np.eye(m), -1, axis=1)  # the last coordinate is up
     v_free[0, m - 1], v_free[0, 0] = -FALL, slide
     spring = np.array([[compliance[0], *(m - 1) * [compliance[1]]]])
-    return FrictionProblem(np.eye(n)[None] / mass, v_free, np.array([[0, -1]]), jacobian, np.zeros((1, m)), np.array([mu]), spring)
+    return FrictionProblem(
+        np.eye(n)[None] / mass, v_free, np.array([[0, -1]]), Geometry.by_rows(jacobian), np.zeros((1, m)), np.array([mu]), spring
+    )
 
 
 @pytest.mark.parametrize("m", [2, 3])

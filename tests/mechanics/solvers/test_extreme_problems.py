@@ -12,6 +12,7 @@ import pytest
 import scenes
 from scipy import sparse
 
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
@@ -60,7 +61,7 @@ def many_points(points: int) -> FrictionProblem:
         bodies.append(np.repeat(problem.bodies[4 * joint : 4 * joint + 1], points, axis=0))
     return replace(
         problem,
-        jacobian=np.concatenate([problem.jacobian, *rows]),
+        geometry=Geometry.by_rows(np.concatenate([problem.jacobian, *rows])),
         bodies=np.concatenate([problem.bodies, *bodies]),
         offset=np.zeros((8 + 2 * points, 3)),
         mu=np.full(8 + 2 * points, 0.6),
@@ -198,7 +199,7 @@ def test_closing_supports_are_reported(solver: str) -> None:
     rows[:, 0, 0] *= -1.0  # the same corners pressed from above; where along the height does not matter for the normal rows
     problem = replace(
         bottom,
-        jacobian=np.concatenate([bottom.jacobian, rows]),
+        geometry=Geometry.by_rows(np.concatenate([bottom.jacobian, rows])),
         bodies=np.tile(bottom.bodies, (2, 1)),
         offset=np.tile([-0.5, 0.0, 0.0], (8, 1)),
         mu=np.tile(bottom.mu, 2),

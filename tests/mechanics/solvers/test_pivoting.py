@@ -12,6 +12,7 @@ from places import EXAMPLES
 
 from benchmarks.ours import stepper, stepper_of_file
 from benchmarks.scenes import wall
+from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
@@ -35,7 +36,7 @@ def sliding_block(compliance: float = 0.0) -> FrictionProblem:
     for c, (x, z) in enumerate(corners):  # rows normal and tangent, columns x, z and the rotation
         jacobian[c, 0] = [[0.0, 1.0, x], [1.0, 0.0, -z]]
     v_free, mu, own = np.array([[3.0, -0.1, 0.0]]), np.full(2, 0.5), np.full((2, 2), compliance)
-    return FrictionProblem(BLOCK[None], v_free, np.array([[0, -1]] * 2), jacobian, np.zeros((2, 2)), mu, own)
+    return FrictionProblem(BLOCK[None], v_free, np.array([[0, -1]] * 2), Geometry.by_rows(jacobian), np.zeros((2, 2)), mu, own)
 
 
 @pytest.mark.parametrize("softness", [0.0, 0.1])

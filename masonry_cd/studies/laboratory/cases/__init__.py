@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cases, one file each: ``CASE = Case(...)``. They are known by their name and listed here in the order of the page."""
+"""The cases, a file for each set of tests: ``CASE = Case(...)``. They are known by their name and listed here in the order of the page."""
 
 from masonry_cd.studies.laboratory.cases import (
     arch,
@@ -7,12 +7,11 @@ from masonry_cd.studies.laboratory.cases import (
     bed,
     bending,
     columns,
-    cyclic_walls,
     dry_walls,
-    mortar_walls,
+    granite_walls,
     overturning,
     restitution,
 )
 
-_ORDER = (dry_walls, cyclic_walls, mortar_walls, bending, arch, arch_bridge, columns, restitution, overturning, bed)
-CASES = {one.CASE.name: one.CASE for one in _ORDER}
+_OTHERS = (bending, arch, arch_bridge, columns, restitution, overturning, bed)
+CASES = {case.name: case for case in (dry_walls.CASE, granite_walls.CYCLIC, granite_walls.MORTAR, *(one.CASE for one in _OTHERS))}
