@@ -52,10 +52,7 @@ ROUNDS = 24  # of a descent at most
 GROWS, LARGEST = 3.0, 1e3  # M_k, over w_1 . v = 1, begin at one and grow by this factor from round to round, up to that
 WORST, FASTER, MOST = 0.05, 10.0, 1e4  # those of points with more than this share of g grow by so much more, up to that
 LOWER = 2e-3  # share of the factor that a round takes off at least, once a pair is found
-POLISH, POLISHED = (
-    9.0,
-    4,
-)  # M_k at which rounds from a pair to the next begin, which lower it by 1 or 2 % in space, and how many pairs at most
+POLISH, POLISHED = 9.0, 4  # M_k from which rounds lead from a pair to the next, lower by a percent in space; pairs at most
 STUCK, CLOSER = 1e-3, 0.8  # a round sticks that moves the factor by no more than this share of it and leaves more than that of g
 LOOSENED, STRIPS, AGAIN = 2, 4, 3.0  # times that a descent which sticks is moved on, by so many rounds of strips; the M_k after it
 WORSE = 0.1  # share by which forces may cost more than those of the round before, which would do as well: more is no answer
