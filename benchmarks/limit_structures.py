@@ -17,8 +17,9 @@ import numpy as np
 import structures
 from masonry_cd.mechanics.model.blocks import Block
 from structures.building import square_plan
+from structures.courser import wall_plan
 from structures.geometry.prism import box
-from structures.layout import wall_plan
+from structures.layout.ground import ground
 
 DENSITY = 2000.0
 SIDE, HIGH, THICK, COURSE = 2.4, 2.0, 0.4, 0.25  # of the corner: both walls, outer [m]
@@ -58,7 +59,7 @@ def corner(bonded: bool = True) -> list[Block]:
     ]
     sizes = wall_plan.Sizes(COURSE, 2.0 * COURSE)
     blocks = square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, DENSITY, bonded)
-    return [*blocks, wall_plan.ground(blocks, COURSE, DENSITY)]
+    return [*blocks, ground(blocks, COURSE, DENSITY)]
 
 
 def cross_vault_on_piers() -> list[Block]:
@@ -73,7 +74,7 @@ def cross_vault_on_piers() -> list[Block]:
         for k in range(DRUMS):
             drum = box((low[0], low[1], beds[k]), (high[0], high[1], beds[k + 1]))
             blocks.append(Block(f"{block.name}.{k + 1}", *drum, DENSITY, block.name))
-    return [*blocks, wall_plan.ground(blocks, 0.5, DENSITY)]
+    return [*blocks, ground(blocks, 0.5, DENSITY)]
 
 
 MADE: dict[str, Callable[[], list[Block]]] = {

@@ -14,16 +14,16 @@ from structures.files import blockfile
 
 PUSH = '[[loads]]\nkind = "push"\ndirection = "x"\nrate = 0.1\n'
 TILT = '[[loads]]\nkind = "tilt"\ndirection = "x"\nrate = 0.1\n'
+RUN = "run = {dt = 1e-3, duration = 1.0}\n"
 TIE = '[[loads]]\nkind = "tie"\nname = "rod"\nblocks = ["a", "ground"]\npoints = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]\n'
 
 
-def scene(folder: Path, blocks: list[Block], tables: str, mu: float = 0.65, joints: str = "") -> Path:
+def scene(folder: Path, blocks: list[Block], tables: str, mu: float = 0.65, joints: str = "", run: str = RUN) -> Path:
     """A scene file about blocks."""
     blockfile.write(folder / "blocks.json", blocks)
     path = folder / "scene.toml"
     path.write_text(
-        f'structure = {{kind = "file", path = "blocks.json"}}\nmaterial = {{density = 2000.0, friction = {mu}{joints}}}\n'
-        f"run = {{dt = 1e-3, duration = 1.0}}\n{tables}"
+        f'structure = {{kind = "file", path = "blocks.json"}}\nmaterial = {{density = 2000.0, friction = {mu}{joints}}}\n{run}{tables}'
     )
     return path
 

@@ -14,7 +14,7 @@ from masonry_cd.foundation.gmsh_session import gmsh_session
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import loop_normal
-from structures.layout import wall_plan
+from structures.courser import wall_plan
 
 
 def build(kind: str, **keys: object) -> list[Block]:

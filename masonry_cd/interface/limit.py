@@ -111,9 +111,7 @@ class LimitAnalysis(Sealed):
     @property
     def held(self) -> tuple[str, ...]:
         """Parts and pushes without a mechanism below five times the weight."""
-        from masonry_cd.limit.words import held_parts
-
-        return tuple(held_parts(self._case))
+        return tuple(f"{part['element']} {part['push']}" for part in self.summary["parts"] if part["held"])
 
     @property
     def check(self) -> DataFrame | None:
@@ -205,29 +203,16 @@ class LimitAnalysis(Sealed):
         return "\n".join(lines(self._case))
 
     def __repr__(self) -> str:
-        return f'<LimitAnalysis "{self._case.scene.title}": {self._in_brief()}>'
-
-    def _in_brief(self) -> str:
-        """The outcome in a few words: what is known of the factor, from the least found up to the associated one, or how many parts."""
-        if self._case.whole is None:
-            state = "" if self._case.verdict is None else f", {self._case.verdict.state}"
-            return f"{len({one.element.name for one in self._case.parts})} parts{state}"
-        if not self.stands:
-            found = "does not stand"
-        elif self.factor is None:
-            found = "no load factor"
-        elif self.least is None:
-            found = f"load factor at most {self.factor:.5g}"
-        else:
-            found = f"load factor {self.least:.5g} (least found) to {self.factor:.5g}"
-        return f"{self._case.whole.loads.words}, {found}"
+        verdict = self.summary["on_the_whole"]
+        found = verdict["grade"] if verdict else f"{len({part['element'] for part in self.summary['parts']})} parts"
+        return f'<LimitAnalysis "{self._case.scene.title}": {found}>'
 
 
 def _frame(rows: Sequence[Checked]) -> DataFrame:
     """Mechanisms as a table with the heads of the CSV file."""
     from reports.limit.tables import MECHANISMS
 
-    return frame_of_rows([{head: getattr(each.row, name) for name, head in MECHANISMS.items()} for each in rows])
+    return frame_of_rows([{head: each.row[name] for name, head in MECHANISMS.items()} for each in rows])
 
 
 def limit_analysis(

@@ -14,6 +14,9 @@ vehicle.py     the worst place of a vehicle
 curve.py       the capacity curve
 words.py       the analysis in words
 facts.py       limit.json
+assumed.py     the load factor without what is assumed
+kept.py        parts that are done with, for --resume
+pictures.py    mechanisms, forces and spectra drawn
 files.py       tables, pictures and page
 command.py     masonry-cd limit
 

@@ -17,6 +17,7 @@ from masonry_cd.analysis.code_check.check import with_borne
 from masonry_cd.analysis.code_check.ground import Ground, ground_of
 from masonry_cd.analysis.code_check.level import foundation_of
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Verdict, refused, undecided, worst
+from masonry_cd.analysis.limit.found import says_the_same
 from masonry_cd.analysis.limit.macro import ElementAnalysis
 from masonry_cd.analysis.limit.search import watched
 from masonry_cd.app.doubts import check_doubts, doubts
@@ -26,11 +27,11 @@ from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.summary import masses
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.assumed import Without, without_assumptions
-from masonry_cd.limit.checked import Checked, PartLooked, checked, gravest, in_full, in_order
+from masonry_cd.limit.checked import Checked, checked, gravest, in_order
 from masonry_cd.limit.kept import Kept
 from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
 from masonry_cd.limit.search import doubt_of, search_numbers, ways
-from masonry_cd.limit.vehicle import Crossing, at_worst
+from masonry_cd.limit.vehicle import PATTERNS, Crossing, at_worst
 from masonry_cd.limit.whole import WholeAnalysis, analyse_whole, as_part
 from masonry_cd.mechanics.contact.find_joints import built_gap, loose_contacts
 from masonry_cd.mechanics.model.joint_laws import held
@@ -43,7 +44,10 @@ if TYPE_CHECKING:
     from masonry_cd.app.static_loads import StaticLoads
 
 LEVEL = 1e-9
-PATTERNS = ("push", "tilt", "live")  # keys of [limit] that multiply something
+TIES_ASK = (
+    "ties make a mechanism start later and stiffer: by displacements, and under the spectrum of a floor, its shorter period may be asked "
+    "for more than without them"
+)
 GAP = 1e-8  # share of the width of a structure from which on gaps of its joints are reported
 
 
@@ -95,16 +99,18 @@ class LimitCase:
     @cached_property
     def verdict(self) -> Verdict | None:
         """The verdict that all outputs show; None without a check."""
-        return None if self.structure.asked.check is None else _verdict(self.decides, self.whole, self.without)
+        return None if self.structure.asked.check is None else _verdict(self)
 
     @cached_property
     def check(self) -> CodeCheck | None:
         """The check of the mechanism that decides, value by value, with the acceleration of the ground that it just bears."""
         decides, asked = self.decides, self.structure.asked.check
-        if decides is None or decides.level is None or asked is None or self.ground is None:
+        if decides is None or decides.check is None or decides.level is None or asked is None or self.ground is None:
             return None
-        tied = self.whole is not None and len(self.whole.loads.bars.strength) > 0
-        return with_borne(in_full(decides, self.mechanisms, tied), asked, decides.level, decides.one.oscillator, self.ground)
+        made, tied = decides.check, self.whole is not None and len(self.whole.loads.bars.strength) > 0
+        if tied and (len(made.verdicts) > 1 or decides.level.counted):
+            made = replace(made, notes=(*made.notes, TIES_ASK))
+        return with_borne(made, asked, decides.level, decides.one.oscillator, self.ground)
 
 
 def limit_case(
@@ -144,13 +150,12 @@ def limit_case(
     on_whole = [] if whole is None else _notes_on(whole, asked)
     notes = [*on_whole, *notes, *_notes_on_structure(structure), *loads.notes]
     modelled, seconds = (masses(assembly), *structure.made.notes), time.perf_counter() - begin
-    elements = tuple(one.part for one in parts)
-    return LimitCase(structure, wanted, ground, whole, crossing, elements, tuple(rows), decides, tuple(notes), modelled, seconds)
+    return LimitCase(structure, wanted, ground, whole, crossing, tuple(parts), tuple(rows), decides, tuple(notes), modelled, seconds)
 
 
 def _parts(
     structure: LimitStructure, ground: Ground | None, wanted: Wanted, keep: Callable[[LimitStructure], Kept] | None
-) -> tuple[list[PartLooked], list[Checked], list[str]]:
+) -> tuple[list[ElementAnalysis], list[Checked], list[str]]:
     """The macro-elements that a scene asks for, each under its pushes, their mechanisms with checks on a ground, and notes on them.
 
     Raises:
@@ -167,19 +172,19 @@ def _parts(
     pushes, effort = asked_for(structure, wanted.parts), effort_of(asked, scene.run.seed)
     whole = whole_of(structure, structure.loads_of_parts())
     kept = None if keep is None else keep(structure)
-    found, rows = list[PartLooked](), list[Checked]()
+    found, rows = list[ElementAnalysis](), list[Checked]()
     for one in analysed(whole, pushes, effort, (wanted.jobs or cores(), wanted.quiet), kept):
-        found.append(PartLooked.of(one, doubt_of(one, effort)))
+        found.append(replace(one, doubt=doubt_of(one, effort)))
         rows += checked(found[-1:], asked.check, ground, structure.assembly)
         if kept is not None:
             kept.add(one, in_order(rows))
     notes = in_pieces(list(dict.fromkeys(element for element, _ in pushes)), structure.joints)
     if kept is not None and kept.others:
         notes.append(f"{kept.others} kept parts are of another scene, other blocks or another version: they were analysed again")
-    return found, rows, [*notes, *(f"{one.part.element.name}: {remark}" for one in found for remark in one.part.remarks)]
+    return found, rows, [*notes, *(f"{one.element.name}: {remark}" for one in found for remark in one.remarks)]
 
 
-def _whole(structure: LimitStructure, parts: Sequence[PartLooked], wanted: Wanted) -> tuple[WholeAnalysis, list[PartLooked]]:
+def _whole(structure: LimitStructure, parts: Sequence[ElementAnalysis], wanted: Wanted) -> tuple[WholeAnalysis, list[ElementAnalysis]]:
     """The whole under the load of its scene, and what is known of its mechanisms: its own, and without ``parts`` those of rigid bodies of
     its parts that may go along the push.
 
@@ -196,14 +201,21 @@ def _whole(structure: LimitStructure, parts: Sequence[PartLooked], wanted: Wante
         effort = replace(effort_of(asked, structure.scene.run.seed), starts=0, most_points=0)
         pushes = along(structure, loads.direction or ())
         along_push = list(analysed(whole_of(structure, loads), pushes, effort, (wanted.jobs or cores(), wanted.quiet)))
-    begun_at = [each.part for each in parts] or (along_push if how.begins_at_parts else [])
-    known = [one.mechanisms[0] for one in begun_at if one.mechanisms]
+    begun_at = parts or (along_push if how.begins_at_parts else [])
     with Progress(0, wanted.quiet, what="descent to the least factor") as progress, watched(progress.more):
-        whole = analyse_whole(structure, loads, how, known, wanted.curve)
+        whole = analyse_whole(structure, loads, how, begun_at, wanted.curve)
     if not overturns or not whole.has_factor or whole.analysis.bears_nothing:
         return whole, []
-    own = as_part(whole, structure)
-    return whole, [own, *(replace(own, part=one) for one in along_push if asked.check is not None)]
+    own = as_part(whole)
+    return whole, [own, *(_beside(own, one) for one in along_push if asked.check)]
+
+
+def _beside(own: ElementAnalysis, part: ElementAnalysis) -> ElementAnalysis:
+    """A part next to the whole, whose search counts for it: of one that holds all blocks only what the whole's own numbers do not say."""
+    found = part.mechanisms
+    if len(part.element.blocks) == len(own.element.blocks):
+        found = tuple(one for one in found if not any(says_the_same(other, one) for other in own.mechanisms))
+    return replace(part, mechanisms=found, doubt=own.doubt, numbers=own.numbers, search=own.search)
 
 
 def has_pattern(scene: Scene) -> bool:
@@ -244,13 +256,18 @@ def _refuse_check(loads: StaticLoads, gravity: Sequence[float]) -> None:
     heights_along_z("limit.check", gravity)
 
 
-def _verdict(decides: Checked | None, whole: WholeAnalysis | None, without: Sequence[Without]) -> Verdict:
-    """The verdict of the gravest mechanism, and on a whole that has no load factor at which a mechanism would start.
+def _verdict(case: LimitCase) -> Verdict:
+    """The verdict of the gravest mechanism, on those that no check could be made of, and on a whole that has no load factor at which a
+    mechanism would start.
 
     It names the load factors of the whole without what is assumed of it.
     """
-    found = [] if decides is None else [decides.verdict()]
-    found = [replace(one, reason="; ".join([one.reason, *(each.line for each in without)])) for one in found]
+    found = [] if case.decides is None else [case.decides.verdict()]
+    found = [replace(one, reason="; ".join([one.reason, *(each.line for each in case.without)])) for one in found]
+    for each in case.mechanisms:
+        if each.check is not None and each.decides is None and each.one.mechanism is not None:  # among the gravest of its part
+            found.append(undecided(f"{each.words}: no check, {each.no_displacement}", each.part.numbers))
+    whole = case.whole
     if whole is not None and not (whole.has_factor and not whole.analysis.bears_nothing):
         found.append(_unchecked(whole.analysis))
     return worst(found) or undecided("no part has a mechanism below the largest factor that is looked for")

@@ -9,9 +9,9 @@ decide where nothing else fails.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,18 +19,17 @@ from masonry_cd.analysis.code_check.check import check_at
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.level import Level, foundation_of, level_of
 from masonry_cd.analysis.code_check.verdicts import (
+    LINEAR,
     NON_LINEAR,
-    Basis,
+    WORST_FIRST,
     CheckResult,
-    MechanismRow,
-    SearchNumbers,
     Verdict,
     held_words,
     how_grave,
     verdict_of,
 )
-from masonry_cd.analysis.limit.candidates import ASSOCIATED
-from masonry_cd.analysis.limit.macro import ElementAnalysis, PartMechanism
+from masonry_cd.analysis.limit.found import Found
+from masonry_cd.analysis.limit.macro import ElementAnalysis
 from masonry_cd.foundation.quantities import length
 
 if TYPE_CHECKING:
@@ -39,60 +38,54 @@ if TYPE_CHECKING:
     from masonry_cd.mechanics.model.blocks import Assembly
 
 AXES = {"x": (1.0, 0.0), "-x": (-1.0, 0.0), "y": (0.0, 1.0), "-y": (0.0, -1.0)}
-TIES_ASK = (
-    "ties make a mechanism start later and stiffer: by displacements, and under the spectrum of a floor, its shorter period may be asked "
-    "for more than without them"
-)
-
-
-@dataclass(frozen=True, eq=False)
-class PartLooked:
-    """A part under a push, and why no demand counts as met by it after its search; empty where one may."""
-
-    part: ElementAnalysis
-    doubt: str
-    numbers: SearchNumbers  # of the search
-    search: str = ""  # what it came to, in words
-
-    @classmethod
-    def of(cls, part: ElementAnalysis, doubt: str) -> PartLooked:
-        """A part with the numbers of the search within it."""
-        least, upper = part.least, [one.oscillator.alpha for one in part.mechanisms if one.source.startswith(ASSOCIATED)]
-        top = min(upper, default=None)
-        if least is None:
-            return cls(part, doubt, SearchNumbers(top, None, 0, 0, 0, None))
-        return cls(part, doubt, SearchNumbers(top, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread))
 
 
 @dataclass(frozen=True, eq=False)
 class Checked:
     """A mechanism of a part, and its check where one is asked for."""
 
-    looked: PartLooked
-    one: PartMechanism
+    part: ElementAnalysis
+    one: Found
     level: Level | None
     check: CodeCheck | None
-    no_displacement: str = ""
+    no_displacement: str = ""  # why there is no check by displacements, where one is asked for
 
     @cached_property
-    def row(self) -> MechanismRow:
-        """The mechanism as the tables have it."""
-        one, made = self.one, self.one.oscillator
-        names = one.element.name, one.element.kind, way_words(one.direction), one.name, one.source
-        if self.check is None or self.level is None:
-            return MechanismRow(
-                *names, self.height, one.moving, made.alpha, made.fraction, made.acceleration(), None, None, "", made.doubt, ""
-            )
-        linear, decides = self.check.verdicts[0], self.decides
-        other = next((each for each in self.check.verdicts if each.check == NON_LINEAR), None)
-        sides: tuple[float | None, float | None, float | None, float | None] = (None, None, None, None)
-        if other is not None:
-            sides = (made.last, other.capacity, other.demand, other.ratio)
-        numbers = (linear.capacity, linear.demand, decides.ratio)
-        return MechanismRow(
-            *names, self.height, one.moving, made.alpha, made.fraction, *numbers, decides.state, made.doubt, decides.because, decides.check,
-            *sides, self.no_displacement,
-        )  # fmt: skip
+    def row(self) -> dict[str, Any]:
+        """The mechanism as limit.json and the tables have it; demands and ratios are None without a check."""
+        one, made, element, decides = self.one, self.one.oscillator, self.part.element, self.decides
+        made_of = {} if self.check is None else {each.check: each for each in self.check.verdicts}
+        first, other = made_of.get(LINEAR), made_of.get(NON_LINEAR)
+        return {
+            "element": element.name,
+            "kind": element.kind,
+            "push": way_words(self.part.direction),
+            "mechanism": one.name,
+            "found": one.source,  # how
+            "height": self.height,  # of the line at which it is held, above the foundation [m]
+            "moving_blocks": one.moving,
+            "alpha0": made.alpha,
+            "fraction": made.fraction,  # e* as taken
+            "acceleration": self.acceleration if first is None else first.capacity,  # a0*, over the confidence factor in a check [m/s2]
+            "demand": None if first is None else first.demand,  # [m/s2]; None where displacements alone are checked
+            "ratio": None if decides is None else decides.ratio,  # capacity over demand of the check that decides
+            "state": "" if decides is None else decides.state,
+            "doubt": made.doubt,  # why e* = 1 is taken, if it is
+            "undecided": "" if decides is None else decides.because,  # why the state is doubtful; empty where it is not
+            "check": "" if decides is None else decides.check,  # linear or non-linear: the one that decides
+            "last": None if other is None else made.last,  # d0*, where the factor vanishes [m]
+            "last_by": "" if other is None else made.by,  # how d0* was found
+            "displacement": None if other is None else other.capacity,  # borne, the share of d0* of the limit state [m]
+            "displacement_demand": None if other is None else other.demand,  # [m]
+            "displacement_ratio": None if other is None else other.ratio,
+            "no_displacement": self.no_displacement,
+        }
+
+    @property
+    def acceleration(self) -> float:
+        """a0* [m/s2], over the confidence factor in a check."""
+        steps = () if self.check is None else self.check.steps
+        return next((step.value for step in steps if step.symbol == "a0*"), self.one.oscillator.acceleration())
 
     @property
     def height(self) -> float:
@@ -102,39 +95,39 @@ class Checked:
     @property
     def doubt(self) -> str:
         """Why "satisfied" does not follow, in words; empty where it may."""
-        return (self.level.doubt if self.level is not None else "") or self.looked.doubt
+        return (self.level.doubt if self.level is not None else "") or self.part.doubt
 
     @property
-    def decides(self) -> CheckResult:
-        """The gravest of its checks."""
-        assert self.check is not None
-        return min(self.check.verdicts, key=how_grave)
+    def decides(self) -> CheckResult | None:
+        """The gravest of its checks; None without one, as where displacements alone are checked and none is known."""
+        return None if self.check is None else min(self.check.verdicts, key=how_grave, default=None)
 
     @property
     def severity(self) -> tuple[int, float]:
         """By which the table is in order: how grave the check that decides is, or a0* [m/s2] without one."""
-        return (0, self.one.oscillator.acceleration()) if self.check is None else how_grave(self.decides)
+        return (len(WORST_FIRST), self.acceleration) if self.decides is None else how_grave(self.decides)
 
     @property
     def words(self) -> str:
         """The mechanism in a line."""
-        row = self.row
-        a0 = f"alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}, a0* {row.acceleration:.4g} m/s2{held_words(row.height)}"
-        if row.ratio is None:
-            return f"{row.element}, push {row.push}: {a0}: {row.mechanism}"
-        asked = f"{row.demand:.4g} asked for"
-        if row.displacement is not None and row.displacement_demand is not None:
-            asked += f"; {length(row.displacement)} of d0* {length(row.last or 0.0)}, {length(row.displacement_demand)} asked for"
-        by = f" ({row.check})" if row.displacement is not None else ""
-        return f"{row.element}, push {row.push}: {row.state}{by}, ratio {row.ratio:.3g}: {a0}, {asked}: {row.mechanism}"
+        row, made = self.row, self.one.oscillator
+        of = f"{row['element']}, push {row['push']}"
+        a0 = f"alpha0 {made.alpha:.4g}, e* {made.fraction:.3g}, a0* {row['acceleration']:.4g} m/s2{held_words(self.height)}"
+        if self.decides is None:
+            return f"{of}: {a0}: {self.one.name}"
+        asked, by = [] if row["demand"] is None else [f"{row['demand']:.4g} asked for"], ""
+        if row["displacement"] is not None:
+            asked.append(f"{length(row['displacement'])} of d0* {length(made.last)}, {length(row['displacement_demand'])} asked for")
+            by = f" ({self.decides.check})"
+        return f"{of}: {self.decides.state}{by}, ratio {self.decides.ratio:.3g}: {a0}, {'; '.join(asked)}: {self.one.name}"
 
     def verdict(self) -> Verdict:
         """The verdict that this mechanism gives."""
         assert self.check is not None
-        return verdict_of(self.check.verdicts, self.row, self.looked.numbers)
+        return verdict_of(self.check.verdicts, self.row, self.part.numbers)
 
 
-def checked(parts: Sequence[PartLooked], table: CheckTable | None, ground: Ground | None, assembly: Assembly) -> list[Checked]:
+def checked(parts: Sequence[ElementAnalysis], table: CheckTable | None, ground: Ground | None, assembly: Assembly) -> list[Checked]:
     """All mechanisms of parts, the gravest first, and without a check by the least a0*.
 
     Args:
@@ -147,7 +140,7 @@ def checked(parts: Sequence[PartLooked], table: CheckTable | None, ground: Groun
         InputError: a foundation above the blocks.
     """
     if table is None or ground is None:
-        made = [Checked(looked, one, None, None) for looked in parts for one in looked.part.mechanisms]
+        made = [Checked(part, one, None, None) for part in parts for one in part.mechanisms]
     else:
         made = list(_by_code(parts, table, ground, foundation_of(table, assembly)))
     return in_order(made)
@@ -155,21 +148,22 @@ def checked(parts: Sequence[PartLooked], table: CheckTable | None, ground: Groun
 
 def in_order(rows: Sequence[Checked]) -> list[Checked]:
     """Mechanisms in the order of the table."""
-    return sorted(rows, key=lambda each: (each.one.stones, each.severity, each.row.element, each.row.push))
+    return sorted(rows, key=lambda each: (each.one.stones, each.severity, each.part.element.name, way_words(each.part.direction)))
 
 
-def _by_code(parts: Sequence[PartLooked], table: CheckTable, ground: Ground, foot: float) -> Iterator[Checked]:
+def _by_code(parts: Sequence[ElementAnalysis], table: CheckTable, ground: Ground, foot: float) -> Iterator[Checked]:
     """All mechanisms of parts with their checks, on a ground; heights count from a z [m]."""
-    for looked in parts:
-        for one in looked.part.mechanisms:
+    for part in parts:
+        for one in part.mechanisms:
             level = level_of(table, one.height, foot)
-            check = check_at(table, level, one.oscillator, ground, Basis(doubt=looked.doubt))
-            yield Checked(looked, one, level, check, _no_displacement(one) if table.by_displacements and len(check.verdicts) == 1 else "")
+            check = check_at(table, level, one.oscillator, ground, part.doubt)
+            known = not table.by_displacements or any(each.check == NON_LINEAR for each in check.verdicts)
+            yield Checked(part, one, level, check, "" if known else _no_displacement(one))
 
 
-def _no_displacement(one: PartMechanism) -> str:
+def _no_displacement(one: Found) -> str:
     """Why a mechanism has no check by displacements."""
-    if one.found is None:
+    if one.mechanism is None:
         return "another mechanism of this part and push has a smaller a0* and is held as high: that one is followed"
     return one.oscillator.doubt or one.oscillator.end
 
@@ -178,7 +172,7 @@ def least_of(rows: Sequence[Checked]) -> list[Checked]:
     """The gravest mechanism of each part and push."""
     first: dict[tuple[str, str], Checked] = {}
     for each in rows:
-        first.setdefault((each.row.element, each.row.push), each)
+        first.setdefault((each.part.element.name, way_words(each.part.direction)), each)
     return list(first.values())
 
 
@@ -187,20 +181,13 @@ def gravest(rows: Sequence[Checked]) -> Checked | None:
 
     None without a check.
     """
-    made = [each for each in rows if each.check is not None]
+    made = [each for each in rows if each.decides is not None]
     return min(made, key=lambda each: (each.severity[0], each.one.stones, each.severity[1]), default=None)
 
 
-def in_full(each: Checked, rows: Sequence[Checked], tied: bool) -> CodeCheck:
-    """The check of a mechanism with what it rests on: the search, and all mechanisms of its part that were looked at, itself first.
-
-    Where the structure is ``tied``, it says that ties may ask for more.
-    """
-    assert each.check is not None
-    others = [other.row for other in rows if other.looked is each.looked and other is not each]
-    basis = Basis(each.looked.search, each.doubt, (each.row, *others), each.looked.numbers)
-    asks = tied and (len(each.check.verdicts) > 1 or (each.level is not None and bool(each.level.counted)))
-    return replace(each.check, basis=basis, notes=(*each.check.notes, *([TIES_ASK] if asks else [])))
+def looked_at(each: Checked, rows: Sequence[Checked]) -> list[Checked]:
+    """The mechanisms of the part of one that were looked at, itself first."""
+    return [each, *(other for other in rows if other.part is each.part and other is not each)]
 
 
 def way_words(direction: np.ndarray) -> str:

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.analysis.limit.outcome import mechanism_facts, on_the_whole
-from masonry_cd.limit.checked import way_words
+from masonry_cd.limit.checked import looked_at, way_words
 
 if TYPE_CHECKING:
     from masonry_cd.analysis.limit.macro import ElementAnalysis
@@ -20,18 +20,18 @@ def facts(case: LimitCase) -> dict[str, Any]:
     """The contents of limit.json. What belongs to the whole is missing where parts alone were looked at."""
     from masonry_cd import __version__
 
-    check, asked = case.check, case.structure.asked.check
+    asked = case.structure.asked.check
     found = {
         "title": case.scene.title,
         "version": __version__,
         "blocks": case.structure.assembly.count,
         "joints": case.structure.joints.count,
-        **({} if case.whole is None else _of_the_whole(case.whole)),
+        **({} if case.whole is None else of_the_whole(case.whole)),
         **({} if case.crossing is None else {"crossing": case.crossing.numbers()}),
-        "mechanisms": [asdict(each.row) for each in case.mechanisms],
+        "mechanisms": [each.row for each in case.mechanisms],
         "parts": [_of_a_part(case, part) for part in case.parts],
         "without": [one.numbers() for one in case.without],
-        "check": None if check is None else check.numbers(),
+        "check": None if case.check is None else case.check.numbers() | {"basis": _basis(case)},
         "left_open": [] if asked is None else list(asked.by.left_open(asked.at(asked.building_height or 0.0) if asked.building else asked)),
         "verdict": None if case.verdict is None else case.verdict.numbers(),
         "modelled": list(case.modelled),
@@ -42,7 +42,7 @@ def facts(case: LimitCase) -> dict[str, Any]:
     return {"title": case.scene.title, "on_the_whole": None if verdict is None else verdict.as_dict()} | found
 
 
-def _of_the_whole(whole: WholeAnalysis) -> dict[str, Any]:
+def of_the_whole(whole: WholeAnalysis) -> dict[str, Any]:
     """Factor, mechanism, forces and certificate of the whole."""
     analysis, answer, loads = whole.analysis, whole.analysis.associated, whole.loads
     finite = analysis.stands and not analysis.unlimited
@@ -86,11 +86,18 @@ def _factors(whole: WholeAnalysis) -> dict[str, Any]:
     return out
 
 
+def _basis(case: LimitCase) -> dict[str, Any]:
+    """What the check rests on: the search, why "satisfied" does not follow from it, and the mechanisms that were looked at."""
+    each = case.decides
+    assert each is not None
+    looked = [other.row for other in looked_at(each, case.mechanisms)]
+    return {"search": each.part.search, "doubt": each.doubt, "looked": looked, "numbers": asdict(each.part.numbers)}
+
+
 def _of_a_part(case: LimitCase, part: ElementAnalysis) -> dict[str, Any]:
     """A part under a push: its blocks, the search within it, what holds it."""
-    least, search = part.least, None
-    if least is not None:
-        search = {"least": least.optimum.factor, "starts": least.starts, "agreeing": least.agreeing, "spread": least.spread}
+    numbers = asdict(part.numbers)
+    search = None if numbers["least"] is None else {key: numbers[key] for key in ("least", "starts", "agreeing", "spread")}
     return {
         "element": part.element.name, "kind": part.element.kind, "push": way_words(part.direction), "points": part.points,
         "interlock_n": part.interlock, "search": search, "held": not part.mechanisms, "remarks": list(part.remarks),

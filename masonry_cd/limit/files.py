@@ -13,7 +13,7 @@ from masonry_cd.limit.curve import curve_lines, write_curve
 from masonry_cd.limit.facts import facts
 from masonry_cd.limit.kept import NAME
 from masonry_cd.limit.vehicle import write_crossing
-from masonry_cd.limit.words import found_lines, held_parts
+from masonry_cd.limit.words import found_lines
 from reports.limit.page import LimitPage, damage_by_group, write_limit_page
 from reports.limit.tables import write_check, write_limit_ties, write_mechanisms, write_tables
 
@@ -45,14 +45,14 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     if case.parts or (folder / PARTS).exists():
         own_files.begin(folder / PARTS, ("*.png",))
         own_files.remove(folder / PARTS, ("*.png",))
-    found, check, whole = facts(case), case.check, case.whole
+    found, whole = facts(case), case.whole
     write_json(folder / "limit.json", found)
     written = [folder / "limit.json", *write_mechanisms(found["mechanisms"], folder)]
     if whole is not None:
         written += [*write_tables(whole.collapse, whole.assembly, whole.joints, folder), *write_limit_ties(whole.ties, folder)]
-    if check is not None:
-        write_json(folder / "check.json", check.numbers())
-        write_check(check.numbers(), folder / "check.csv")
+    if found["check"] is not None:
+        write_json(folder / "check.json", found["check"])
+        write_check(found["check"], folder / "check.csv")
         written += [folder / "check.json", folder / "check.csv"]
     if case.crossing is not None:
         written += write_crossing(case.crossing, folder, case.scene.title, pictures)
@@ -64,7 +64,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     if whole is not None and whole.curve is not None:
         written += write_curve(whole.curve, whole.assembly.names, folder)
     page = LimitPage(
-        found, [*found_lines(case), *_curve_lines(whole)], held_parts(case), case.scene.text, _options(case),
+        found, [*found_lines(case), *_curve_lines(whole)], case.scene.text, _options(case),
         case.scene.report.model_dump(exclude_unset=True), damage,
     )  # fmt: skip
     write_limit_page(page, drawn, folder / "limit.html")

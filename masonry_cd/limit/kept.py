@@ -12,7 +12,7 @@ import hashlib
 import io
 import pickle
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 NAME = "parts.kept"
 LENGTH = 8  # bytes of the length of a record
 READ = {  # what a record may consist of, by its module
-    "masonry_cd.analysis.limit.macro": {"ElementAnalysis", "PartMechanism"},
-    "masonry_cd.analysis.limit.candidates": {"Candidate"},
+    "masonry_cd.analysis.limit.macro": {"ElementAnalysis"},
+    "masonry_cd.analysis.limit.found": {"Found"},
     "masonry_cd.analysis.limit.mechanism": {"Mechanism"},
     "masonry_cd.analysis.limit.oscillator": {"Oscillator"},
-    "masonry_cd.analysis.limit.solution": {"LeastFound", "Optimum"},
+    "masonry_cd.analysis.limit.outcome": {"SearchNumbers"},
     "structures.macro_elements.element": {"MacroElement"},
     "numpy": {"ndarray", "dtype"},
     "numpy._core.multiarray": {"_reconstruct", "scalar"},
@@ -90,7 +90,7 @@ class Kept:
         if _key(part) not in self.known:
             with (self.folder / NAME).open("ab") as file:
                 file.write(self._record(part))
-        write_mechanisms([asdict(each.row) for each in rows], self.folder)
+        write_mechanisms([each.row for each in rows], self.folder)
 
     def _record(self, part: ElementAnalysis) -> bytes:
         record = self.stamp + pickle.dumps(part, protocol=4)

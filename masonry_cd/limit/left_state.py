@@ -8,14 +8,13 @@ more, since what a run broke would be whole again; ties are as strong as before.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 
 from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.analysis.limit.analysis import Analysis
-from masonry_cd.app.limit_table import LimitTable
+from masonry_cd.app.limit_structure import LimitStructure
 from masonry_cd.app.static_loads import StaticLoads
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import length
@@ -34,29 +33,14 @@ OPEN = 0.25  # share of the smallest width: what is farther open at a corner has
 SAME = 1e-6  # share of the smallest width by which corners of the same block may differ
 
 
-@dataclass(frozen=True, eq=False)
-class LeftState:
-    """Blocks where a run left them, their joints there, and the loads on them."""
-
-    assembly: Assembly
-    joints: Joints
-    loads: StaticLoads
-    words: str  # which run, when, how far the blocks are from their places
-
-
-def left_state(asked: LimitTable, folder: Path, assembly: Assembly, joints: Joints, loads: StaticLoads) -> LeftState:
-    """The state that a table ``[limit]`` names.
-
-    Args:
-        asked: with the folder of a run, which is read from ``folder`` on, and a time.
-        folder: of the scene.
-        assembly: the blocks as built.
-        joints: of them.
-        loads: on them.
+def left_state(structure: LimitStructure, loads: StaticLoads) -> tuple[LimitStructure, StaticLoads, str]:
+    """A structure where the run that its table ``[limit]`` names left it, the loads on it there, and which run, when, and how far blocks
+    are from their places, in words.
 
     Raises:
         InputError: no such run, one of other blocks or of blocks that deform, a time that it does not have, or joints that crush.
     """
+    asked, assembly, joints = structure.asked, structure.assembly, structure.joints
     assert asked.begin is not None
     if reason := at_start_only(assembly.laws):
         raise InputError(KEY, f"{reason}, and a run leaves displaced what it has moved")
@@ -68,7 +52,7 @@ def left_state(asked: LimitTable, folder: Path, assembly: Assembly, joints: Join
         raise InputError(
             "limit.check.displacements", "no curve is followed from the state that a run left; false leaves the check by accelerations"
         )
-    place = folder / asked.begin
+    place = structure.scene.folder / asked.begin
     file = place / "result.h5" if place.is_dir() or not place.suffix else place
     if not file.exists():
         raise InputError(KEY, f"{file}: no such result file; it takes the folder of a run, from that of the scene on")
@@ -87,7 +71,7 @@ def left_state(asked: LimitTable, folder: Path, assembly: Assembly, joints: Join
     words = f"from {asked.begin} at {pose.time:.4g} s: blocks are up to {length(far)} from where they were built, "
     words += f"{100.0 * float(found.area.sum()) / float(joints.area.sum()):.3g} % of the area of their joints touches"
     words += "; bond counts no more" if assembly.laws.apex.any() else ""
-    return LeftState(placed, found, moved, words)
+    return replace(structure, assembly=placed, joints=found), moved, words
 
 
 def touching_joints(placed: Assembly) -> Joints:

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Collapse
-from masonry_cd.analysis.limit.macro import FREE, PartMechanism
+from masonry_cd.analysis.limit.found import FREE
 from masonry_cd.analysis.limit.mechanism import BED, Mechanism
-from masonry_cd.foundation.quantities import force
+from masonry_cd.analysis.limit.outcome import on_the_factor
 from masonry_cd.limit.checked import least_of
 from masonry_cd.limit.curve import draw_curve
+from masonry_cd.limit.facts import of_the_whole
 from masonry_cd.limit.whole import THE_WHOLE
 from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing.figure import Sheet
@@ -34,11 +34,11 @@ def draw_whole(whole: WholeAnalysis, title: str, folder: Path, view: str = "auto
     Raises:
         InputError: an unknown view, no off-screen OpenGL.
     """
-    what, words = Subject(whole.collapse, whole.assembly.blocks, whole.joints, whole.ties), _facts(whole)
+    what, words = Subject(whole.collapse.mechanism, whole.assembly.blocks, whole.joints, whole.ties), _words(whole)
     Sheet.drawn(mechanism_scene(what, f"{title}: mechanism", words, view)).save(folder / "mechanism.png")
     if not whole.analysis.stands:
         return [folder / "mechanism.png"]
-    Sheet.drawn(thrust_scene(what, f"{title}: forces at collapse", words, view)).save(folder / "thrust.png")
+    Sheet.drawn(thrust_scene(what, whole.collapse, f"{title}: forces at collapse", words, view)).save(folder / "thrust.png")
     curve = [draw_curve(whole.curve, whole.assembly.names, folder, (title, whole.loads.words), view)] if whole.curve else []
     return [folder / "mechanism.png", folder / "thrust.png", *curve]
 
@@ -56,7 +56,8 @@ def draw_spectra(case: LimitCase, folder: Path) -> list[Path]:
     from reports.limit.spectrum_picture import spectrum_picture
 
     row, gravity = case.decides.row, case.decides.one.oscillator.gravity
-    words = f"{row.element}, push {row.push}: {row.mechanism} · {check.edition}{f', {check.limit_state}' if check.limit_state else ''}"
+    state = f", {check.limit_state}" if check.limit_state else ""
+    words = f"{row['element']}, push {row['push']}: {row['mechanism']} · {check.edition}{state}"
     made = spectra(check, asked, ground, gravity)
     return [spectrum_picture(made, folder / "spectrum.png", f"{case.scene.title}: check by a code", words)]
 
@@ -70,31 +71,21 @@ def draw_parts(case: LimitCase, folder: Path, view: str = "auto") -> dict[Path, 
     drawn: dict[Path, str] = {}
     seen: set[str] = set()
     for each in least_of(case.mechanisms) if case.parts else []:
-        row, one = each.row, each.one
-        if row.element in seen or row.element == THE_WHOLE or one.found is None:
+        name, one = each.part.element.name, each.one
+        if name in seen or name == THE_WHOLE or one.mechanism is None:
             continue
-        seen.add(row.element)
-        path = folder / f"{len(seen):02d}_{re.sub('[^a-z0-9]+', '_', row.element.lower()).strip('_')}.png"
-        words = f"push {row.push} · {_named(row.mechanism)} · α0 {row.alpha0:.4g}"
-        Sheet.drawn(mechanism_scene(_subject(case, one), f"{case.scene.title}: {row.element}", words, view)).save(path)
+        seen.add(name)
+        path = folder / f"{len(seen):02d}_{re.sub('[^a-z0-9]+', '_', name.lower()).strip('_')}.png"
+        words = f"push {each.row['push']} · {_named(one.name)} · α0 {one.oscillator.alpha:.4g}"
+        subject = _subject(case, one.mechanism, each.part.element.blocks)
+        Sheet.drawn(mechanism_scene(subject, f"{case.scene.title}: {name}", words, view)).save(path)
         drawn[path] = each.words
     return drawn
 
 
-def _facts(whole: WholeAnalysis) -> str:
+def _words(whole: WholeAnalysis) -> str:
     """The line below the title of a picture."""
-    analysis = whole.analysis
-    if not analysis.stands:
-        return "does not stand under its dead loads"
-    if analysis.endless:
-        return f"{whole.loads.words}: no finite load factor; the forces are those under the dead loads"
-    if analysis.problem.moves_support:
-        return f"{whole.loads.words}: the supports still bear {force(-analysis.associated.factor * analysis.problem.weight)}"
-    if analysis.bears_nothing:
-        return f"{whole.loads.words}: no load factor, the least of this load sets it in motion"
-    least = f" · least found without dilation {analysis.least.optimum.factor:.4g}, drawn" if analysis.least else ""
-    upper = "no finite associated load factor" if analysis.unlimited else f"load factor {analysis.associated.factor:.4g} (associated)"
-    return f"{whole.loads.words} · {upper}{least}"
+    return f"{whole.loads.words} · {on_the_factor(of_the_whole(whole)).result}"
 
 
 def _named(mechanism: str) -> str:
@@ -112,14 +103,13 @@ def _under(case: LimitCase, moves: Mechanism) -> np.ndarray:
     return np.unique(lower[some][moves.moving[upper[some]] & ~moves.moving[lower[some]]])
 
 
-def _subject(case: LimitCase, one: PartMechanism) -> Subject:
+def _subject(case: LimitCase, moves: Mechanism, blocks: np.ndarray) -> Subject:
     """The blocks of a part, those that move with it and those on which they stand, in their mechanism; what else is held would hide them.
 
     Without forces.
     """
-    assert one.found is not None
-    moves, joints = one.found.mechanism, case.structure.joints
-    shown = np.union1d(np.union1d(one.element.blocks, np.flatnonzero(moves.moving)), _under(case, moves))
+    joints = case.structure.joints
+    shown = np.union1d(np.union1d(blocks, np.flatnonzero(moves.moving)), _under(case, moves))
     number = np.full(case.structure.assembly.count, -1)
     number[shown] = np.arange(len(shown))
     between = np.flatnonzero((number[joints.block_a] >= 0) & (number[joints.block_b] >= 0))
@@ -132,6 +122,4 @@ def _subject(case: LimitCase, one: PartMechanism) -> Subject:
     part = replace(
         moves, velocity=moves.velocity[shown], speed=moves.speed[shown], **{name: getattr(moves, name)[between] for name in of_joints}
     )
-    nothing = np.zeros(some.count)
-    collapse = Collapse(part, nothing, nothing, np.full((some.count, 3), np.nan), np.zeros(0), np.full(some.count, np.nan))
-    return Subject(collapse, [case.structure.assembly.blocks[b] for b in shown], some)
+    return Subject(part, [case.structure.assembly.blocks[b] for b in shown], some)

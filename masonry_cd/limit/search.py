@@ -6,11 +6,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from masonry_cd.analysis.code_check.verdicts import SearchNumbers
 from masonry_cd.analysis.limit.analysis import Analysis, Options
 from masonry_cd.analysis.limit.interfaces import interfaces
+from masonry_cd.analysis.limit.outcome import SearchNumbers
 from masonry_cd.analysis.limit.problem import plane_of
-from masonry_cd.analysis.limit.solution import AGREE, AGREEING, LeastFound
+from masonry_cd.analysis.limit.solution import AGREE, AGREEING
 from masonry_cd.foundation.quantities import in_words
 
 if TYPE_CHECKING:
@@ -79,10 +79,8 @@ def certificate_lines(analysis: Analysis) -> list[str]:
 
 def search_numbers(analysis: Analysis) -> SearchNumbers:
     """What a search came to, in numbers."""
-    least, upper = analysis.least, None if analysis.unlimited else analysis.associated.factor
-    if least is None:
-        return SearchNumbers(upper, None, analysis.starts, 0, 0, None)
-    return SearchNumbers(upper, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)
+    upper = None if analysis.unlimited else analysis.associated.factor
+    return SearchNumbers.of(upper, analysis.least, analysis.starts)
 
 
 def doubt(analysis: Analysis) -> str:
@@ -94,22 +92,22 @@ def doubt(analysis: Analysis) -> str:
         large = analysis.problem.axis is None and analysis.problem.points.count > SEARCHED
         size = f" of more than {SEARCHED:,} contact points" if large else ""
         return f"the least factor without dilation is not searched for unasked{size}: {ASK}"
-    return _unsure(analysis.least, f"of {analysis.starts} starts of the search for the least factor none came to an end")
+    return _unsure(search_numbers(analysis), f"of {analysis.starts} starts of the search for the least factor none came to an end")
 
 
 def doubt_of(part: ElementAnalysis, effort: Effort) -> str:
     """Why no demand counts as met by a part after its search, in words; empty where one may."""
     if part.remarks:
         return part.remarks[0]
-    if part.least is None and part.points > effort.most_points:
+    if part.numbers.least is None and part.points > effort.most_points:
         return f"the free least mechanism is not searched for in a part of more than {effort.most_points:,} contact points: {ASK}"
-    return _unsure(part.least, "no start of the search for the free least mechanism came to an end")
+    return _unsure(part.numbers, "no start of the search for the free least mechanism came to an end")
 
 
-def _unsure(least: LeastFound | None, no_end: str) -> str:
+def _unsure(found: SearchNumbers, no_end: str) -> str:
     """Why the outcome of a search that was made is not sure; empty where enough of its starts agree."""
-    if least is None:
+    if found.least is None:
         return f"{no_end}: raise limit.starts"
-    if least.agreed:
+    if found.agreed:
         return ""
-    return f"{least.agreeing} of {least.starts} starts came to the least factor found, {AGREE} have to agree: raise limit.starts"
+    return f"{found.agreeing} of {found.starts} starts came to the least factor found, {AGREE} have to agree: raise limit.starts"

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 CROSSING_OUTPUTS = ("crossing.csv", "crossing.png")
 IN_PLANE, IN_SPACE = 60, 16  # places looked at first; in space each takes cone programmes
 CLOSE = 1.0 / 400.0  # of the length of the bridge: how finely the worst place is found
-PATTERNS = ("push", "tilt", "live")
+PATTERNS = ("push", "tilt", "live")  # keys of [limit] that multiply something
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,25 +5,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
-from masonry_cd.analysis.limit.candidates import Untied, candidates, with_mechanisms, with_overturning, with_untied
+from masonry_cd.analysis.limit.candidates import Source, candidates, with_mechanisms, with_overturning, with_untied
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.analysis.limit.crushed import CrushedJoint, LittleLeft, crushed_joints, little_left
-from masonry_cd.analysis.limit.held import held_at
+from masonry_cd.analysis.limit.found import Found, gravest_followed
 from masonry_cd.analysis.limit.linkage import with_displacements
-from masonry_cd.analysis.limit.macro import ElementAnalysis, PartMechanism, grave, named
-from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
-from masonry_cd.analysis.limit.part import part_of
+from masonry_cd.analysis.limit.macro import ElementAnalysis
+from masonry_cd.analysis.limit.oscillator import BY_CURVE, Oscillator, oscillator
+from masonry_cd.analysis.limit.part import Part, part_of
+from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.analysis.limit.ties import LimitTie, limit_ties
 from masonry_cd.app.limit_table import CurveTable
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.checked import PartLooked
 from masonry_cd.limit.curve import follow
 from masonry_cd.limit.left_state import NO_CURVE, against_undamaged, left_state
 from masonry_cd.limit.parts import whole_of
@@ -48,15 +48,25 @@ BEGUN = 6  # mechanisms of parts at which the search begins, three or four cone 
 class WholeAnalysis:
     """A structure and its limit analysis."""
 
-    assembly: Assembly  # as analysed: where a run left it, if the scene says so
-    joints: Joints
+    structure: LimitStructure  # as analysed: where a run left it, if the scene says so
     loads: StaticLoads
     analysis: Analysis
     how: Ways
-    untied: Untied = field(default_factory=Untied)  # mechanisms found without the ties
+    untied: Sequence[Source]  # mechanisms found without the ties
+    no_untied: str  # why there are none of these, in words; empty where there are, and without ties
     curve: CapacityCurve | None = None
     left: str = ""  # by a run: from where it is, and what that does to the factor
     spare: LittleLeft | None = None  # of the strength under the dead loads
+
+    @property
+    def assembly(self) -> Assembly:
+        """Its blocks."""
+        return self.structure.assembly
+
+    @property
+    def joints(self) -> Joints:
+        """Between them."""
+        return self.structure.joints
 
     @cached_property
     def crushed(self) -> tuple[CrushedJoint, ...]:
@@ -84,7 +94,7 @@ class WholeAnalysis:
 
 
 def analyse_whole(
-    structure: LimitStructure, loads: StaticLoads, how: Ways, parts: Sequence[PartMechanism], curve: bool = False
+    structure: LimitStructure, loads: StaticLoads, how: Ways, parts: Sequence[ElementAnalysis], curve: bool = False
 ) -> WholeAnalysis:
     """Analyse a structure under the load that its scene multiplies.
 
@@ -92,36 +102,38 @@ def analyse_whole(
         structure: with its scene.
         loads: on it.
         how: far its least factor is searched for.
-        parts: mechanisms of macro-elements, at which the search begins as well where they go with the push.
+        parts: macro-elements, at whose gravest mechanisms the search begins as well where they go with the push.
         curve: follow the mechanism, also where the scene has no table ``[limit.curve]``.
 
     Raises:
         InputError: loads that do not fit, or a limit analysis without an answer.
     """
-    asked, assembly, joints, words = structure.asked, structure.assembly, structure.joints, ""
-    left = None if asked.begin is None else left_state(asked, structure.scene.folder, assembly, joints, loads)
-    analysis = _analysed(assembly, joints, loads, how.analysis)
+    asked, words = structure.asked, ""
+    left = None if asked.begin is None else left_state(structure, loads)
+    analysis = _analysed(structure, loads, how.analysis)
     if loads.kind == "push" and analysis.starts > 1 and (parts or how.begins_at_parts):
         analysis = _begun_at_parts(analysis, structure, loads, parts)
-    analysis = _searched_on(analysis, assembly, joints, how)
+    analysis = _searched_on(analysis, structure, how)
     if left is not None:
-        assembly, joints, loads, built = left.assembly, left.joints, left.loads, analysis
-        analysis = _searched_on(_analysed(assembly, joints, loads, how.analysis), assembly, joints, how)
-        words = f"{left.words}; {against_undamaged(analysis, built)}"
+        (structure, loads, words), built = left, analysis
+        analysis = _searched_on(_analysed(structure, loads, how.analysis), structure, how)
+        words = f"{words}; {against_undamaged(analysis, built)}"
+    assembly, joints = structure.assembly, structure.joints
     table = asked.curve or (CurveTable() if curve else None)
     if table is not None and asked.begin is not None:
         raise InputError("limit.curve", NO_CURVE)
     followed = None if table is None or analysis.endless else follow(table, assembly, joints, loads, how.curve)
-    untied, spare = Untied(), None
+    untied, without, spare = list[Source](), "", None
     if asked.check is not None and analysis.stands and not (analysis.bears_nothing or analysis.endless):
-        analysis, untied = with_untied(analysis, assembly, joints, how.analysis)
+        analysis, untied, without = with_untied(analysis, assembly, joints, how.analysis)
     if analysis.stands:
         spare = little_left(analysis.problem, assembly, joints)
-    return WholeAnalysis(assembly, joints, loads, analysis, how, untied, followed, words, spare)
+    return WholeAnalysis(structure, loads, analysis, how, untied, without, followed, words, spare)
 
 
-def _analysed(assembly: Assembly, joints: Joints, loads: StaticLoads, options: Options) -> Analysis:
+def _analysed(structure: LimitStructure, loads: StaticLoads, options: Options) -> Analysis:
     """The limit analysis; of a tilt beside loads that do not turn with it, at the angle that belongs to its own factor."""
+    assembly, joints = structure.assembly, structure.joints
     if loads.kind != "tilt" or (loads.only_gravity and not assembly.laws.apex.any()):
         return analyse(assembly, joints, loads.at(), options)
     factor, last = 0.0, math.inf
@@ -136,73 +148,65 @@ def _analysed(assembly: Assembly, joints: Joints, loads: StaticLoads, options: O
     raise InputError("limit.tilt", f"the angle of collapse is not found in {TURNS} rounds; push gives the factor of a body force")
 
 
-def _begun_at_parts(analysis: Analysis, structure: LimitStructure, loads: StaticLoads, parts: Sequence[PartMechanism]) -> Analysis:
-    """An analysis under a push whose search has begun at mechanisms of parts as well, and at what would overturn below the factor found
-    then. As it was where gravity is not along -z or the push not level."""
+def _begun_at_parts(analysis: Analysis, structure: LimitStructure, loads: StaticLoads, parts: Sequence[ElementAnalysis]) -> Analysis:
+    """An analysis under a push whose search has begun at the gravest mechanisms of parts as well, and at what would overturn below the
+    factor found then. As it was where gravity is not along -z or the push not level."""
     way = np.asarray(loads.direction)
     if not structure.upright or abs(way[2]) > 0.0:
         return analysis
-    some = sorted((one for one in parts if one.found and float(one.direction @ way) > ALONG), key=lambda one: one.oscillator.alpha)
-    known = [one.found.mechanism for one in some[:BEGUN] if one.found]
+    some = [part.mechanisms[0] for part in parts if part.mechanisms and float(part.direction @ way) > ALONG]
+    first = sorted((one for one in some if one.mechanism), key=lambda one: one.oscillator.alpha)[:BEGUN]
+    known = [one.mechanism for one in first if one.mechanism]
     return with_overturning(with_mechanisms(analysis, structure.assembly, structure.joints, known), whole_of(structure, loads), way)
 
 
-def _searched_on(analysis: Analysis, assembly: Assembly, joints: Joints, how: Ways) -> Analysis:
+def _searched_on(analysis: Analysis, structure: LimitStructure, how: Ways) -> Analysis:
     """An analysis whose search goes on until starts agree, where one was made."""
     if not analysis.starts:
         return analysis
-    return with_more_starts(analysis, assembly, joints, how.analysis.starts, how.most, how.analysis.seed)
+    made = how.analysis
+    return with_more_starts(analysis, structure.assembly, structure.joints, made.starts, how.most, made.seed)
 
 
-def as_part(whole: WholeAnalysis, structure: LimitStructure) -> PartLooked:
+def as_part(whole: WholeAnalysis) -> ElementAnalysis:
     """The whole under its push as the part that holds everything, with the mechanisms that were found of it, the least a0* first."""
-    assembly, joints, loads = whole.assembly, whole.joints, whole.loads
+    assembly, loads, analysis, check = whole.assembly, whole.loads, whole.analysis, whole.structure.asked.check
     assert loads.direction is not None
-    way, free = np.asarray(loads.direction), np.flatnonzero(~assembly.fixed)
-    element = MacroElement(THE_WHOLE, "whole", free, (loads.direction,), ())
-    push, around = math.hypot(*structure.scene.run.gravity) * way, whole_of(structure, loads)
-    found = []
-    for one in candidates(whole.analysis, whole.untied, assembly, joints):
-        moving = one.mechanism.moving & ~assembly.fixed
-        made = oscillator(one, assembly, joints, push, None, loads.live)
-        name, stones = named(one.mechanism, around, ~assembly.fixed)
-        line = held_at(one.mechanism, assembly, joints)
-        found.append(PartMechanism(element, way, name, one.source, made, int(moving.sum()), line, np.zeros(0), one, stones))
-    found.sort(key=lambda one: one.oscillator.acceleration())
-    if structure.asked.check is not None and structure.asked.check.by_displacements:
-        found = _followed(whole, structure, found)
-    words = "; ".join([search_words(whole.analysis), *([whole.untied.remark] if whole.untied.remark else [])])
-    part = ElementAnalysis(element, way, tuple(found), whole.analysis.least, whole.analysis.problem.points.count, 0.0, ())
-    return PartLooked(part, doubt(whole.analysis), search_numbers(whole.analysis), words)
+    way, free = np.asarray(loads.direction), ~assembly.fixed
+    element = MacroElement(THE_WHOLE, "whole", np.flatnonzero(free), (loads.direction,), ())
+    around = whole_of(whole.structure, loads)
+    part = Part(around, assembly, free, analysis.problem, around.gravity * way, loads.at(), Bars.none())
+    found = sorted(candidates(analysis, whole.untied, part), key=lambda one: one.oscillator.acceleration())
+    if check is not None and check.by_displacements:
+        found = _followed(whole, part, found)
+    words = "; ".join(filter(None, [search_words(analysis), whole.no_untied]))
+    points, numbers = analysis.problem.points.count, search_numbers(analysis)
+    return ElementAnalysis(element, way, tuple(found), points, 0.0, (), numbers, doubt(analysis), words)
 
 
-def _followed(whole: WholeAnalysis, structure: LimitStructure, found: Sequence[PartMechanism]) -> list[PartMechanism]:
+def _followed(whole: WholeAnalysis, part: Part, found: Sequence[Found]) -> list[Found]:
     """The mechanisms, the gravest with the displacement at which their factor vanishes: by the capacity curve where that is known or in a
     plane, where hinges may pass to other joints, else as linkages of bodies."""
-    assembly, loads, out = whole.assembly, whole.loads, []
-    if reason := at_start_only(assembly.laws):
+    if reason := at_start_only(whole.assembly.laws):
         return [replace(one, oscillator=replace(one.oscillator, end=reason)) for one in found]
-    part = part_of(whole_of(structure, loads), ~assembly.fixed, np.asarray(loads.direction))
-    gravest = grave(found)
-    for k, one in enumerate(found):
-        assert one.found is not None
-        if k not in gravest:
-            out.append(replace(one, found=None))
-            continue
-        made = one.oscillator if one.oscillator.doubt else _by_the_curve(whole, one, part.push) if k == 0 else None
-        if made is None or not (made.doubt or made.falls):
-            made = with_displacements(part, one.found, one.oscillator, structure.scene.run.seed)
-        out.append(replace(one, oscillator=made))
-    return out
+    linked = part_of(part.whole, part.free, np.asarray(whole.loads.direction))
+
+    def follow(k: int, one: Found) -> Oscillator:
+        made = one.oscillator if one.oscillator.doubt else _by_the_curve(whole, part, one) if k == 0 else None
+        if made is not None and (made.doubt or made.falls):
+            return made
+        return with_displacements(linked, one, whole.structure.scene.run.seed)
+
+    return gravest_followed(found, follow)
 
 
-def _by_the_curve(whole: WholeAnalysis, one: PartMechanism, push: np.ndarray) -> Oscillator | None:
+def _by_the_curve(whole: WholeAnalysis, part: Part, one: Found) -> Oscillator | None:
     """The oscillator of a mechanism by the capacity curve of the structure; None where that is not known and expensive."""
-    assert one.found is not None
-    curve, moves = whole.curve, one.found.mechanism
+    assert one.mechanism is not None
+    curve, moves = whole.curve, one.mechanism
     if curve is None or not curve.falls or not moves.moving[curve.control.block]:
         if whole.analysis.problem.axis is None:
             return None
-        control = int(np.argmax(moves.velocity[:, :3] @ push))
+        control = int(np.argmax(moves.velocity[:, :3] @ part.push))
         curve = capacity_curve(whole.assembly, whole.joints, whole.loads.at(), CurveOptions(whole.how.curve, control=control))
-    return oscillator(one.found, whole.assembly, whole.joints, push, curve, whole.loads.live)
+    return replace(oscillator(part, moves, one.oscillator.alpha, one.dilation, curve), by=BY_CURVE)

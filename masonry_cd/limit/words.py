@@ -14,7 +14,7 @@ from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.outcome import on_the_whole
 from masonry_cd.analysis.limit.ties import tie_lines
 from masonry_cd.foundation.quantities import counted, force
-from masonry_cd.limit.checked import least_of, way_words
+from masonry_cd.limit.checked import least_of, looked_at, way_words
 from masonry_cd.limit.curve import curve_lines
 from masonry_cd.limit.facts import facts
 from masonry_cd.limit.search import certificate_lines, search_words
@@ -32,15 +32,25 @@ def lines(case: LimitCase) -> list[str]:
     """The analysis in words: the verdict, what was found, the check by a code, and what is modelled."""
     verdict = on_the_whole(facts(case))
     how = _how_lines(case.whole) if case.whole is not None and case.whole.has_factor else []
-    check = case.check
     return [
         *([] if verdict is None else [verdict.line]),
         *found_lines(case),
         *how,
         *_part_lines(case),
-        *([] if check is None else check.lines()),
+        *([] if case.check is None else case.check.lines(_checked_lines(case))),
         *case.modelled[1:],
     ]
+
+
+def _checked_lines(case: LimitCase) -> list[str]:
+    """Which mechanism is checked and where it is held."""
+    each = case.decides
+    assert each is not None and each.level is not None
+    looked, made = looked_at(each, case.mechanisms), each.one.oscillator
+    taken = f"; e* = 1 is taken, the safe side: {made.doubt}" if made.doubt else ""
+    by = "ratio by accelerations" if any(one.height != each.height for one in looked) else "a0*"
+    which = f"checked: the least {by} of {counted(len(looked), 'mechanism')} looked at, {each.one.source}"
+    return [f"{which}, {counted(each.one.moving, 'moving block')}, alpha0 {made.alpha:.4g}{taken}", each.level.words]
 
 
 def found_lines(case: LimitCase) -> list[str]:
@@ -51,16 +61,11 @@ def found_lines(case: LimitCase) -> list[str]:
     return [*_factor_lines(case, case.whole), *without, *crushed_lines(case.whole.crushed, case.whole.spare)]
 
 
-def held_parts(case: LimitCase) -> list[str]:
-    """Parts and pushes without a mechanism below the largest factor that is looked for."""
-    return [f"{one.element.name} {way_words(one.direction)}" for one in case.parts if not one.mechanisms]
-
-
 def _part_lines(case: LimitCase) -> list[str]:
     """The parts, the gravest mechanism of each, and which are held; none where parts were not looked at by themselves."""
-    some = [each.words for each in least_of(case.mechanisms) if each.row.element != THE_WHOLE]
+    some = [each.words for each in least_of(case.mechanisms) if each.part.element.name != THE_WHOLE]
     head = [_parts_in_words(case)] if case.whole is not None and case.parts else []
-    held = held_parts(case)
+    held = [f"{one.element.name} {way_words(one.direction)}" for one in case.parts if not one.mechanisms]
     return [*head, *some, *([f"held, no mechanism below a factor of 5: {', '.join(held)}"] if held else [])]
 
 
@@ -110,7 +115,8 @@ def _least_lines(case: LimitCase, whole: WholeAnalysis) -> list[str]:
 def _started_before(case: LimitCase, whole: WholeAnalysis) -> list[str]:
     """A line where a mechanism found without the ties starts, with them, below the least factor of the search."""
     least = whole.analysis.least
-    factors = [each.row.alpha0 for each in case.mechanisms if each.row.element == THE_WHOLE and UNTIED in each.row.found]
+    of_whole = [each.one for each in case.mechanisms if each.part.element.name == THE_WHOLE]
+    factors = [one.oscillator.alpha for one in of_whole if UNTIED in one.source]
     if least is None or not factors or min(factors) >= (1.0 - SAME) * least.optimum.factor:
         return []
     return [

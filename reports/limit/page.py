@@ -45,7 +45,6 @@ class LimitPage:
 
     summary: Mapping[str, Any]  # limit.json
     lines: Sequence[str]  # what was found; the first says of what
-    held: Sequence[str]  # parts without a mechanism
     scene: str  # its text
     options: Sequence[str]  # of the command, beside what the scene asks for
     report: Mapping[str, Any]  # the scene's table [report]
@@ -57,13 +56,15 @@ def write_limit_page(page: LimitPage, drawn: Mapping[Path, str], path: Path) -> 
     summary = page.summary
     block, check = rows_of(page.report, f"masonry_cd {summary['version']}", page.scene), summary["check"] or {}
     made, verdict, least = summary.get("certificate"), summary["on_the_whole"], _least(summary["mechanisms"])
-    rows = [_row(row, page.damage) for row in least]
+    rows = [_row(row, page.damage, any(each["state"] for each in least)) for row in least]
     columns = [*rows[0]] if rows else []
     write_document(
         path,
         "limit.html",
         title=summary["title"],
-        page=Head(summary["title"], page.lines, doubts(summary), _numbers(summary), block, None if verdict is None else Verdict(**verdict)),
+        page=Head(
+            summary["title"], page.lines, summary["notes"], _numbers(summary), block, None if verdict is None else Verdict(**verdict)
+        ),
         summary=summary,
         verdicts=STATES_OF_CHECKS,
         states=STATES,
@@ -74,18 +75,13 @@ def write_limit_page(page: LimitPage, drawn: Mapping[Path, str], path: Path) -> 
         rows=rows,
         numbers=range(3, columns.index("verdict") if "verdict" in columns else len(columns) - bool(page.damage)),
         notes=_notes(summary, least),
-        held=page.held,
+        held=[f"{part['element']} {part['push']}" for part in summary["parts"] if part["held"]],
         drawn=pictures({path: words or CAPTIONS[path.name] for path, words in drawn.items() if path.exists()}),
         ties=_ties(summary),
         certificate=[[name, number(made[key]), words] for key, (name, words) in CERTIFICATE.items()] if made else [],
         command=" ".join(["masonry-cd limit scene.toml -o out", *page.options]),
         scene=page.scene,
     )
-
-
-def doubts(summary: Mapping[str, Any]) -> list[str]:
-    """What must not be overlooked."""
-    return list(summary["notes"])
 
 
 def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:
@@ -163,6 +159,8 @@ def _notes(summary: Mapping[str, Any], least: Sequence[Mapping[str, Any]]) -> li
     if any(row["check"] == "non-linear" for row in least):
         out.append("² The check by displacements decides; elsewhere that by accelerations.")
     if any(row["displacement"] is not None for row in least):
+        by = " or a ".join(dict.fromkeys(row["last_by"] for row in least if row["last_by"]))
+        out.append(f"d0* is that of a {by}, followed until the factor vanishes: column d0_by of mechanisms.csv.")
         out.append("The friction of interlock counts in α0 and not in d0*, since it does not last to collapse (C8.7.1.2.1.6).")
     if why_not := [*dict.fromkeys(row["no_displacement"] for row in least if row["no_displacement"])]:
         out.append(f"No check by displacements: {'; '.join(why_not)}.")
@@ -171,8 +169,8 @@ def _notes(summary: Mapping[str, Any], least: Sequence[Mapping[str, Any]]) -> li
     return out + [f"Left open by the clauses: {one}." for one in summary["left_open"]]
 
 
-def _row(row: Mapping[str, Any], damage: Mapping[str, str]) -> dict[str, str | Badge]:
-    """A mechanism by the columns of the table; ``damage`` of a run by the names of parts."""
+def _row(row: Mapping[str, Any], damage: Mapping[str, str], checked: bool) -> dict[str, str | Badge]:
+    """A mechanism by the columns of the table, with those of a check or not; ``damage`` of a run by the names of parts."""
     cells: dict[str, str | Badge] = {
         "part": row["element"],
         "push": row["push"],
@@ -182,12 +180,12 @@ def _row(row: Mapping[str, Any], damage: Mapping[str, str]) -> dict[str, str | B
         "e*": _aligned(row["fraction"]) + ("¹" if row["doubt"] else ""),
         "a0* [m/s²]": _aligned(row["acceleration"], 4),
     }
-    if row["ratio"] is not None:
-        cells["asked for [m/s²]"] = _aligned(row["demand"], 4)
+    if checked:
+        cells["asked for [m/s²]"] = "–" if row["demand"] is None else _aligned(row["demand"], 4)
         for name, key in (("d0* [mm]", "last"), ("borne [mm]", "displacement"), ("asked for [mm]", "displacement_demand")):
             cells[name] = "–" if row[key] is None else number(1e3 * row[key], digits=3)
-        cells["ratio"] = _aligned(row["ratio"]) + ("²" if row["check"] == "non-linear" else "")
-        cells["verdict"] = Badge(f"verdict {STATES_OF_CHECKS[row['state']]}", row["state"])
+        cells["ratio"] = "–" if row["ratio"] is None else _aligned(row["ratio"]) + ("²" if row["check"] == "non-linear" else "")
+        cells["verdict"] = Badge(f"verdict {STATES_OF_CHECKS[row['state']]}", row["state"]) if row["state"] else "–"
     return cells | ({"damage in the run": damage.get(row["element"], "")} if damage else {})
 
 

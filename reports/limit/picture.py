@@ -38,7 +38,7 @@ AWAY = 0.1  # share of the speed of the blocks that leads away from the viewer a
 class Subject:
     """What the pictures show."""
 
-    collapse: Collapse
+    moves: Mechanism
     blocks: Sequence[Block]
     joints: Joints
     ties: Sequence[LimitTie] = ()
@@ -50,7 +50,7 @@ def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto"
     Raises:
         InputError: an unknown view.
     """
-    solids, moves = Solids.from_blocks(subject.blocks), subject.collapse.mechanism
+    solids, moves = Solids.from_blocks(subject.blocks), subject.moves
     looking = view_of_motion(solids, moves, view)
     reach = AMPLITUDE * float(np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0).max())
 
@@ -89,14 +89,14 @@ def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto"
     )
 
 
-def thrust_scene(subject: Subject, title: str, facts: str, view: str = "auto") -> Scene:
+def thrust_scene(subject: Subject, collapse: Collapse, title: str, facts: str, view: str = "auto") -> Scene:
     """The forces at collapse.
 
     Raises:
         InputError: an unknown view.
     """
-    solids, collapse, joints = Solids.from_blocks(subject.blocks), subject.collapse, subject.joints
-    looking = view_of_motion(solids, collapse.mechanism, view)
+    solids, joints = Solids.from_blocks(subject.blocks), subject.joints
+    looking = view_of_motion(solids, subject.moves, view)
     window = structure_window(solids, looking)
     place, strength = np.nan_to_num(collapse.force_point), np.maximum(collapse.normal_force, 0.0)
     line, largest = joint_ribbons((joints.block_a, joints.block_b), place, strength, solids, looking, PIXEL * window.height)

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.code_check.spectrum import Spectrum
-from masonry_cd.analysis.code_check.verdicts import LINEAR
+from masonry_cd.analysis.code_check.verdicts import LINEAR, Spectrum
 from masonry_cd.foundation.quantities import per_cent
 from reports.drawing.figure import COLOURS, FAINT, INK, halo, save
 from reports.drawing.plots import legend, sheet

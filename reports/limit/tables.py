@@ -29,8 +29,8 @@ MECHANISMS = {  # column of mechanisms.csv by the name of the value in limit.jso
     "element": "element", "kind": "kind", "push": "push", "mechanism": "mechanism", "found": "found", "height": "height_m",
     "moving_blocks": "moving_blocks", "alpha0": "alpha0", "fraction": "e_star", "acceleration": "a0_m_s2", "demand": "demand_m_s2",
     "ratio": "ratio", "state": "verdict", "doubt": "e_star_is_one", "undecided": "why", "check": "check", "last": "d0_m",
-    "displacement": "displacement_m", "displacement_demand": "displacement_demand_m", "displacement_ratio": "displacement_ratio",
-    "no_displacement": "no_check_by_displacements",
+    "last_by": "d0_by", "displacement": "displacement_m", "displacement_demand": "displacement_demand_m",
+    "displacement_ratio": "displacement_ratio", "no_displacement": "no_check_by_displacements",
 }  # fmt: skip
 
 

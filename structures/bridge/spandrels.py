@@ -8,7 +8,7 @@ Each half of an arch is looked at from the support on which it stands, up to its
   the next bed of those that are counted down from the road.
 - Above it courses run on until they meet the next stone of that kind, or pass the crown and meet those of the other half.
 
-Courses of one height that touch are one, and are cut by head joints in running bond.
+Courses of one height that touch are one, and are cut by head joints in running bond, clear of those below.
 """
 
 from __future__ import annotations
@@ -23,11 +23,16 @@ import numpy as np
 
 from structures.bridge.layout import SAME, Layout, Support
 from structures.bridge.masonry import top_of
-from structures.courser.bond import running
+from structures.courser.bond import LEAST_BOND, LEAST_HEAD, cleared, running
 
 STEP = 0.5  # courses: least height of a stone that levels a chord
 TALL = 1.5  # courses: a steep chord of more than that is cut by beds
-LEAST_HEAD = 0.35  # of a stone: between a head joint and the end of its course
+
+
+def bed_over(height: float, course: float, deck: float) -> float:
+    """The first bed at least half a course above a height: one of those counted down from the road, or the road [m]."""
+    count = math.floor((deck - height) / course - STEP + 1e-9)
+    return deck - max(count, 0) * course
 
 
 class Course(NamedTuple):
@@ -64,9 +69,8 @@ class Half:
         return int(np.argmax(np.append(up <= across, True)))
 
     def bed_over(self, height: float) -> float:
-        """The first bed at least half a course above a height: one of those counted down from the road, or the road."""
-        count = math.floor((self.deck - height) / self.course - STEP + 1e-9)
-        return self.deck - max(count, 0) * self.course
+        """The first bed over a height [m]."""
+        return bed_over(height, self.course, self.deck)
 
     @property
     def slopes(self) -> bool:
@@ -128,8 +132,12 @@ class Half:
         return found
 
 
-def pieces(layout: Layout) -> list[np.ndarray]:
-    """All stones of a spandrel wall over the supports and the arches, (n, 2) each, by height and then by x."""
+def pieces(layout: Layout, above: Sequence[float] = ()) -> list[np.ndarray]:
+    """All stones of a spandrel wall over the supports and the arches, (n, 2) each, by height and then by x.
+
+    Args:
+        above: x of the upright joints of what stands on the road, of which those of the last course keep clear [m].
+    """
     assert layout.keys.walls is not None
     found, rows = list[np.ndarray](), list[Course]()
     for support in layout.supports:
@@ -140,11 +148,31 @@ def pieces(layout: Layout) -> list[np.ndarray]:
         if len(profile.extrados) % 2 == 0:  # the chord over the axis belongs to both halves
             k = len(profile.extrados) // 2
             found.append(_over_crown(layout, profile.extrados[k - 1 : k + 1]))
-    unit, course = layout.keys.walls.unit_length, layout.keys.walls.course_height
+    met = [(float(x), float(polygon[:, 1].max())) for polygon in found for x in (polygon[:, 0].min(), polygon[:, 0].max())]
+    met += [(float(x), layout.deck) for x in above]
     for row in _merged(rows):
-        number = round((layout.deck - row.high) / course)
-        found += cut(row, unit, number, layout.ends[0])
+        heads = _in_bond(layout, row, [x for x, z in met if abs(z - row.low) <= SAME or z == row.high == layout.deck])
+        met += [(x, row.high) for x in heads]
+        found += cut(row, heads)
     return sorted(found, key=lambda polygon: (round(float(polygon[:, 1].min()), 6), float(polygon[:, 0].min())))
+
+
+def _in_bond(layout: Layout, row: Course, met: Sequence[float]) -> list[float]:
+    """x of the head joints of a course, in that of two bonds which lies farther from the joints that meet its beds [m].
+
+    It begins at the middle of the pier or at the back of the abutment that the course lies over, or at the middle of the course.
+    """
+    assert layout.keys.walls is not None
+    unit, low, high = layout.keys.walls.unit_length, min(row.left), max(row.right)
+    over = [support.split for support in layout.supports if low - SAME <= support.split <= high + SAME]
+    start = over[0] if len(over) == 1 else 0.5 * (low + high)
+
+    def apart(heads: Sequence[float]) -> float:
+        return round(float(np.mean([min([0.5 * unit, *(abs(x - t) for t in met)]) for x in heads])) if heads else unit, 9)
+
+    heads = max((heads_of(row, unit, start + shift) for shift in (0.0, 0.5 * unit)), key=apart)
+    ends = max(row.left) + LEAST_BOND * unit, min(row.right) - LEAST_BOND * unit
+    return [cleared(x, met, LEAST_BOND * unit, ends) for x in heads]
 
 
 def _over_crown(layout: Layout, chord: np.ndarray) -> np.ndarray:
@@ -198,9 +226,12 @@ def _merged(rows: Sequence[Course]) -> list[Course]:
     return out
 
 
-def cut(row: Course, unit: float, number: int, start: float) -> list[np.ndarray]:
-    """A course cut by head joints in running bond, counted from a place."""
-    anchor = start + 0.5 * unit * (number % 2)
-    heads = running(max(row.left) + LEAST_HEAD * unit, min(row.right) - LEAST_HEAD * unit, unit, anchor)
+def heads_of(row: Course, unit: float, start: float) -> list[float]:
+    """x of the head joints of a course, whole stones from where its bond begins [m]."""
+    return running(max(row.left) + LEAST_HEAD * unit, min(row.right) - LEAST_HEAD * unit, unit, start)
+
+
+def cut(row: Course, heads: Sequence[float]) -> list[np.ndarray]:
+    """The stones (n, 2) of a course between its head joints."""
     ends = [row.left, *((x, x) for x in heads), row.right]
     return [Course(row.low, row.high, a, b).polygon for a, b in pairwise(ends)]

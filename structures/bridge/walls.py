@@ -11,7 +11,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import FillFace
 from structures.bridge.layout import Layout, Support
 from structures.bridge.masonry import SLAB, drawn_out
-from structures.bridge.spandrels import Course, cut, pieces
+from structures.bridge.spandrels import Course, cut, heads_of, pieces
 from structures.geometry.prism import rectangle
 
 SIDES = (("front", -1.0), ("back", 1.0))
@@ -58,10 +58,12 @@ def _inner(layout: Layout, polygon: np.ndarray, y: float, sign: float) -> np.nda
 def _rows(layout: Layout, low: float, high: float, start: float, end: float, course: float) -> list[np.ndarray]:
     """The stones of a wall between two levels and two upright ends."""
     assert layout.keys.walls is not None
+    unit = layout.keys.walls.unit_length
     beds = np.linspace(low, high, max(1, round((high - low) / course)) + 1).tolist()
     found = list[np.ndarray]()
     for number, (below, above) in enumerate(pairwise(beds)):
-        found += cut(Course(below, above, (start, start), (end, end)), layout.keys.walls.unit_length, number, start)
+        row = Course(below, above, (start, start), (end, end))
+        found += cut(row, heads_of(row, unit, start + 0.5 * unit * (number % 2)))
     return found
 
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from structures.building.table import ArcTable, BuildingWallTable
+from structures.plans import place
 
 GENTLE = math.radians(25.0)  # an axis that bends by more turns a corner
 SHARPEST = math.radians(60.0)  # bend between two chords of an arc
@@ -173,11 +174,6 @@ def legs_of(number: int, keys: BuildingWallTable, whole: Sequence[Span] = (), wh
     if closed and len(chains) == 1 and gentle[-1]:
         return [Leg(number, 0, keys, chains[0], True, bends[-1].length, tops, where)]
     return [Leg(number, k, keys, chain, False, bends[-1].length, tops, where) for k, chain in enumerate(chains)]
-
-
-def place(point: np.ndarray) -> str:
-    """A point of the plan as messages give it."""
-    return f"x = {point[0]:.4g} m, y = {point[1]:.4g} m"
 
 
 def _turn(first: Facet, second: Facet) -> float:

@@ -31,6 +31,7 @@ from structures.building.table import ArcTable, BuildingTable, BuildingWallTable
 from structures.building.widths import NARROW
 from structures.geometry import polygons
 from structures.layout.pockets import with_pockets
+from structures.plans import place
 from structures.ties import Bar
 
 SLIVER = 0.1  # of the thickness of a vault: what it leaves of a stone that is thinner goes to another
@@ -196,7 +197,7 @@ def _check_courses(plan: Plan, layings: Sequence[Laying], faults: Faults) -> Non
             if layings[a].course != layings[b].course and pair.bond not in ("butt", 0.0):
                 faults.add(
                     plan.legs[b].where,
-                    f"walls {plan.legs[a].keys.name} and {plan.legs[b].keys.name} at {junctions.place(pair.point)}: "
+                    f"walls {plan.legs[a].keys.name} and {plan.legs[b].keys.name} at {place(pair.point)}: "
                     f"courses of {layings[a].course:g} and {layings[b].course:g} m do not interlock; give both one course_height, or a "
                     'junction with bond = "butt"',
                 )
@@ -214,7 +215,7 @@ def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> None
         ]
         own = vaults.footprint(plan, leg)
         if own.intersection(shapely.union_all(under)).area < LEAST_SEAT * own.area:
-            at = f"{vaults.place(leg.facets[0].start)}, where it begins at z = {leg.base:g} m"
+            at = f"{place(leg.facets[0].start)}, where it begins at z = {leg.base:g} m"
             faults.add(leg.where, f"wall {leg.keys.name}: nothing is under it at {at}")
 
 
@@ -226,7 +227,7 @@ def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> N
             for leg in plan.legs:
                 overlap = min(top, max(z for _, z in leg.tops)) - max(foot, leg.base)
                 if overlap > SAME and vaults.footprint(plan, leg).intersection(shape).area > LEAST_SEAT * shape.area:
-                    faults.add(row.where, f"columns {row.name}: the one at {vaults.place(at)} stands in wall {leg.keys.name}")
+                    faults.add(row.where, f"columns {row.name}: the one at {place(at)} stands in wall {leg.keys.name}")
 
 
 def _all_blocks(walls: Walls, laid: Sequence[Stone], density: float) -> list[Block]:

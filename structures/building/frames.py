@@ -28,7 +28,7 @@ from masonry_cd.foundation.errors import InputError
 from structures.building.table import WallOpeningTable
 from structures.courser import arch_profiles
 from structures.courser.arch_profiles import voussoirs
-from structures.layout.openings import natural_bearing, natural_ring, voussoir_width
+from structures.courser.wall_plan import natural_bearing, natural_ring, voussoir_width
 
 LEAST_MEASURE = 1e-2  # of a width or a ring [m]
 SLENDER = 0.6  # width of a voussoir on the intrados, in thicknesses of the ring

@@ -19,7 +19,7 @@ from structures.building.panels import Laying, Piece, lay, running
 from structures.building.slivers import Stone
 from structures.building.stones import Part, across
 from structures.building.widths import fat_pieces
-from structures.layout.wall_plan import CORE
+from structures.courser.wall_plan import CORE
 
 
 def stones(plan: Plan, number: int, laying: Laying, frames: Sequence[Frame]) -> Iterator[Stone]:

@@ -12,7 +12,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from masonry_cd.foundation.errors import Faults, InputError
-from structures.building.axes import SAME, Leg, place
+from structures.building.axes import SAME, Leg
 from structures.building.beds import course_range
 from structures.building.footprints import Plan
 from structures.building.frames import Around, Frame, Named, frame_of
@@ -21,6 +21,7 @@ from structures.building.table import BuildingTable, WallOpeningTable
 from structures.building.widths import fat_pieces
 from structures.courser.bond import even
 from structures.geometry import polygons
+from structures.plans import place
 
 LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction or another frame [m]
 Frames = dict[tuple[int, int], list[Frame]]

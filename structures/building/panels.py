@@ -29,8 +29,6 @@ from structures.building.widths import ASIDE
 from structures.courser import bond
 from structures.geometry import polygons
 
-LEAST_UNIT = 0.35  # between a head joint and the end of its stretch, in blocks
-LEAST_BOND = 0.12  # between head joints of successive courses, in blocks
 THIN = 0.3  # a stone lower than this of a course is joined to another one
 TONGUE = 0.1  # of a course over the head of an opening that may end at a head joint, at least
 LONG = 1.6  # of a stone without head joint, at most, in blocks
@@ -151,9 +149,9 @@ def _bonded(band: Band, first: Sequence[Arm], unit: float) -> Band:
     """A band whose end stones reach beyond the walls that they lie over where it ends."""
     for arm in first:
         if abs(band.left0 - arm.low) < SAME or (arm.end < 0 and band.left0 < arm.high):
-            band = band._replace(bond_left=arm.high - band.left0 + LEAST_UNIT * unit)
+            band = band._replace(bond_left=arm.high - band.left0 + bond.LEAST_HEAD * unit)
         if abs(band.right0 - arm.high) < SAME or (arm.end > 0 and band.right0 > arm.low):
-            band = band._replace(bond_right=band.right0 - arm.low + LEAST_UNIT * unit)
+            band = band._replace(bond_right=band.right0 - arm.low + bond.LEAST_HEAD * unit)
     return band
 
 
@@ -187,7 +185,7 @@ def _region(leg: Leg, facet: Facet, area: Polygon, low: float, high: float, hull
 def _heads(leg: Leg, facet: Facet, stretch: Stretch, laying: Laying, at: tuple[int, float], taken: Sequence[float]) -> list[float]:
     """s of the head joints of a stretch of a course, given by its number and its shift in blocks, beside those of its neighbours."""
     (course, shift), band = at, stretch.band
-    least = LEAST_UNIT * laying.unit
+    least = bond.LEAST_HEAD * laying.unit
     low, high = max(band.left0, band.left1) + max(least, band.bond_left), min(band.right0, band.right1) - max(least, band.bond_right)
     if high < low - SAME:
         return []
@@ -201,17 +199,9 @@ def _heads(leg: Leg, facet: Facet, stretch: Stretch, laying: Laying, at: tuple[i
         first = math.ceil((low - laying.anchor - shift * unit - SAME) / unit)
         random = np.random.default_rng([laying.seed, zlib.crc32(leg.keys.name.encode()), leg.number, course, first + 10**6])
         heads = (np.array(heads) + jitter * (2.0 * random.random(len(heads)) - 1.0)).tolist()
-    heads = [_cleared(min(max(s, low), high), taken, LEAST_BOND * unit, (low, high)) for s in heads]
+    heads = [bond.cleared(min(max(s, low), high), taken, bond.LEAST_BOND * unit, (low, high)) for s in heads]
     height = float(laying.beds[course + 1] - laying.beds[course])
     return _over_heads(_clear_of(heads, stretch, least, THIN * height), stretch, unit, TONGUE * height)
-
-
-def _cleared(s: float, taken: Sequence[float], least: float, ends: tuple[float, float]) -> float:
-    """A head joint that nearly meets one of the next course, moved to the least distance from it where there is space for that."""
-    near = [t for t in taken if abs(t - s) < least - SAME]
-    moved = [m for t in near for m in (t - least, t + least) if ends[0] <= m <= ends[1]]
-    free = [m for m in moved if all(abs(m - t) >= least - SAME for t in taken)]
-    return min(free or [s], key=lambda m: abs(m - s))
 
 
 def _clear_of(heads: Sequence[float], stretch: Stretch, least: float, thin: float) -> list[float]:

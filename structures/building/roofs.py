@@ -15,10 +15,10 @@ from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.building import vaults
-from structures.building.axes import place
 from structures.building.footprints import Plan
 from structures.building.table import BuildingRoofTable, BuildingTable, BuildingVaultTable
 from structures.geometry.prism import between
+from structures.plans import place
 from structures.ties import MODULI, Bar
 
 GROUP = "roof"

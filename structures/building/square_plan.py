@@ -23,9 +23,8 @@ from structures.building.frames import LEAST_MEASURE, Frame, Named
 from structures.building.junctions import Junction, Pair
 from structures.building.panels import Laying, Leaves
 from structures.building.table import BuildingTable, WallOpeningTable
+from structures.courser.wall_plan import Opening, Sizes, Wall
 from structures.geometry.polygons import box
-from structures.layout.openings import Opening
-from structures.layout.wall_plan import Sizes, Wall
 
 SHAPES = {"lintel": "rectangular", "flat": "rectangular", "segmental": "segmental", "round": "round"}
 

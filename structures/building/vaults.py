@@ -25,7 +25,7 @@ from shapely.geometry.base import BaseGeometry
 from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from structures.building.axes import Facet, Leg, place
+from structures.building.axes import Facet, Leg
 from structures.building.footprints import Plan
 from structures.building.table import BuildingTable, BuildingVaultTable
 from structures.courser import rings
@@ -34,6 +34,7 @@ from structures.courser.vault_courses import barrel, crossing
 from structures.geometry import polygons
 from structures.geometry.compound_block import moved
 from structures.geometry.convex import halves
+from structures.plans import place
 
 PARALLEL = 1e-3  # of walls that carry a barrel, the sine of the angle between them
 CROSSING = 0.5  # sine of the angle between walls that make a corner of a bay, at least

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Aqueducts and arcades: piers, semicircular rings and spandrels in courses, in one to three tiers.
 
-A tier is a bridge (:mod:`structures.bridge`) of equal semicircular spans on equal piers, with masonry in place of fill: a plane figure that
-is cut along its joints (:mod:`structures.bridge.tier`, :mod:`structures.geometry.solid`) and drawn out along y. Upper tiers stand on the
-level top of the tier below, by default with the same pitch. The measures are of the order of Roman work in large squared blocks: the
+A tier is a bridge (:mod:`structures.bridge`) of equal semicircular spans on equal piers, whose spandrel walls
+(:mod:`structures.bridge.spandrels`) are as thick as it is wide, in place of fill. Upper tiers stand on the level top of the tier below, by
+default with the same pitch. The measures are of the order of Roman work in large squared blocks: the
 default is three openings of 5 m on piers of 2 m.
 
 Groups, for friction and for damage by part: ``base``, ``pier1`` ..., ``arch1`` ..., ``spandrel1`` ... over the pier of that
@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -28,15 +28,16 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.polygon import polygon_centroid
 from structures import size
-from structures.bridge.masonry import drawn_out
-from structures.bridge.table import AbutmentTable, BridgeTable, SpanTable, SupportTable
-from structures.bridge.tier import LEAST_BED, Tier, feet, joints, outline
+from structures.bridge import layout as bridge
+from structures.bridge.layout import SAME, Support
+from structures.bridge.masonry import arches, drawn_out
+from structures.bridge.spandrels import STEP, bed_over, pieces
+from structures.bridge.table import AbutmentTable, BridgeTable, SpanTable, SupportTable, WallTable
+from structures.courser import wall_plan
+from structures.courser.bond import LEAST_BOND, cleared
 from structures.geometry.prism import box, prism_xz, rectangle
-from structures.geometry.solid import cut_solid
 from structures.kind import Keys, StructureKind, scaled, value_of
-from structures.layout import wall_plan
 from structures.macro_elements import AROUND, EAST, HINGES, NORTH, OVERTURNING, WEST, Layout, MacroElement
 from structures.schema import COVER, THICK, Length, Table, WallHeight
 
@@ -121,10 +122,41 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     if aqueduct.ends == "abutment":
         blocks += _abutments(tiers, density)
     for tier, over in zip(tiers, [*tiers[1:], None], strict=True):
-        pieces = cut_solid(outline(tier), joints(tier, feet(over) if over else ()))
-        blocks += _named(tier, pieces, density, prefix=f"tier{tier.number}_" if len(tiers) > 1 else "")
+        blocks += _tier_blocks(tier, over, density, prefix=f"tier{tier.number}_" if len(tiers) > 1 else "")
     blocks += _channel(aqueduct, tiers[-1], density)
     return blocks
+
+
+@dataclass(frozen=True, eq=False)
+class Tier:
+    """A bridge of equal semicircular spans on equal piers whose spandrels are masonry over its whole width."""
+
+    number: int
+    layout: bridge.Layout
+    course: float  # height of a course [m]
+    unit: float  # length of a block of the spandrels [m]
+    pier_courses: int
+    pier_blocks: int
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """x of its ends [m]."""
+        return self.layout.ends
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return self.ends[1] - self.ends[0]
+
+    @property
+    def pitch(self) -> float:
+        """Distance between the axes of neighbouring piers [m]."""
+        return self.layout.supports[1].left - self.layout.supports[0].left
+
+    @property
+    def half(self) -> float:
+        """Half the width, along y [m]."""
+        return 0.5 * self.layout.keys.width
 
 
 def _estimate(aqueduct: AqueductTable) -> float:
@@ -134,9 +166,8 @@ def _estimate(aqueduct: AqueductTable) -> float:
     ring = max(aqueduct.voussoirs or (math.pi * outer / (1.2 * course),))
     cover = max(aqueduct.cover or (1.5 * course,))
     spandrel = (clear + pier) * (outer + cover) - 0.5 * math.pi * outer * outer
-    per_span = (
-        max(aqueduct.pier_courses) * aqueduct.pier_blocks + ring + max(spandrel, 0.0) / course / (aqueduct.unit_length or 2.0 * course)
-    )
+    stones = max(spandrel, 0.0) / course / (aqueduct.unit_length or 2.0 * course)
+    per_span = max(aqueduct.pier_courses) * aqueduct.pier_blocks + ring + stones
     channel = 2.0 * (clear + pier) * (aqueduct.channel_height or aqueduct.channel_width or 0.0) / course / (2.0 * course)
     return max(aqueduct.spans) * (aqueduct.tiers * per_span + channel)
 
@@ -150,15 +181,15 @@ def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]
         if aqueduct.channel_height is not None:
             raise InputError("structure.channel_width", "missing; it makes the channel whose height is given")
         return []
-    most = tier.width - 0.4 * tier.course
+    most = 2.0 * tier.half - 0.4 * tier.course
     if wide > most:
         raise InputError("structure.channel_width", f"must be at most {most:g} m, which leaves two walls, got {wide:g}")
     height, least = aqueduct.channel_height or wide, LEAST_CHANNEL * tier.course
     if height < least:
         key = "channel_width" if aqueduct.channel_height is None else "channel_height"
         raise InputError(f"structure.{key}", f"the walls of the channel must be at least {least:g} m high, got {height:g}")
-    low, high = tier.top, tier.top + height
-    start, end, half = float(tier.left[0]), float(tier.right[-1]), 0.5 * tier.width
+    low, high = tier.layout.deck, tier.layout.deck + height
+    (start, end), half = tier.ends, tier.half
     walls = [
         wall_plan.Wall(f"channel_{name}", "channel", 0, start, end, near, far, low, high)
         for name, near, far in (("front", -half, -0.5 * wide), ("back", 0.5 * wide, half))
@@ -180,16 +211,14 @@ def tiers_of(aqueduct: AqueductTable) -> list[Tier]:
     """
     tiers: list[Tier] = []
     for i in range(aqueduct.tiers):
-        tier = _tier(aqueduct, i, tiers[-1] if tiers else None)
-        _check_arch(tier)
-        if tiers:
-            _check_on(tier, tiers[-1], aqueduct.ends)
-        tiers.append(tier)
+        tiers.append(_tier(aqueduct, i, tiers[-1] if tiers else None))
+        if i:
+            _check_on(tiers[i], tiers[i - 1], aqueduct.ends)
     return tiers
 
 
 def _tier(aqueduct: AqueductTable, i: int, below: Tier | None) -> Tier:
-    course = aqueduct.course_height
+    course, unit = aqueduct.course_height, aqueduct.unit_length or 2.0 * aqueduct.course_height
     pier_width = _of_tier(aqueduct, "pier_width", i)
     clear_span = _of_tier(aqueduct, "clear_span", i)
     if below and len(aqueduct.clear_span) == 1:  # the pitch of the tier below
@@ -204,20 +233,22 @@ def _tier(aqueduct: AqueductTable, i: int, below: Tier | None) -> Tier:
     courses = _of_tier(aqueduct, "pier_courses", i)
     span = SpanTable.model_construct(
         shape="semicircular", span=clear_span, thickness=thickness, voussoirs=_of_tier(aqueduct, "voussoirs", i) or natural,
-        springing=(below.top if below else 0.0) + courses * course,
+        springing=(below.layout.deck if below else 0.0) + courses * course,
     )  # fmt: skip
     pier = {"width": pier_width, "height": courses * course, "course_height": course, "rigid": False}
+    cover = _of_tier(aqueduct, "cover", i) or 1.5 * course
+    _check_arch(span, pier_width, cover, course, f" in tier {i + 1}" if i else "")
+    if unit < 0.5 * course:
+        raise InputError("structure.unit_length", f"must be at least half a course, {0.5 * course:g} m, got {unit:g}")
     count, pitch = _of_tier(aqueduct, "spans", i), clear_span + pier_width
-    length = count * pitch + pier_width
-    centre = below.centre if below else 0.5 * length
-    starts = [centre - 0.5 * length + n * pitch + pier_width for n in range(count)]
-    bridge = BridgeTable.model_construct(
-        spans=tuple(span.model_copy(update={"start": start}) for start in starts), width=_of_tier(aqueduct, "width", i),
+    length, width = count * pitch + pier_width, _of_tier(aqueduct, "width", i)
+    left = (0.5 * sum(below.ends) if below else 0.5 * length) - 0.5 * length + pier_width
+    keys = BridgeTable.model_construct(
+        spans=tuple(span.model_copy(update={"start": left + n * pitch}) for n in range(count)), width=width, cover=cover,
         piers=(SupportTable.model_construct(**pier),), abutments=(AbutmentTable.model_construct(**pier),),
-        cover=_of_tier(aqueduct, "cover", i) or 1.5 * course,
+        walls=WallTable.model_construct(thickness=width, course_height=course, unit_length=unit),
     )  # fmt: skip
-    unit = aqueduct.unit_length or 2.0 * course
-    return Tier(i + 1, bridge, centre, courses, aqueduct.pier_blocks, course, unit)
+    return Tier(i + 1, bridge.laid_out(keys), course, unit, courses, aqueduct.pier_blocks)
 
 
 def _of_tier(aqueduct: AqueductTable, key: str, i: int) -> Any:
@@ -230,112 +261,107 @@ def _of_tier(aqueduct: AqueductTable, key: str, i: int) -> Any:
     return values[0 if len(values) == 1 else i]
 
 
-def _check_arch(tier: Tier) -> None:
+def _check_arch(span: SpanTable, pier_width: float, cover: float, course: float, where: str) -> None:
     """Measures of one tier that exclude each other."""
-    where = f" in tier {tier.number}" if tier.number > 1 else ""
-    least = 2.0 * tier.ring_thickness + LEAST_GAP * tier.course
-    if tier.pier_width < least - 1e-9:
+    least, ring, clear = 2.0 * span.thickness + LEAST_GAP * course, span.thickness, span.span
+    if pier_width < least - 1e-9:
         what = "seats two rings with a course between them"
-        raise InputError("structure.pier_width", f"must be at least {least:g} m{where}, which {what}, got {tier.pier_width:g}")
-    if tier.clear_span < LEAST_GAP * tier.course:
-        raise InputError(
-            "structure.clear_span", f"must be at least {LEAST_GAP * tier.course:g} m{where}, {LEAST_GAP:g} courses, got {tier.clear_span:g}"
-        )
-    if tier.ring_thickness >= tier.clear_span:
-        raise InputError(
-            "structure.ring_thickness", f"must be below the clear span, {tier.clear_span:g} m{where}, got {tier.ring_thickness:g}"
-        )
-    most = math.floor(math.pi / (2.0 * math.asin(min(1.0, 0.5 * LEAST_CHORD * tier.course / tier.outer))))
+        raise InputError("structure.pier_width", f"must be at least {least:g} m{where}, which {what}, got {pier_width:g}")
+    if clear < LEAST_GAP * course:
+        raise InputError("structure.clear_span", f"must be at least {LEAST_GAP * course:g} m{where}, {LEAST_GAP:g} courses, got {clear:g}")
+    if ring >= clear:
+        raise InputError("structure.ring_thickness", f"must be below the clear span, {clear:g} m{where}, got {ring:g}")
+    most = math.floor(math.pi / (2.0 * math.asin(min(1.0, 0.5 * LEAST_CHORD * course / (0.5 * clear + ring)))))
     most = min(most, MOST_VOUSSOIRS)
-    if not 3 <= tier.voussoirs <= most:
-        raise InputError("structure.voussoirs", f"must be 3 to {most} for courses of {tier.course:g} m{where}, got {tier.voussoirs}")
-    if tier.cover < LEAST_BED * tier.course - 1e-9:
-        raise InputError("structure.cover", f"must be at least half a course, {LEAST_BED * tier.course:g} m{where}, got {tier.cover:g}")
-    if tier.unit < 0.5 * tier.course:
-        raise InputError("structure.unit_length", f"must be at least half a course, {0.5 * tier.course:g} m, got {tier.unit:g}")
+    if span.voussoirs is None or not 3 <= span.voussoirs <= most:
+        raise InputError("structure.voussoirs", f"must be 3 to {most} for courses of {course:g} m{where}, got {span.voussoirs}")
+    if cover < STEP * course - 1e-9:
+        raise InputError("structure.cover", f"must be at least half a course, {STEP * course:g} m{where}, got {cover:g}")
 
 
 def _check_on(tier: Tier, below: Tier, ends: str) -> None:
     """A tier must stand on the one below."""
+    n = tier.number
     if tier.length > below.length * (1.0 + 1e-9):
-        most = math.floor((below.length - tier.pier_width) / tier.pitch + 1e-9)
+        pier = tier.layout.supports[0]
+        most = math.floor((below.length - (pier.right - pier.left)) / tier.pitch + 1e-9)
         raise InputError(
-            "structure.spans",
-            f"tier {tier.number} is {tier.length:g} m long, longer than the {below.length:g} m below; at most {most} spans",
+            "structure.spans", f"tier {n} is {tier.length:g} m long, longer than the {below.length:g} m below; at most {most} spans"
         )
-    n, wide = tier.number, below.width
-    if tier.width > wide * (1.0 + 1e-9):
-        raise InputError("structure.width", f"tier {n} must be at most as wide as the one below, {wide:g} m, got {tier.width:g}")
+    wide, own = below.layout.keys.width, tier.layout.keys.width
+    if own > wide * (1.0 + 1e-9):
+        raise InputError("structure.width", f"tier {n} must be at most as wide as the one below, {wide:g} m, got {own:g}")
     if ends == "abutment" and tier.length < below.length * (1.0 - 1e-9):
         raise InputError("structure.ends", f"abutments need tiers of one length, tier {n} has {tier.length:g} of {below.length:g} m")
 
 
-@dataclass(frozen=True)
-class _Place:
-    """Where a piece belongs: its group, what its name ends with, and its rank in the group."""
-
-    group: str
-    rank: tuple[float, ...]
-
-
-def _named(tier: Tier, pieces: list[np.ndarray], density: float, prefix: str) -> list[Block]:
-    """Draw out the pieces of a tier and name them by their place: ``pier1.3``, ``arch1.v5``, ``spandrel2.7``, ``top.4``."""
-    groups: dict[str, list[tuple[tuple[float, ...], np.ndarray]]] = {}
-    for piece in pieces:
-        place = _place(tier, piece)
-        groups.setdefault(place.group, []).append((place.rank, piece))
-    blocks = []
-    order = {"pier": 0, "arch": 1, "spandrel": 2, "top": 3}
-    for group in sorted(groups, key=lambda g: (order[g.rstrip("0123456789")], len(g), g)):
-        letter = "v" if group.startswith("arch") else ""
-        for number, (_, piece) in enumerate(sorted(groups[group], key=lambda item: item[0]), start=1):
-            name = f"{prefix}{group}.{letter}{number}"
-            vertices, faces = drawn_out(tier.layout, piece, -0.5 * tier.width, 0.5 * tier.width)
-            blocks.append(Block(name, vertices, faces, density, prefix + group))
-    return blocks
+def _tier_blocks(tier: Tier, over: Tier | None, density: float, prefix: str) -> list[Block]:
+    """The blocks of a tier by their parts: ``pier1.3``, ``arch1.v5``, ``spandrel2.7`` over the second pier, ``top.4``."""
+    supports, layout = tier.layout.supports, tier.layout
+    spandrels: dict[str, list[np.ndarray]] = {name: [] for name in (*(f"spandrel{i}" for i in range(1, len(supports) + 1)), "top")}
+    middles = np.array([0.5 * (support.left + support.right) for support in supports])
+    level = bed_over(layout.profiles[0].crown, tier.course, layout.deck)  # the first bed that runs over the crowns
+    for polygon in pieces(layout, _feet(over) if over else ()):
+        nearest = int(np.argmin(np.abs(middles - polygon[:, 0].mean()))) + 1
+        spandrels["top" if polygon[:, 1].min() > level - SAME else f"spandrel{nearest}"].append(polygon)
+    piers = {f"pier{i}": _pier(tier, support, spandrels[f"spandrel{i}"]) for i, support in enumerate(supports, start=1)}
+    rings = [replace(block, name=prefix + block.name, group=prefix + block.group) for block in arches(layout, density)[0]]
+    return [*_drawn(tier, piers, density, prefix), *rings, *_drawn(tier, spandrels, density, prefix)]
 
 
-def _place(tier: Tier, piece: np.ndarray) -> _Place:
-    """Which part of the tier a piece belongs to."""
-    x, z = polygon_centroid(piece)
-    height = z - tier.springing
-    level = (round(float(piece[:, 1].min()), 6), float(x))
-    pier = int(np.argmin(np.abs(0.5 * (tier.left + tier.right) - x))) + 1
-    if height < 0:
-        return _Place(f"pier{pier}", level)
-    if height > tier.beds[tier.first_complete]:
-        return _Place("top", level)
-    arch = int(np.argmin(np.abs(tier.axes - x)))
-    across = x - tier.axes[arch]
-    step = math.pi / tier.voussoirs
-    sector = min(int(math.atan2(height, -across) / step), tier.voussoirs - 1)
-    middle = (sector + 0.5) * step  # the chord of the extrados is normal to the middle of its voussoir
-    if -across * math.cos(middle) + height * math.sin(middle) < tier.outer * math.cos(0.5 * step):
-        return _Place(f"arch{arch + 1}", (float(x),))
-    return _Place(f"spandrel{pier}", level)
+def _drawn(tier: Tier, parts: Mapping[str, Sequence[np.ndarray]], density: float, prefix: str) -> list[Block]:
+    """The stones (n, 2) of parts by the name of each, drawn out over the whole width and numbered."""
+    return [
+        Block(f"{prefix}{part}.{number}", *drawn_out(tier.layout, polygon, -tier.half, tier.half), density, prefix + part)
+        for part, polygons in parts.items()
+        for number, polygon in enumerate(polygons, start=1)
+    ]
+
+
+def _pier(tier: Tier, support: Support, spandrel: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """The blocks (4, 2) of a pier up to the springing, from its foot; head joints of its last course are clear of what stands on it."""
+    beds = np.linspace(support.foot, support.springing, tier.pier_courses + 1).tolist()
+    met = [float(x) for stone in spandrel for x, z in stone if abs(z - support.springing) <= SAME]
+    found = list[np.ndarray]()
+    for course, (low, high) in enumerate(pairwise(beds)):
+        heads = _pier_heads(tier, support, course)
+        heads = [cleared(x, met, LEAST_BOND * tier.unit, (support.left, support.right)) for x in heads] if high == beds[-1] else heads
+        found += [rectangle(a, b, low, high) for a, b in pairwise([support.left, *heads, support.right])]
+    return found
+
+
+def _pier_heads(tier: Tier, support: Support, course: int) -> list[float]:
+    """x of the head joint of a course of a pier, at one third and two thirds in turn [m]."""
+    if tier.pier_blocks == 1:
+        return []
+    return [support.left + (support.right - support.left) * (1 if course % 2 else 2) / 3.0]
+
+
+def _feet(tier: Tier) -> list[float]:
+    """x of the faces of the piers of a tier and of the head joints in their first course [m]."""
+    return [x for support in tier.layout.supports for x in (support.left, *_pier_heads(tier, support, 0), support.right)]
 
 
 def _base(aqueduct: AqueductTable, tiers: list[Tier], density: float) -> list[Block]:
     """A fixed slab under each pier of the lowest tier, from midspan to midspan and on all around."""
     tier = tiers[0]
-    margin = aqueduct.base_margin or 0.5 * tiers[-1].top
-    ends = [tier.left[0] - margin, *tier.axes, tier.right[-1] + margin]
-    half = 0.5 * tier.width + margin
-    blocks = []
-    for pier in range(tier.spans + 1):
-        vertices, faces = prism_xz(rectangle(ends[pier], ends[pier + 1], -tier.course, 0.0), -half, half)
-        blocks.append(Block(f"base{pier + 1}", vertices, faces, density, "base", fixed=True))
-    return blocks
+    margin = aqueduct.base_margin or 0.5 * tiers[-1].layout.deck
+    ends = [tier.ends[0] - margin, *(profile.axis for profile in tier.layout.profiles), tier.ends[1] + margin]
+    half = tier.half + margin
+    return [
+        Block(f"base{pier}", *prism_xz(rectangle(a, b, -tier.course, 0.0), -half, half), density, "base", fixed=True)
+        for pier, (a, b) in enumerate(pairwise(ends), start=1)
+    ]
 
 
 def _abutments(tiers: list[Tier], density: float) -> list[Block]:
-    """Fixed blocks at both ends, from the base to the level top of the highest tier."""
-    tier, top = tiers[0], tiers[-1].top
-    blocks = []
-    for number, (x, outwards) in enumerate(((tier.left[0], -1.0), (tier.right[-1], 1.0)), start=1):
-        vertices, faces = prism_xz(rectangle(x, x + outwards * tier.pier_width, 0.0, top), -0.5 * tier.width, 0.5 * tier.width)
-        blocks.append(Block(f"abutment{number}", vertices, faces, density, "base", fixed=True))
-    return blocks
+    """Fixed blocks at both ends, from the base to the level top of the highest tier, as wide as a pier."""
+    tier, top = tiers[0], tiers[-1].layout.deck
+    wide = tier.layout.supports[0].right - tier.layout.supports[0].left
+    return [
+        Block(f"abutment{number}", *prism_xz(rectangle(x, x + outwards, 0.0, top), -tier.half, tier.half), density, "base", fixed=True)
+        for number, (x, outwards) in enumerate(zip(tier.ends, (-wide, wide), strict=True), start=1)
+    ]
 
 
 def resized(table: Keys, factor: float) -> Keys:

@@ -28,7 +28,7 @@ from structures import size
 from structures.courser.arch_profiles import AGREE, RingTable, joints_of, voussoirs
 from structures.geometry.prism import prism_xz, rectangle
 from structures.kind import StructureKind, scaled
-from structures.layout.wall_plan import AROUND
+from structures.layout.ground import AROUND
 from structures.macro_elements import EAST, HINGES, WEST, Layout, MacroElement
 from structures.schema import Length, WallHeight
 

@@ -20,8 +20,8 @@ from structures import Made
 from structures.building.elements import parts
 from structures.building.table import BuildingTable
 from structures.kind import Keys, StructureKind, other_seed, scaled
-from structures.layout import wall_plan
-from structures.plans import Plan, open_plan
+from structures.layout.ground import ground
+from structures.plans import Plan, drawn_about, open_plan
 from structures.plans.keys import PlanKeys
 
 if TYPE_CHECKING:
@@ -38,10 +38,11 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
 
     keys, plan = _opened(table, folder)
     try:
-        blocks, bars, apart = engine.blocks_of(keys, density)
+        with drawn_about(plan.origin):
+            blocks, bars, apart = engine.blocks_of(keys, density)
     except InputError as error:
         raise error.each(lambda fault: _in_plan(fault, table, plan)) from None
-    blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
+    blocks.append(ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
     return Made(blocks, [*plan.notes, *apart], bars)
 
 

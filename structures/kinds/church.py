@@ -2,7 +2,7 @@
 """Churches: one nave or three, a facade with its gable, a triumphal arch, an apse with its half dome, a bell tower.
 
 The nave runs along x from the facade at x = 0 to the wall of the triumphal arch, and is centred on y = 0; the ground is
-z = 0. All walls share their beds and are interlocked where they meet (:mod:`structures.layout.wall_plan`), the apse with the wall that it
+z = 0. All walls share their beds and are interlocked where they meet (:mod:`structures.courser.wall_plan`), the apse with the wall that it
 leans on by stones that reach into it (:mod:`structures.courser.rings`). ``block_length`` steers the number of blocks: the default church
 has about 2,300 of 1 m by 0.5 m, with 0.64 m about 5,000. Heights are rounded to whole courses.
 
@@ -21,10 +21,11 @@ from typing import Any
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
+from structures.courser import wall_plan
 from structures.kind import StructureKind, scaled, straight_joints
 from structures.kinds import church_elements, church_parts
 from structures.kinds.church_table import ChurchTable
-from structures.layout import wall_plan
+from structures.layout.ground import ground
 
 LEAST_DEPTH = 0.15  # of a buttress beyond its wall: one that juts out less is no wall of its own [m]
 
@@ -51,7 +52,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         blocks += church_parts.roof_plates(church)
     elif keys.roof == "vault":
         blocks += church_parts.nave_vault(church, density)
-    blocks.append(wall_plan.ground(blocks, church.course, density))
+    blocks.append(ground(blocks, church.course, density))
     return blocks
 
 

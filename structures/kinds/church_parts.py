@@ -19,10 +19,9 @@ from structures.courser import rings
 from structures.courser.arch_profiles import ring as circle
 from structures.courser.columns import ColumnTable, column
 from structures.courser.vault_courses import barrel
+from structures.courser.wall_plan import Opening, Sizes, Wall, natural_ring
 from structures.geometry.prism import box
 from structures.kinds.church_table import ChurchTable
-from structures.layout.openings import Opening, natural_ring
-from structures.layout.wall_plan import Sizes, Wall
 
 PLATE = 0.3  # height of the wall plate that carries a timber roof [m]
 GAP = 0.05  # between a wall plate and a gable [m]

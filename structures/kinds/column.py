@@ -20,7 +20,7 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures.courser.columns import ColumnTable, column
 from structures.kind import StructureKind, scaled
-from structures.layout import wall_plan
+from structures.layout.ground import ground
 from structures.macro_elements import whole
 
 
@@ -40,7 +40,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     if keys.plinth + keys.capital >= keys.height:
         raise InputError("structure.height", f"must exceed plinth and capital, {keys.plinth + keys.capital:g} m, got {keys.height:g}")
     blocks = column((0.0, 0.0), 0.0, keys, density)
-    blocks.append(wall_plan.ground(blocks, keys.base_depth, density))
+    blocks.append(ground(blocks, keys.base_depth, density))
     return blocks
 
 

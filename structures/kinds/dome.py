@@ -24,7 +24,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.courser import rings
 from structures.kind import Keys, StructureKind, scaled, value_of
-from structures.layout import wall_plan
+from structures.layout.ground import ground
 from structures.macro_elements import whole
 from structures.schema import HIGH, Height, Length, Table, Thickness
 
@@ -77,7 +77,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     blocks = rings.build(ring, rows, unit, density)
     if not keys.oculus:
         blocks.append(rings.key(ring, rows[-1], density, "key", "key"))
-    blocks.append(wall_plan.ground(blocks, keys.base_depth or keys.thickness, density))
+    blocks.append(ground(blocks, keys.base_depth or keys.thickness, density))
     return blocks
 
 

@@ -24,7 +24,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.geometry.prism import between, box
 from structures.kind import StructureKind, other_seed
-from structures.layout import wall_plan
+from structures.layout.ground import ground
 from structures.layout.loose_grains import Plan, count_for, loose, numbers_of
 from structures.schema import Length, Share, Table, Thickness, WallHeight
 
@@ -99,7 +99,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     thick, high = keys.wall_thickness or max(keys.diameters), keys.height or float(top)
     walls = [] if not keys.walls else _ring(keys, thick, high, density) if round_plan else _box(keys, thick, high, density)
     blocks = [*walls, *spheres]
-    blocks.append(wall_plan.ground(blocks, keys.base_depth or thick, density))
+    blocks.append(ground(blocks, keys.base_depth or thick, density))
     return blocks
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Towers: a hollow square or rectangle of coursed walls, interlocked at the corners, with a belfry and an inclination.
 
-Four walls in plan (:mod:`structures.layout.wall_plan`) share their beds. The belfry is an arched opening in every wall below the top, the
+Four walls in plan (:mod:`structures.courser.wall_plan`) share their beds. The belfry is an arched opening in every wall below the top, the
 door one in the wall towards -y. An inclined tower is turned about y, towards +x, with its base: it has settled as it stands.
 Stairs and floors are left out.
 
@@ -25,10 +25,11 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
+from structures.courser import wall_plan
+from structures.courser.wall_plan import Opening, opening_of
 from structures.geometry.compound_block import moved
 from structures.kind import Keys, StructureKind, fewer_through_stones, scaled, straight_joints
-from structures.layout import wall_plan
-from structures.layout.openings import Opening, opening_of
+from structures.layout.ground import ground
 from structures.macro_elements import EAST, NORTH, SOUTH, WEST, Layout, MacroElement, rests, walls
 from structures.schema import Height, Length, OpeningTable, Table, Thickness, WallHeight
 
@@ -82,7 +83,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     size.within(around / unit * (keys.height / keys.course_height) * keys.leaves, "course_height")
     walls, sizes = elevations(keys), wall_plan.Sizes(keys.course_height, unit)
     blocks = square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, density, keys.bonded)
-    blocks.append(wall_plan.ground(blocks, keys.base_depth or keys.course_height, density))
+    blocks.append(ground(blocks, keys.base_depth or keys.course_height, density))
     if keys.inclination:
         blocks = inclined(blocks, math.radians(keys.inclination))
     return blocks

@@ -26,10 +26,12 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.table_schema import rows
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
+from structures.courser import wall_plan
+from structures.courser.wall_plan import opening_of
 from structures.kind import Keys, StructureKind, fewer_through_stones, other_seed, scaled
-from structures.layout import rubble, wall_plan
+from structures.layout import rubble
+from structures.layout.ground import ground
 from structures.layout.loose_grains import Plan, count_for
-from structures.layout.openings import opening_of
 from structures.macro_elements import NORTH, SOUTH, Layout, MacroElement, walls
 from structures.schema import Density, Height, Length, OpeningTable, Share, Table, Thickness, WallHeight
 
@@ -89,7 +91,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         blocks = [replace(block, density=own) if block.group == wall_plan.CORE else block for block in blocks]
         if wall.hollow:
             blocks += _rubble(keys, wall, blocks, beds, own)
-    blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
+    blocks.append(ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
     return blocks
 
 

@@ -15,10 +15,11 @@ from masonry_cd.foundation.errors import InputError, values_in_si
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
-from structures.layout.wall_plan import ground
+from structures.geometry.prism import box
 
 KEY = "ground"
 HEIGHT = Unit("m")  # of its top
+AROUND = 1.5  # of the height: how far it reaches around a structure
 DEPTH = 0.1  # of the slab, as a share of the height above it
 
 
@@ -56,3 +57,15 @@ def with_ground(blocks: Sequence[Block], asked: object) -> list[Block]:
     slab = ground(blocks, DEPTH * (high - top), blocks[0].density)
     vertices = slab.vertices + [0.0, 0.0, top - low]
     return [*blocks, Block(KEY, vertices, slab.faces, slab.density, slab.group, fixed=True)]
+
+
+def ground(blocks: Sequence[Block], depth: float, density: float) -> Block:
+    """A fixed slab under all blocks, its top at the lowest of them; so wide that what topples lies on it, and does not roll off at once."""
+    low = np.min([block.vertices.min(axis=0) for block in blocks], axis=0)
+    high = np.max([block.vertices.max(axis=0) for block in blocks], axis=0)
+    margin = AROUND * float(high[2] - low[2])
+    vertices, faces = box(
+        (float(low[0]) - margin, float(low[1]) - margin, float(low[2]) - depth),
+        (float(high[0]) + margin, float(high[1]) + margin, float(low[2])),
+    )
+    return Block("ground", vertices, faces, density, "base", fixed=True)

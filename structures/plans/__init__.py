@@ -6,12 +6,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from masonry_cd.foundation.errors import Fault
     from structures.plans.keys import PlanKeys
     from structures.plans.recognised import Left
@@ -29,6 +33,27 @@ class Plan(NamedTuple):
     notes: list[str]  # lines for the user: what was assumed, what is left
     left: list[Left]  # entities of a drawing that are not understood
     faults: Mapping[str, Fault] = MappingProxyType({})  # what walls lack that the drawing should say, by wall
+    origin: tuple[float, float] = (0.0, 0.0)  # of the structure, in the coordinates of the drawing [m]
+
+
+ORIGIN: ContextVar[tuple[float, float]] = ContextVar("origin", default=(0.0, 0.0))  # of the plan of which messages speak [m]
+
+
+@contextmanager
+def drawn_about(origin: tuple[float, float]) -> Iterator[None]:
+    """Have messages give places in the coordinates of a drawing, in which the origin of the structure is this point [m]."""
+    token = ORIGIN.set(origin)
+    try:
+        yield
+    finally:
+        ORIGIN.reset(token)
+
+
+def place(point: Sequence[float] | np.ndarray) -> str:
+    """A point of the plan (2,) as messages give it: in the coordinates of its drawing, where it has one."""
+    origin = ORIGIN.get()
+    x, y = (f"{far + float(near):.2f}" if any(origin) else f"{near:.4g}" for near, far in zip(point, origin, strict=True))
+    return f"x = {x} m, y = {y} m"
 
 
 def read(path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -68,8 +93,6 @@ def open_plan(path: Path, keys: Mapping[str, Any]) -> Plan:
 
 def _drawing(path: Path, keys: PlanKeys) -> Plan:
     """The plan of a DXF."""
-    import numpy as np
-
     from masonry_cd.foundation.errors import InputError
     from structures.files import foreign
     from structures.plans.entities import from_pieces
@@ -88,21 +111,22 @@ def _drawing(path: Path, keys: PlanKeys) -> Plan:
     if keys.units and stated and keys.units != stated:
         notes.append(f'{path.name}: units "{keys.units}" as the scene says, where the file has "{stated}"')
     scaled = [e.scaled(METRES[unit]) for e in entities]
-    corner = _corner([e.points[:, :2] for e in scaled if keys.layers.role(e.layer) in ("walls", "axes")])
-    if corner is not None and np.abs(corner).max() > FAR:
-        notes.append(f"{path.name}: its place ({corner[0]:.0f}, {corner[1]:.0f}) m is the origin of the structure")
-        scaled = [e.scaled(1.0, corner) for e in scaled]
-    found = recognise(scaled, keys, path.name)
+    origin = _corner([e.points[:, :2] for e in scaled if keys.layers.role(e.layer) in ("walls", "axes")])
+    if any(origin):
+        notes.append(f"{path.name}: its place ({origin[0]:.0f}, {origin[1]:.0f}) m is the origin of the structure")
+        scaled = [e.scaled(1.0, origin) for e in scaled]
+    with drawn_about(origin):
+        found = recognise(scaled, keys, path.name)
     notes += found.notes
     if found.left:
         notes.append(f"{path.name}: {len(found.left)} entities are not understood:")
         notes += [f"  {line}" for line in counted(found.left)]
-    return Plan(found.tables, notes, found.left, found.faults)
+    return Plan(found.tables, notes, found.left, found.faults, origin)
 
 
-def _corner(places: list[Any]) -> Any:
-    """Lower left corner of some places in whole metres, (2,) [m]; None of none."""
+def _corner(places: Sequence[np.ndarray]) -> tuple[float, float]:
+    """Lower left corner of some places (n, 2) in whole metres, where it is far from the origin; else the origin [m]."""
     import numpy as np
 
-    places = [p for p in places if len(p)]
-    return np.floor(np.concatenate(places).min(axis=0)) if places else None
+    x, y = np.floor(np.concatenate([np.zeros((0, 2)), *places]).min(axis=0, initial=np.inf)).tolist()
+    return (x, y) if FAR < max(abs(x), abs(y)) < np.inf else (0.0, 0.0)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.errors import Fault, InputError
-from structures.plans import marks, single_lines
+from structures.plans import marks, place, single_lines
 from structures.plans.axes import Wall, walls_of
 from structures.plans.bands import Band, bands_of
 from structures.plans.edges import Faces, edges_of, faces_of
@@ -237,9 +237,9 @@ class _Reader:
             without += [wall] if keys is None else []
             tables.append({"name": name, "axis": axis_of(wall), "thickness": round(wall.thickness, 4), **(keys or {}), "openings": []})
         if without:
-            (x, y), others = without[0].line.centroid.coords[0], len(without) - 1
+            others = len(without) - 1
             more = f" nor of {others} other{'s' if others > 1 else ''}" if others else ""
-            said = f"nothing says the height of wall {without[0].name} about ({x:.2f}, {y:.2f}){more}: "
+            said = f"nothing says the height of wall {without[0].name} at {place(without[0].line.centroid.coords[0])}{more}: "
             said += "draw a text h=8.50 beside it, or give structure.wall_height"
             self.faults = {wall.name: Fault(self.name, said) for wall in without}
         return tables
@@ -290,8 +290,7 @@ class _Reader:
         rest = faces.ground.difference(covered).buffer(-0.5 * LEFT_OVER).buffer(0.5 * LEFT_OVER)
         for part in getattr(rest, "geoms", [rest]):
             if part.area > LEAST_LEFT:
-                x, y = part.centroid.coords[0]
-                self.notes.append(f"{self.name}: {part.area:.2g} m2 of wall about ({x:.2f}, {y:.2f}) are in no wall")
+                self.notes.append(f"{self.name}: {part.area:.2g} m2 of wall at {place(part.centroid.coords[0])} are in no wall")
 
 
 def axis_of(wall: Wall) -> list[Any]:

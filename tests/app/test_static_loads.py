@@ -84,7 +84,7 @@ def test_masses_count_in_macro_elements(tmp_path: Path) -> None:
     part += f"{CHECK}displacements = false\n"
     case = limit_case(scene(tmp_path, pillar(), TOP + part), wanted=Wanted(jobs=1))
     first = case.mechanisms[0].row
-    assert first.alpha0 == pytest.approx(0.5 * WIDE / MIDDLE, rel=1e-6) and first.fraction == pytest.approx(1.0, rel=1e-6)
+    assert first["alpha0"] == pytest.approx(0.5 * WIDE / MIDDLE, rel=1e-6) and first["fraction"] == pytest.approx(1.0, rel=1e-6)
 
 
 @pytest.mark.parametrize(

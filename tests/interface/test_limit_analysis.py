@@ -21,7 +21,7 @@ def test_values_tables_and_files_are_those_of_the_command(tmp_path) -> None:
     assert found.stands is made["stands"] is True
     assert found.factor == made["associated"]
     assert found.least == made["least"]["factor"]
-    assert repr(found).endswith(f"load factor {found.least:.5g} (least found) to {found.factor:.5g}>")
+    assert found.verdict is not None and repr(found).endswith(f": {found.verdict['state']}>")
     assert "load factor" in str(found) and "linear check" in str(found)
     assert found.blocks.index[found.blocks["moves"]].tolist() == made["mechanism"]["moving_blocks"]
     assert (found.joints["state"] == "hinge").sum() == made["mechanism"]["joints_hinge"]

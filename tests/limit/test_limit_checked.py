@@ -13,6 +13,7 @@ from models import GRAVITY, box, ground
 from typer.testing import CliRunner
 
 from masonry_cd.analysis.limit import solution
+from masonry_cd.analysis.limit.oscillator import BY_CURVE, BY_LINKAGE
 from masonry_cd.cli.app import app
 from masonry_cd.limit import search as limit_search
 from masonry_cd.limit.case import LimitCase, limit_case
@@ -163,3 +164,33 @@ def test_the_mechanism_that_is_followed_is_the_one_that_is_checked(tmp_path: Pat
     check = checked(tmp_path, 0.5, displacements=True).check
     assert check is not None and [one.check for one in check.verdicts] == ["linear", "non-linear"]
     assert {step.symbol: step.value for step in check.steps}["d0*"] == pytest.approx(0.25, rel=3e-3)
+
+
+@pytest.mark.parametrize(("width", "by"), [(1.0, BY_CURVE), (0.7, BY_LINKAGE)], ids=["plane", "space"])
+def test_a_part_that_is_the_whole_is_not_listed_twice_and_d0_says_how_it_was_found(width: float, by: str, tmp_path: Path) -> None:
+    """A slab alone, in the middle of its ground or beside it: the whole, and its group as a part, overturn at 1/6 with d0* = 0.25 m."""
+    check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 0.9}\n'
+    slab = [ground(5.0), box("slab", (0.0, -1.0, 0.0), (0.5, width, 3.0))]
+    rows = [each.row for each in limit_case(scene(tmp_path, slab, check, mu=0.6)).mechanisms]
+    assert {row["element"] for row in rows} == {THE_WHOLE}
+    assert rows[0]["last_by"] == by and rows[0]["last"] == pytest.approx(0.25, rel=1e-2)
+
+
+def test_collapse_is_checked_by_displacements_alone(tmp_path: Path) -> None:
+    """A slab that leans at 1/6: 0.6 d0* borne, a0* in m/s2, and what slides with dilation is not followed, nor decided."""
+    check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE}\nlimit_state = "SLC"\n'
+    case = limit_case(scene(tmp_path, [ground(5.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0))], check, mu=0.6))
+    first, *others = (each.row for each in case.mechanisms)
+    assert case.verdict is not None and case.verdict.check == first["check"] == "non-linear"
+    assert first["displacement"] == pytest.approx(0.6 * 0.25, rel=1e-2) and first["demand"] is None
+    assert first["acceleration"] == pytest.approx(BORNE, rel=1e-3) and not any(row["state"] for row in others)
+    write(case, tmp_path / "out", pictures=False)
+    (tmp_path / "low").mkdir()
+    slides = scene(
+        tmp_path / "low",
+        [ground(4.0), box("slab", (0.0, -1.0, 0.0), (2.0, 1.0, 0.4))],
+        check.replace("[limit]", "[limit]\nstarts = 0"),
+        mu=0.3,
+    )
+    unknown = limit_case(slides).verdict
+    assert unknown is not None and unknown.state == "not decided" and "dilates" in unknown.reason

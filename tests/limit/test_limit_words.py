@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import limit_scenes
 import pytest
 from limit_scenes import said
 from models import box, ground
@@ -17,17 +18,11 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import limit_case
 from masonry_cd.limit.files import write
 from masonry_cd.mechanics.model.blocks import Block
-from structures.files import blockfile
 
 
 def scene(folder: Path, tables: str, joints: str = "", blocks: list[Block] | None = None) -> Path:
     """A pillar, or other blocks, without a table [run]."""
-    blockfile.write(folder / "blocks.json", blocks or [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 1.5))])
-    path = folder / "scene.toml"
-    path.write_text(
-        f'structure = {{kind = "file", path = "blocks.json"}}\nmaterial = {{density = 2000.0, friction = 0.6{joints}}}\n{tables}'
-    )
-    return path
+    return limit_scenes.scene(folder, blocks or limit_scenes.pillar(), tables, 0.6, joints, run="")
 
 
 def test_a_load_that_no_mechanism_yields_to_is_a_result(tmp_path):

@@ -14,9 +14,8 @@ from masonry_cd.analysis.code_check.check import check_at
 from masonry_cd.analysis.code_check.ground import ground_of
 from masonry_cd.analysis.code_check.level import level_of
 from masonry_cd.analysis.code_check.spectra import spectra
-from masonry_cd.analysis.code_check.spectrum import Spectrum
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import Basis
+from masonry_cd.analysis.code_check.verdicts import Spectrum
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.errors import parse_table
 from reports.limit.spectrum_picture import spectrum_picture
@@ -30,7 +29,7 @@ def of(keys: dict[str, Any], folder: Path) -> tuple[Spectrum, ...]:
     """The spectra of the check of a wall, held 6 m up."""
     table = parse_table(CheckTable, keys, "limit.check")
     level, ground = level_of(table, 6.0, 0.0), ground_of(table, folder)
-    return spectra(check_at(table, level, WALL, ground, Basis()), table, ground, G)
+    return spectra(check_at(table, level, WALL, ground), table, ground, G)
 
 
 def test_a_picture_has_a_panel_for_each_check(tmp_path: Path) -> None:

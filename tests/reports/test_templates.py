@@ -45,7 +45,7 @@ def limit_page(folder: Path, title: str = "An arch") -> str:
         "mechanism": {"of": "associated", "moving_blocks": [title]} | {f"joints_{key}": 0 for key in STATES},
     }  # fmt: skip
     summary["on_the_whole"] = on_the_whole(summary).as_dict()
-    write_limit_page(LimitPage(summary, [title], [title], title, [], {"project": title}), {}, folder / "limit.html")
+    write_limit_page(LimitPage(summary, [title], title, [], {"project": title}), {}, folder / "limit.html")
     return (folder / "limit.html").read_text(encoding="utf-8")
 
 

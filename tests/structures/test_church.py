@@ -16,8 +16,8 @@ from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.geometry import mass_properties
 from masonry_cd.mechanics.model.polygon import polygon_area, polygon_centroid
+from structures.courser import wall_plan
 from structures.kinds import church, church_parts
-from structures.layout import wall_plan
 
 COARSE: dict[str, object] = {"block_length": 2.0}
 SMALL: dict[str, object] = {

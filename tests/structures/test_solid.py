@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -122,3 +123,9 @@ def test_what_is_wrong_is_named(tmp_path: Path, text: str, keys: dict[str, objec
     with pytest.raises(InputError) as failure:
         cut(tmp_path, text, **keys)
     assert str(failure.value).startswith(message)
+
+
+def test_a_missing_geometry_kernel_names_the_packages_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "gmsh", None)
+    with pytest.raises(InputError, match="apt-get install libglu1-mesa libgl1"), gmsh_session():
+        pass

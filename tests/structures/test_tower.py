@@ -11,8 +11,8 @@ from solids import bonded_share, build, exposed, free_volume, moved_at_rest, vol
 from statics3d import assembled, can_stand, in_one_piece
 
 from masonry_cd.foundation.errors import InputError
+from structures.courser import wall_plan
 from structures.kinds import tower
-from structures.layout import wall_plan
 
 SMALL: dict[str, object] = {"side": 3.0, "height": 8.0, "thickness": 0.6, "belfry_width": 0.7, "belfry_height": 1.5, "door_width": 0.8}
 

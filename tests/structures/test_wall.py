@@ -12,8 +12,8 @@ from statics3d import assembled, can_stand, in_one_piece
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.polygon import polygon_area
+from structures.courser import wall_plan
 from structures.kinds import wall
-from structures.layout import wall_plan
 
 OPENINGS = [
     {"centre": 0.0, "width": 1.4, "height": 2.6, "head": "round"},

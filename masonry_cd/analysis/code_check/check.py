@@ -5,63 +5,41 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 from masonry_cd.analysis.code_check.borne import Borne, just_borne
-from masonry_cd.analysis.code_check.ground import Ground, ground_of
+from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.level import Level
 from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Step
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import Basis
+from masonry_cd.analysis.code_check.verdicts import NO_SEARCH
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 ZETA = "NTC 2018, 8.3"
 BORNE = "acceleration that is just borne"  # a part of the check
 
 
-def code_check(table: CheckTable, oscillator: Oscillator, folder: Path, basis: Basis | None = None) -> CodeCheck:
-    """Check a mechanism at the height of its table, and find what it just bears.
-
-    Args:
-        table: what is asked.
-        oscillator: of the mechanism.
-        folder: from which the path of a record is read.
-        basis: what it rests on; without one, nothing is "satisfied".
-
-    Raises:
-        InputError: a record that cannot be read.
-    """
-    ground = ground_of(table, folder)
-    return _with_borne(_checked(table, oscillator, ground), table, oscillator, ground).resting_on(basis or Basis())
-
-
-def check_at(table: CheckTable, level: Level, oscillator: Oscillator, ground: Ground, basis: Basis) -> CodeCheck:
-    """Check a mechanism that is held at a level."""
-    made = _checked(table.at(level.counted), oscillator, ground)
+def check_at(table: CheckTable, level: Level, oscillator: Oscillator, ground: Ground, doubt: str = NO_SEARCH) -> CodeCheck:
+    """Check a mechanism that is held at a level; "satisfied" does not follow where there is a ``doubt``, or one of its level."""
+    made = _checked(table.at(level.counted), oscillator, ground, level.doubt or doubt)
     own = Step("z", level.height, "m", table.by.height, level.words, part=BUILDING)
-    steps = (own, *(step for step in made.steps if step.symbol != own.symbol))
-    return replace(made, steps=steps, level=level).resting_on(replace(basis, doubt=level.doubt or basis.doubt))
+    return replace(made, steps=(own, *(step for step in made.steps if step.symbol != own.symbol)), level=level)
 
 
 def with_borne(made: CodeCheck, table: CheckTable, level: Level, oscillator: Oscillator, ground: Ground) -> CodeCheck:
-    """A check with the acceleration of the ground that each of its verdicts just meets: a search of some twenty checks."""
-    return _with_borne(made, table.at(level.counted), oscillator, ground)
-
-
-def _checked(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
-    """The check by the code of a table; gravity is that of the mechanism in all formulas."""
-    made: CodeCheck = table.by.check(table, oscillator, ground.under(oscillator.gravity))
-    return made
-
-
-def _with_borne(made: CodeCheck, table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
-    """A check with the acceleration of the ground that each of its verdicts just meets, and the steps that say so."""
+    """A check with the acceleration of the ground that each of its verdicts just meets, a search of some twenty checks, and its steps."""
+    there = table.at(level.counted)
 
     def met(ag: float, k: int) -> float:
-        return _checked(table, oscillator, ground.scaled(ag)).verdicts[k].met
+        return _checked(there, oscillator, ground.scaled(ag)).verdicts[k].met
 
     found = [just_borne(one.check, partial(met, k=k), ground.ag) for k, one in enumerate(made.verdicts)]
     return replace(made, borne=tuple(found), steps=(*made.steps, *(step for one in found for step in _steps(one))))
+
+
+def _checked(table: CheckTable, oscillator: Oscillator, ground: Ground, doubt: str = "") -> CodeCheck:
+    """The check by the code of a table; gravity is that of the mechanism in all formulas."""
+    made: CodeCheck = table.by.check(table, oscillator, ground.under(oscillator.gravity))
+    return replace(made, verdicts=tuple(replace(one, doubt=doubt) for one in made.verdicts))
 
 
 def _steps(one: Borne) -> list[Step]:

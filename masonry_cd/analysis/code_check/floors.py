@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -46,15 +45,6 @@ ROWS = {
 }
 
 
-class FloorPoint(NamedTuple):
-    """The spectrum of a floor at a period."""
-
-    most: float  # A
-    away: float  # |1 - T / c|^p
-    ground: float  # S_e there [m/s2]
-    acceleration: float  # S_eZ [m/s2]
-
-
 @dataclass(frozen=True)
 class Floor:
     """The spectrum of the Circolare of 2019 at a height."""
@@ -76,8 +66,8 @@ class Floor:
         per_cent = 100.0 * self.damping
         return self.ground.acceleration(self.period, self.damping) * self.share * math.sqrt(1.0 + 0.0004 * per_cent**2)
 
-    def at(self, period: float, damping: float) -> FloorPoint:
-        """S_eZ at a period [s], and what it is made of."""
+    def at(self, period: float, damping: float) -> tuple[float, float, float, float]:
+        """A, |1 - T / c|^p, S_e and S_eZ at a period [s]: accelerations [m/s2]."""
         most, peak = 1.1 * damping_factor(damping) / math.sqrt(self.damping), self.peak
         first, last = RISE * self.period, FALL * self.period
         away = 0.0
@@ -86,21 +76,21 @@ class Floor:
         elif period >= last:
             away = (period / last - 1.0) ** AFTER
         found, ground = most * peak / (1.0 + (most - 1.0) * away), self.ground.acceleration(period, damping)
-        return FloorPoint(most, away, ground, max(found, ground) if period > self.period else found)
+        return most, away, ground, max(found, ground) if period > self.period else found
 
     def put(self, made: Working, period: float, damping: float, of: str) -> float:
         """Note S_eZ at a period whose symbol is ``of``, and what it is made of; return it [m/s2]."""
-        there = self.at(period, damping)
-        if made.known.get("A") != there.most:
+        most, away, ground, there = self.at(period, damping)
+        if made.known.get("A") != most:
             made.put("eta", damping_factor(damping))
-            made.put("A", there.most)
+            made.put("A", most)
         flank = f"(1 - {of} / ({RISE:g} T1))^{BEFORE:g}" if period < RISE * self.period else f"({of} / ({FALL:g} T1) - 1)^{AFTER:g}"
-        made.put("F", there.away, flank if there.away else "")
+        made.put("F", away, flank if away else "")
         formula = "A aZ / (1 + (A - 1) F)"
         if period > self.period:
-            made.put(f"Se({of})", there.ground, self.ground.formula(period, of, True), like="Se(T)")
+            made.put(f"Se({of})", ground, self.ground.formula(period, of, True), like="Se(T)")
             formula = f"max({formula}, Se({of}))"
-        return made.put(f"SeZ({of})", there.acceleration, formula, like="SeZ(T)")
+        return made.put(f"SeZ({of})", there, formula, like="SeZ(T)")
 
     def displaced(self, made: Working, period: float, damping: float, of: str) -> tuple[float, str]:
         """The displacement that is asked for at a period whose symbol is ``of`` [m], and its formula; notes what that needs."""
@@ -113,12 +103,12 @@ class Floor:
 
     def _displacement(self, period: float, damping: float) -> float:
         """The displacement at a period, not below that at the end of the amplification where it is longer (C8.7.1.12) [m]."""
-        found, end = _displacement(self.at(period, damping).acceleration, period), FALL * self.period
-        return found if period <= end else max(found, _displacement(self.at(self.period, damping).acceleration, end))
+        found, end = _displacement(self.at(period, damping)[-1], period), FALL * self.period
+        return found if period <= end else max(found, _displacement(self.at(self.period, damping)[-1], end))
 
     def spectrum_at(self, periods: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:
         """Acceleration [m/s2] and displacement [m] at periods, (n,) each."""
-        found = np.array([self.at(period, damping).acceleration for period in periods.tolist()])
+        found = np.array([self.at(period, damping)[-1] for period in periods.tolist()])
         return found, np.array([self._displacement(period, damping) for period in periods.tolist()])
 
 

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The spectra from which the demands of a check are read, as curves for a picture."""
+"""The spectra from which the demands of a check are read, as curves over the period."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.spectrum import Spectrum
 from masonry_cd.analysis.code_check.steps import CodeCheck
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import LINEAR, CheckResult
+from masonry_cd.analysis.code_check.verdicts import LINEAR, CheckResult, Spectrum
 
 COUNT = 400  # of periods
 FURTHER = 1.25  # over the period at which the demand is read, where the curves end
@@ -18,7 +17,8 @@ LEAST_END = 1.5  # [s]
 
 def spectra(made: CodeCheck, table: CheckTable, ground: Ground, gravity: float) -> tuple[Spectrum, ...]:
     """The spectra of a check at its level, one for each of its verdicts; gravity [m/s2]."""
-    there = table if made.level is None else table.at(made.level.counted)
+    assert made.level is not None
+    there = table.at(made.level.counted)
     return tuple(_spectrum(one, there, ground.under(gravity)) for one in made.verdicts)
 
 

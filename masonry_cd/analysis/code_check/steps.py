@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 from masonry_cd.analysis.code_check.borne import Borne
 from masonry_cd.analysis.code_check.level import Level
-from masonry_cd.analysis.code_check.verdicts import LINEAR, Basis, CheckResult
+from masonry_cd.analysis.code_check.verdicts import LINEAR, CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
-from masonry_cd.foundation.quantities import counted
 
 GROUND, MECHANISM, BUILDING = "motion of the ground", "mechanism", "building"  # parts of a check besides linear and non-linear
 IN_FULL = 1e4  # from which on a number is written without a power of ten
@@ -107,14 +106,9 @@ class CodeCheck:
     steps: tuple[Step, ...]
     verdicts: tuple[CheckResult, ...]
     notes: tuple[str, ...] = ()
-    basis: Basis = field(default_factory=Basis)
     left_open: tuple[str, ...] = ()  # by the clauses: which reading is taken, and what was not looked at
     level: Level | None = None  # at which the mechanism is held, where that is known
     borne: tuple[Borne, ...] = ()  # the acceleration of the ground that each check just meets, where it was looked for
-
-    def resting_on(self, basis: Basis) -> CodeCheck:
-        """The check with verdicts that follow from no more than a basis."""
-        return replace(self, verdicts=tuple(replace(one, doubt=basis.doubt) for one in self.verdicts), basis=basis)
 
     @property
     def worked(self) -> dict[str, list[str]]:
@@ -133,25 +127,13 @@ class CodeCheck:
         out["steps"] = [asdict(step) | {"line": line} for step, line in zip(self.steps, with_numbers(self.steps), strict=True)]
         return out
 
-    def lines(self) -> list[str]:
-        """The lines of the check; its verdict is not among them."""
+    def lines(self, of: Sequence[str] = ()) -> list[str]:
+        """The lines of the check; its verdict is not among them, ``of`` say which mechanism it is of."""
         state = f", {self.limit_state}" if self.limit_state else ""
         head = f"{self.edition}{state}; {self.ground}"
         said = [*(one.words for one in self.verdicts), *(one.words for one in self.borne), *self.notes]
         said += [f"left open: {one}" for one in self.left_open]
-        return [head, *self._of(), *said]
-
-    def _of(self) -> list[str]:
-        """Which mechanism is checked and where it is held, where that is known."""
-        if not self.basis.looked:
-            return []
-        least = self.basis.looked[0]
-        counts = counted(least.moving_blocks, "moving block")
-        taken = f"; e* = 1 is taken, the safe side: {least.doubt}" if least.doubt else ""
-        many = counted(len(self.basis.looked), "mechanism")
-        by = "ratio by accelerations" if any(one.height != least.height for one in self.basis.looked) else "a0*"
-        held = [self.level.words] if self.level is not None else []
-        return [f"checked: the least {by} of {many} looked at, {least.found}, {counts}, alpha0 {least.alpha0:.4g}{taken}", *held]
+        return [head, *of, *said]
 
 
 def no_end(oscillator: Oscillator) -> str:

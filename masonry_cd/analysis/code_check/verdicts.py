@@ -15,6 +15,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
+from masonry_cd.analysis.limit.outcome import SearchNumbers
+
 ON_THE_GROUND = 0.5  # height up to which the motion of the ground is that of a mechanism [m]
 HOLDS = 1e-9  # share by which a demand may exceed a capacity and be met
 MARGIN = 0.05  # share of a capacity that is kept: held pushes have moved structures up to so far below the least factor that a search found
@@ -25,55 +29,6 @@ WORST_FIRST = (NOT_SATISFIED, NOT_DECIDED, SATISFIED)
 PASSED = {SATISFIED: True, NOT_SATISFIED: False, NOT_DECIDED: None}
 CERTAIN, BY_SEARCH, DOUBTFUL = "certain", "by search", "doubtful"
 LINEAR, NON_LINEAR = "linear", "non-linear"  # checks: by accelerations, by displacements
-
-
-@dataclass(frozen=True)
-class SearchNumbers:
-    """The search for the least factor without dilation."""
-
-    associated: float | None  # the factor of sliding that dilates, an upper value; None where it is not finite
-    least: float | None  # None: not searched for, or no start came to an end
-    starts: int  # that were made; 0: no search
-    ended: int  # that came to an end
-    agreeing: int  # that came to the least factor
-    spread: float | None  # the largest factor found less the least, over the least
-
-
-@dataclass(frozen=True)
-class MechanismRow:
-    """A mechanism, as the tables have it."""
-
-    element: str
-    kind: str
-    push: str
-    mechanism: str
-    found: str  # how
-    height: float  # of the line at which it is held, above the foundation [m]
-    moving_blocks: int
-    alpha0: float
-    fraction: float  # e* as taken
-    acceleration: float  # a0*, over the confidence factor where there is a check [m/s2]
-    demand: float | None  # [m/s2]
-    ratio: float | None  # capacity over demand of the check that decides
-    state: str  # of it; empty without a check
-    doubt: str  # why e* = 1 is taken, if it is
-    undecided: str  # reason why the state is doubtful; empty where it is not
-    check: str = ""  # linear, by accelerations, or non-linear, by displacements: the one that decides
-    last: float | None = None  # d0*, where the factor vanishes [m]; None where it is not known
-    displacement: float | None = None  # borne, the share of d0* of the limit state [m]
-    displacement_demand: float | None = None  # [m]
-    displacement_ratio: float | None = None
-    no_displacement: str = ""  # why there is no check by displacements, where one is asked for
-
-
-@dataclass(frozen=True)
-class Basis:
-    """What a check rests on: the search for the least factor without dilation, and the mechanisms it looked at."""
-
-    search: str = ""  # starts, agreement and spread, in words
-    doubt: str = NO_SEARCH  # why "satisfied" does not follow, in words; empty where it may
-    looked: tuple[MechanismRow, ...] = ()  # the one that is checked first
-    numbers: SearchNumbers | None = None  # of the search
 
 
 @dataclass(frozen=True)
@@ -142,6 +97,26 @@ class CheckResult:
         return asdict(self) | {"state": self.state, "passed": self.passed, "ratio": self.ratio, "words": self.words} | more
 
 
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """What one check is read from, in its unit: accelerations [m/s2] or displacements [m]."""
+
+    check: CheckResult
+    period: np.ndarray  # (n,) [s]
+    ground: np.ndarray  # (n,)
+    raised: np.ndarray | None  # (n,) asked for at the height of the mechanism; None on the ground, and where a code has none
+
+    @property
+    def asked(self) -> np.ndarray:
+        """(n,) of which the value at the period of the check is asked for, before it is divided by q."""
+        return self.ground if self.raised is None else self.raised
+
+    @property
+    def largest(self) -> int:
+        """Where the largest value up to the period of the check is: with a record, what is asked for by displacements."""
+        return int(np.argmax(self.asked[self.period <= self.check.period]))
+
+
 @dataclass(frozen=True)
 class Verdict:
     """The one verdict on a structure: a result, and how sure it is."""
@@ -155,7 +130,7 @@ class Verdict:
     unit: str = ""
     ratio: float | None = None  # capacity over demand
     margin: float | None = None  # share of the capacity that is kept for "satisfied"
-    mechanism: MechanismRow | None = None  # that decides
+    mechanism: dict[str, Any] | None = None  # that decides, as limit.json has it
     search: SearchNumbers | None = None
 
     @property
@@ -210,19 +185,19 @@ def undecided(reason: str, search: SearchNumbers | None = None) -> Verdict:
     return Verdict(NOT_DECIDED, reason, margin=MARGIN, search=search)
 
 
-def verdict_of(verdicts: Sequence[CheckResult], row: MechanismRow | None = None, found: SearchNumbers | None = None) -> Verdict:
+def verdict_of(verdicts: Sequence[CheckResult], row: dict[str, Any] | None = None, found: SearchNumbers | None = None) -> Verdict:
     """The verdict of the checks of a mechanism, that of the gravest.
 
     Args:
         verdicts: one or more.
-        row: the mechanism.
+        row: the mechanism, as limit.json has it.
         found: the search that it comes from.
     """
     least = min(verdicts, key=how_grave)
     reason = f"{least.check} check, {sides_in_words(least.capacity, least.demand, least.unit)}"
     if row is not None:
-        of = f"alpha0 {row.alpha0:.4g}, e* {row.fraction:.3g}{held_words(row.height)}"
-        reason = f"{row.element}, push {row.push}, {row.mechanism}: {reason}, {of}"
+        of = f"alpha0 {row['alpha0']:.4g}, e* {row['fraction']:.3g}{held_words(row['height'])}"
+        reason = f"{row['element']}, push {row['push']}, {row['mechanism']}: {reason}, {of}"
     better = [one for one in verdicts if one.state == SATISFIED and least.state != SATISFIED]
     alone = [f"the {better[0].check} check alone is satisfied"] if better else []
     because = "; ".join(filter(None, [least.because, *alone]))

@@ -20,15 +20,16 @@ friction is not counted here: it is in the mechanisms that are found with the ti
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from masonry_cd.analysis.limit.admitted import admitted
 from masonry_cd.analysis.limit.analysis import HELD, Analysis, Options, largest_factor, searched_finely
+from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, Found, alike, dilation, found_in
 from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.overturning import overturning_below
-from masonry_cd.analysis.limit.part import Whole
+from masonry_cd.analysis.limit.part import Part, Whole
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.search import Searched, begun_at, least_factor, sought
 from masonry_cd.analysis.limit.solution import ALIKE, LeastFound, Optimum, Unbounded
@@ -36,30 +37,14 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
-SEARCH, ASSOCIATED = "search without dilation", "associated"
 UNTIED, STOPPED = ", found without the ties", ", the solver ended before its tolerance"
 
 
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A mechanism and the factor at which it starts."""
-
-    source: str  # how it was found
-    factor: float  # alpha_0, with all ties
-    mechanism: Mechanism
-    dilation: float  # work of normal forces on joints that open, as a share of the power of the loads
+Source = tuple[str, Optimum]  # how a mechanism was found, and its velocities
 
 
-@dataclass(frozen=True, eq=False)
-class Untied:
-    """What was found of a structure without its ties."""
-
-    found: tuple[tuple[str, Optimum], ...] = ()  # source and optimum of each mechanism
-    remark: str = ""  # why there is none, in words
-
-
-def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options: Options) -> tuple[Analysis, Untied]:
-    """An analysis whose search with ties has begun at the mechanisms found without them as well, and these mechanisms.
+def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options: Options) -> tuple[Analysis, list[Source], str]:
+    """An analysis whose search with ties has begun at the mechanisms found without them as well, these mechanisms, or why there are none.
 
     Args:
         analysis: of a structure that stands, with its ties.
@@ -69,18 +54,17 @@ def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options:
     """
     problem = analysis.problem
     if not problem.ties:
-        return analysis, Untied()
+        return analysis, [], ""
     bare = problem.without_ties()
     try:
         best, _ = largest_factor(bare)
         # what starts far above the least factor with ties starts higher with them
         least = least_factor(bare, best, options.starts, options.seed, known=analysis.least)
     except (InputError, Unbounded) as failure:
-        return analysis, Untied((), f"without its ties no load factor is found, and no mechanism: {failure}")
-    untied = Untied(tuple(_named(UNTIED, best, least)))
-    if least is None:
-        return analysis, untied
-    return _begun_at(analysis, assembly, joints, [end.velocity for end in least.ends]), untied
+        return analysis, [], f"without its ties no load factor is found, and no mechanism: {failure}"
+    if least is not None:
+        analysis = _begun_at(analysis, assembly, joints, [end.velocity for end in least.ends])
+    return analysis, _named(UNTIED, best, least), ""
 
 
 def with_mechanisms(analysis: Analysis, assembly: Assembly, joints: Joints, known: Sequence[Mechanism]) -> Analysis:
@@ -93,8 +77,7 @@ def with_mechanisms(analysis: Analysis, assembly: Assembly, joints: Joints, know
 def with_overturning(analysis: Analysis, whole: Whole, direction: np.ndarray) -> Analysis:
     """An analysis whose search has begun as well at bodies that would overturn below the least factor that it knows, were they free."""
     known = analysis.governing.factor if np.isfinite(analysis.governing.factor) else HELD
-    bodies = overturning_below(whole, direction, (1.0 - ALIKE) * known)
-    begun = [analysis.problem.unknowns_of(one.velocity) for one in bodies]
+    begun = [analysis.problem.unknowns_of(moves) for moves in overturning_below(whole, direction, (1.0 - ALIKE) * known)]
     return _begun_at(analysis, whole.assembly, whole.joints, begun) if begun else analysis
 
 
@@ -113,24 +96,24 @@ def _begun_at(analysis: Analysis, assembly: Assembly, joints: Joints, mechanisms
     return replace(analysis, problem=problem, least=least, least_mechanism=moves, starts=found.starts)
 
 
-def candidates(analysis: Analysis, untied: Untied, assembly: Assembly, joints: Joints) -> tuple[Candidate, ...]:
+def candidates(analysis: Analysis, untied: Sequence[Source], part: Part) -> list[Found]:
     """The mechanisms that an analysis of a standing structure found, and those found without its ties that can start with them; each once.
 
     Args:
         analysis: of the structure with its ties.
-        untied: from :func:`with_untied`.
-        assembly: its blocks.
-        joints: of them.
+        untied: mechanisms found without its ties.
+        part: the structure as the part that holds everything.
     """
-    out: list[Candidate] = []
+    out: list[Found] = []
     associated = None if analysis.unlimited else analysis.associated.optimum
-    for source, optimum in (*_named("", associated, analysis.least), *untied.found):
-        moves = mechanism(analysis.problem, assembly, joints, optimum.velocity)
+    for source, optimum in (*_named("", associated, analysis.least), *untied):
         factor = tied_factor(analysis.problem, optimum) if UNTIED in source else optimum.factor
-        made = Candidate(source, factor, moves, dilation(analysis.problem, optimum))
-        if np.isfinite(factor) and not any(alike(made, other) for other in out):
+        if not np.isfinite(factor):
+            continue
+        made = found_in(part, source, replace(optimum, factor=factor), dilation(analysis.problem, optimum))
+        if not any(alike(made, other) for other in out):
             out.append(made)
-    return tuple(out)
+    return out
 
 
 def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
@@ -141,21 +124,8 @@ def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
     return untied.factor + float(np.sum(longer[grows] * problem.strength[: problem.ties][grows]))
 
 
-def _named(suffix: str, associated: Optimum | None, least: LeastFound | None) -> list[tuple[str, Optimum]]:
+def _named(suffix: str, associated: Optimum | None, least: LeastFound | None) -> list[Source]:
     """What a search found, the least first, and the associated mechanism where there is one."""
     ends = () if least is None else sorted(least.mechanisms, key=lambda end: end.factor)
     found = [*((SEARCH, end) for end in ends), *([] if associated is None else [(ASSOCIATED, associated)])]
     return [(source + suffix + (STOPPED if optimum.stopped else ""), optimum) for source, optimum in found]
-
-
-def dilation(problem: LimitProblem, found: Optimum) -> float:
-    """Work of normal forces, less what a bond takes up, on joints that open, over the power of the loads."""
-    opening = np.maximum((problem.jacobian @ found.velocity)[:: problem.directions], 0.0)
-    power = abs(float(problem.dead @ found.velocity)) + abs(found.factor * float(problem.live @ found.velocity))
-    return float(opening @ np.maximum(found.force[:, 0] + problem.tension, 0.0)) / max(power, 1e-300)
-
-
-def alike(one: Candidate, other: Candidate) -> bool:
-    """Whether two are one mechanism that was found twice in the same way."""
-    near = abs(one.factor - other.factor) <= ALIKE * abs(other.factor)
-    return one.source == other.source and near and bool(np.array_equal(one.mechanism.moving, other.mechanism.moving))

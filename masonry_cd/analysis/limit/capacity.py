@@ -109,10 +109,6 @@ class CapacityCurve:
         """The factor of a point as it is shown: zero where it has vanished but for rounding."""
         return 0.0 if abs(self.factor[k]) < ROUNDING * abs(self.factor[0]) else float(self.factor[k])
 
-    def moved(self) -> np.ndarray:
-        """Centres of mass of the B blocks at all points, (K, B, 3) [m]."""
-        return np.array([stage.assembly.centre for stage in self.stages])
-
 
 def capacity_curve(assembly: Assembly, joints: Joints, loads: Loads, options: CurveOptions | None = None) -> CapacityCurve:
     """Follow the mechanism of a structure until its load factor vanishes.

@@ -14,9 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from masonry_cd.analysis.limit.analysis import Options
-from masonry_cd.analysis.limit.candidates import Candidate
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.analysis.limit.oscillator import Oscillator, bodies_of, oscillator
+from masonry_cd.analysis.limit.found import Found
+from masonry_cd.analysis.limit.mechanism import Mechanism
+from masonry_cd.analysis.limit.oscillator import BY_LINKAGE, Oscillator, bodies_of, oscillator
 from masonry_cd.analysis.limit.part import Part
 from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
 from masonry_cd.analysis.limit.solution import Unbounded
@@ -29,28 +30,27 @@ from masonry_cd.mechanics.model.joint_laws import crushing, joint_table
 AT_ONCE = 1e-9  # share of the last displacement at which the friction of interlock is gone
 
 
-def with_displacements(part: Part, found: Candidate, made: Oscillator, seed: int) -> Oscillator:
+def with_displacements(part: Part, one: Found, seed: int) -> Oscillator:
     """The oscillator of a mechanism of a part with the displacements at which its factor falls; or with the reason why none is known."""
-    if made.doubt:
+    made, moves = one.oscillator, one.mechanism
+    if made.doubt or moves is None:
         return made
     if part.problem.sections is not None:
         return replace(made, end=crushing.LAW.at_start_only)
     try:
-        curve = followed(part, found, seed)
+        curve = followed(part, moves, seed)
     except (InputError, Unbounded) as failure:
         return replace(made, end=f"its mechanism is not followed: {failure}")
-    lasting = replace(found, factor=found.factor - _interlock(part, found))
-    known = oscillator(lasting, part.assembly, part.whole.joints, part.push, curve, part.loads.live)
+    known = oscillator(part, moves, made.alpha - _interlock(part, moves), one.dilation, curve)
     if not known.falls:
         return replace(made, end=known.end)
-    place, factor = known.displacement, known.factor
-    place = np.concatenate([[0.0, AT_ONCE * place[-1]], place[1:]])
-    return replace(known, alpha=found.factor, displacement=place, factor=np.concatenate([[found.factor], factor]))
+    place = np.concatenate([[0.0, AT_ONCE * known.displacement[-1]], known.displacement[1:]])
+    return replace(known, alpha=made.alpha, displacement=place, factor=np.concatenate([[made.alpha], known.factor]), by=BY_LINKAGE)
 
 
-def _interlock(part: Part, found: Candidate) -> float:
+def _interlock(part: Part, mechanism: Mechanism) -> float:
     """The share of a factor that is due to the friction of interlock."""
-    moves, bars = found.mechanism.velocity, part.beds
+    moves, bars = mechanism.velocity, part.beds
     line = bars.points[:, 1] - bars.points[:, 0]
     line /= np.linalg.norm(line, axis=1, keepdims=True)
     ends = moves[bars.blocks, :3] + np.cross(moves[bars.blocks, 3:], bars.points - part.assembly.centre[bars.blocks])
@@ -58,32 +58,32 @@ def _interlock(part: Part, found: Candidate) -> float:
     return float(longer @ bars.strength) / float(np.sum(part.loads.live * moves))
 
 
-def followed(part: Part, found: Candidate, seed: int) -> CapacityCurve:
+def followed(part: Part, moves: Mechanism, seed: int) -> CapacityCurve:
     """The capacity curve of a mechanism; its control point is the centre of the body that goes fastest along the push.
 
     Raises:
         InputError: bodies that do not stand without what does not last.
         Unbounded: no answer of a solver.
     """
-    moving = found.mechanism.moving & part.free
+    moving = moves.moving & part.free
     body = np.full(len(moving), -1)
-    body[moving] = np.unique(bodies_of(found.mechanism, part.whole.joints, moving)[moving], return_inverse=True)[1]
+    body[moving] = np.unique(bodies_of(moves, part.whole.joints, moving)[moving], return_inverse=True)[1]
     kept = _neighbours(part, moving)
     assembly = _assembly(part, body, kept)
     loads = _loads(part, body, kept, assembly)
-    rate = np.array([_velocity(found, part.assembly, body, k, assembly.centre[k]) for k in range(int(body.max()) + 1)])
-    moves = np.zeros((assembly.count, 6))
-    moves[: len(rate)] = rate
+    rate = np.array([_velocity(moves, part.assembly, body, k, assembly.centre[k]) for k in range(int(body.max()) + 1)])
+    velocity = np.zeros((assembly.count, 6))
+    velocity[: len(rate)] = rate
     fastest = int(np.argmax(rate[:, :3] @ part.push))
-    how = CurveOptions(Options(starts=1, seed=seed), control=fastest, mechanism=moves)
+    how = CurveOptions(Options(starts=1, seed=seed), control=fastest, mechanism=velocity)
     curve = capacity_curve(assembly, find_joints(assembly), loads, how)
     return replace(curve, control=replace(curve.control, block=int(np.flatnonzero(body == fastest)[0])))
 
 
-def _velocity(found: Candidate, assembly: Assembly, body: np.ndarray, k: int, place: np.ndarray) -> np.ndarray:
+def _velocity(moves: Mechanism, assembly: Assembly, body: np.ndarray, k: int, place: np.ndarray) -> np.ndarray:
     """Velocity (6,) of a body at a place [m]."""
     one = int(np.flatnonzero(body == k)[0])
-    moved = found.mechanism.velocity[one]
+    moved = moves.velocity[one]
     return np.concatenate([moved[:3] + np.cross(moved[3:], place - assembly.centre[one]), moved[3:]])
 
 
@@ -159,13 +159,10 @@ def _loads(part: Part, body: np.ndarray, kept: np.ndarray, made: Assembly) -> Lo
     owner = body.copy()
     owner[kept] = count + np.arange(len(kept))
     arms = part.loads.arms
-    some = np.flatnonzero(body[arms.block] >= 0) if arms is not None else np.zeros(0, dtype=np.int64)
-    moved = None
-    if arms is not None:
-        block = arms.block[some]
-        moved = Arms(
-            body[block], arms.arm[some] + old.centre[block] - made.centre[body[block]], arms.dead[some], arms.live[some]
-        )  # fmt: skip
+    assert arms is not None
+    some = np.flatnonzero(body[arms.block] >= 0)
+    block = arms.block[some]
+    moved = Arms(body[block], arms.arm[some] + old.centre[block] - made.centre[body[block]], arms.dead[some], arms.live[some])
     ends = owner[whole.bars.blocks]
     tied = (body[whole.bars.blocks] >= 0).any(axis=1) & (ends[:, 0] != ends[:, 1])
     bars = Bars(ends[tied], whole.bars.points[tied], whole.bars.strength[tied])

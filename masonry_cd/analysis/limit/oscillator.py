@@ -22,15 +22,15 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.analysis.limit.candidates import Candidate
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
-from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.analysis.limit.part import Part
 from masonry_cd.mechanics.model.joints import Joints
 
 DILATES = 0.01  # share of the power of the loads; the search in space leaves 0.001 at most
 FEW = 8.0  # bodies of equal weight: an arch has three, the panels of a dome or of a wall that bends both ways six to eight
 ANOTHER = 0.05  # share of alpha by which a curve that begins elsewhere is of another mechanism; the starts of a search differ by less
+BY_CURVE, BY_LINKAGE = "capacity curve of the blocks", "linkage of bodies"
 TAKES_PART = 0.5  # e* of what is one oscillator: chains that overturn or bend have 0.5 to 1; with less, most of what moves takes no part
 
 
@@ -47,6 +47,7 @@ class Oscillator:
     factor: np.ndarray  # (n,) alpha there, at most that at which it starts; the last is zero
     end: str = ""  # why no displacement is known, in words
     doubt: str = ""  # why the mechanism is no oscillator with one degree of freedom, in words; then e* = 1
+    by: str = ""  # how the displacements were found: BY_CURVE or BY_LINKAGE; empty where there are none
 
     @property
     def mass(self) -> float:
@@ -87,45 +88,40 @@ class Oscillator:
         return self.load_factor(displacement) * self.gravity / self.fraction
 
 
-def oscillator(
-    found: Candidate, assembly: Assembly, joints: Joints, push: np.ndarray, curve: CapacityCurve | None, live: np.ndarray | None = None
-) -> Oscillator:
+def oscillator(part: Part, moves: Mechanism, factor: float, dilation: float, curve: CapacityCurve | None = None) -> Oscillator:
     """The oscillator of a mechanism.
 
     Args:
-        found: of a structure that stands, under a push along the direction.
-        assembly: its blocks.
-        joints: of them.
-        push: (3,) as large as gravity, along the push [m/s2].
+        part: what is free, under its push, which may move more than the blocks.
+        moves: the mechanism.
+        factor: at which it starts.
+        dilation: work of normal forces on joints that open, as a share of the power of the loads.
         curve: of the same push, for the displacements; None where none is asked for.
-        live: (B, 6) forces and moments of the push [N, N m], where it moves more than the blocks.
     """
-    moves, gravity = found.mechanism, float(np.linalg.norm(push))
+    assembly, live, gravity = part.assembly, part.loads.live, float(np.linalg.norm(part.push))
     moving = moves.moving & ~assembly.fixed
-    if live is None:
-        live = np.concatenate([assembly.mass[:, None] * push, np.zeros((assembly.count, 3))], axis=1)
-    weight = np.where(moving, live[:, :3] @ push / gravity, 0.0)
+    weight = np.where(moving, live[:, :3] @ part.push / gravity, 0.0)
     power = np.where(moving, np.einsum("bi,bi->b", live, moves.velocity), 0.0)
-    body = bodies_of(moves, joints, moving)
+    body = bodies_of(moves, part.whole.joints, moving)
     whole, work = np.bincount(body, weight), np.bincount(body, power)
     second = float(np.sum(work[whole > 0.0] ** 2 / whole[whole > 0.0]))
-    doubt = _doubt(found.dilation, whole, float(work.sum()) ** 2 / (float(whole.sum()) * second))
-    unit, reach, factor = 1.0, np.zeros(0), np.zeros(0)
-    end = _no_displacement(found, curve)
+    doubt = _doubt(dilation, whole, float(work.sum()) ** 2 / (float(whole.sum()) * second))
+    unit, reach, factors = 1.0, np.zeros(0), np.zeros(0)
+    end = _no_displacement(moves, factor, curve)
     if curve is not None and not doubt and not end:
         one = curve.control.block
         there = moves.velocity[one, :3] + np.cross(moves.velocity[one, 3:], curve.control.point - assembly.centre[one])
         unit = float(there @ curve.control.direction)
-        reach, factor = curve.displacement, np.clip(curve.factor, 0.0, found.factor)
-    return Oscillator(found.factor, gravity, float(weight.sum()), float(work.sum()) / unit, second / unit**2, reach, factor, end, doubt)
+        reach, factors = curve.displacement, np.clip(curve.factor, 0.0, factor)
+    return Oscillator(factor, gravity, float(weight.sum()), float(work.sum()) / unit, second / unit**2, reach, factors, end, doubt)
 
 
-def _no_displacement(found: Candidate, curve: CapacityCurve | None) -> str:
+def _no_displacement(moves: Mechanism, factor: float, curve: CapacityCurve | None) -> str:
     """Why a curve does not say where the factor of a mechanism vanishes; empty where it does, and without one."""
     if curve is None:
         return ""
     first = float(curve.factor[0])
-    if abs(first - found.factor) > ANOTHER * abs(found.factor) or not found.mechanism.moving[curve.control.block]:
+    if abs(first - factor) > ANOTHER * abs(factor) or not moves.moving[curve.control.block]:
         return f"the capacity curve is that of another mechanism, which starts at {first:.4g}"
     return "" if curve.falls else f"the capacity curve ends before the load factor vanishes: {curve.end}"
 

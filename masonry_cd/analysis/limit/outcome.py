@@ -4,19 +4,44 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
-from masonry_cd.analysis.limit.solution import AGREE
+from masonry_cd.analysis.limit.solution import AGREE, LeastFound
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
+from masonry_cd.foundation.quantities import force
 
 STATES_OF_CHECKS = {"satisfied": GOOD, "not decided": LOOK, "NOT satisfied": DOUBTFUL}  # how the results of a check by a code are coloured
 SURE = {"certain": GOOD, "by search": GOOD, "doubtful": LOOK}  # how sure they are, which is another thing
 CLOSED = 1e-4  # gap of the certificate up to which the factor counts as known
 APART = 1e-2  # share of the factor by which the least and the associated one may differ and say the same
+
+
+@dataclass(frozen=True)
+class SearchNumbers:
+    """The search for the least factor without dilation."""
+
+    associated: float | None  # the factor of sliding that dilates, an upper value; None where it is not finite
+    least: float | None  # None: not searched for, or no start came to an end
+    starts: int  # that were made; 0: no search
+    ended: int  # that came to an end
+    agreeing: int  # that came to the least factor
+    spread: float | None  # the largest factor found less the least, over the least
+
+    @classmethod
+    def of(cls, associated: float | None, least: LeastFound | None, starts: int) -> SearchNumbers:
+        """Of what a search found; ``starts`` is how many were made where it found nothing."""
+        if least is None:
+            return cls(associated, None, starts, 0, 0, None)
+        return cls(associated, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)
+
+    @property
+    def agreed(self) -> bool:
+        """Whether starts enough came to the least factor for it to count as known, which is no proof that it is the least."""
+        return self.least is not None and self.agreeing >= AGREE
 
 
 def on_the_check(found: Mapping[str, Any] | None) -> Verdict | None:
@@ -35,11 +60,11 @@ def on_the_whole(facts: Mapping[str, Any]) -> Verdict | None:
     checked = on_the_check(facts["verdict"])
     if checked is not None or "stands" not in facts:
         return checked
-    verdict = _on_the_factor(facts)
+    verdict = on_the_factor(facts)
     return replace(verdict, because="; ".join(filter(None, [verdict.because, *(one["line"] for one in facts["without"])])))
 
 
-def _on_the_factor(facts: Mapping[str, Any]) -> Verdict:
+def on_the_factor(facts: Mapping[str, Any]) -> Verdict:
     """The verdict on an analysis without a check."""
     if not facts["stands"]:
         return Verdict("does not stand", "", "it gives way under its dead loads", DOUBTFUL, "there is no load factor", "")
@@ -52,7 +77,8 @@ def _on_the_factor(facts: Mapping[str, Any]) -> Verdict:
     if facts["no_finite_factor"]:
         return Verdict("no finite load factor", "", "on no mechanism does the load do work", LOOK, "read why before you rely on it", "")
     if facts.get("associated") is None:
-        return Verdict("supports move", "", "what they still bear is in the lines below", LOOK, "there is no load factor", "")
+        borne = f"they still bear {force(facts['support_force'])} against it"
+        return Verdict("supports move", "", borne, LOOK, "there is no load factor", "")
     return _of_the_factor(facts, facts.get("least"))
 
 

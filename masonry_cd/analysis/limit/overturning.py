@@ -14,12 +14,11 @@ begins at normal forces keeps to those that it has begun with.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from masonry_cd.analysis.limit.part import Whole
-from masonry_cd.analysis.limit.restrictions import SAME, lowest_toe
+from masonry_cd.analysis.limit.restrictions import SAME, lowest_toe, spin
 
 UPRIGHT = 0.9  # component along a course of the normal of a joint between neighbours in it
 MOST = 4  # bodies at which a search begins, a few cone programmes each
@@ -27,26 +26,21 @@ OWN = 0.5  # share of a body's blocks that are in none of those before it
 CLOSES = 1e-6  # [m] closing of a point at one radian that counts as none
 
 
-@dataclass(frozen=True, eq=False)
-class Overturning:
-    """A body that overturns as one."""
-
-    factor: float  # without any resistance of joints
-    blocks: np.ndarray  # (B,) bool
-    velocity: np.ndarray  # (B, 6) of all blocks at one radian a second [m/s, rad/s]
-
-
-def overturning_below(whole: Whole, direction: np.ndarray, factor: float) -> list[Overturning]:
-    """The bodies that overturn under a level push along a direction (3,) at less than a factor, the least first; no joint closes."""
-    chosen: list[Overturning] = []
+def overturning_below(whole: Whole, direction: np.ndarray, factor: float) -> list[np.ndarray]:
+    """Velocities (B, 6) of all blocks, at one radian a second, as bodies overturn under a level push along a direction (3,) at less than
+    a factor, the least first; no joint closes."""
+    chosen: list[np.ndarray] = []
+    bodies: list[np.ndarray] = []
     above = _resting_above(whole)
     for _, row in sorted(_rows_below(whole, above, direction, factor), key=lambda one: one[0]):
         body = np.asarray(above[row].any(axis=0))
-        if any((body & ~one.blocks).sum() < OWN * body.sum() for one in chosen):
+        if any((body & ~other).sum() < OWN * body.sum() for other in bodies):
             continue
-        made = _overturning(whole, row, body, direction)
-        if not _closes(whole, made):
-            chosen.append(made)
+        moves = np.zeros((whole.assembly.count, 6))
+        spin(whole, np.flatnonzero(body), lowest_toe(whole, np.array(row), direction), direction, 1.0, moves)
+        if not _closes(whole, body, moves):
+            chosen.append(moves)
+            bodies.append(body)
         if len(chosen) == MOST:
             break
     return chosen
@@ -97,22 +91,13 @@ def _beside(whole: Whole, direction: np.ndarray) -> dict[int, int]:
     return out
 
 
-def _overturning(whole: Whole, row: list[int], body: np.ndarray, direction: np.ndarray) -> Overturning:
-    assembly, edge = whole.assembly, lowest_toe(whole, np.array(row), direction)
-    axis, velocity = np.array([-direction[1], direction[0], 0.0]), np.zeros((whole.assembly.count, 6))
-    velocity[body, :3], velocity[body, 3:] = np.cross(axis, assembly.centre[body] - edge), axis
-    mass = assembly.mass[body]
-    factor = float(mass @ velocity[body, 2]) / float(mass @ (velocity[body, :3] @ direction))
-    return Overturning(factor, body, velocity)
-
-
-def _closes(whole: Whole, one: Overturning) -> bool:
-    """Whether a point between the body and what is at rest closes."""
+def _closes(whole: Whole, body: np.ndarray, moves: np.ndarray) -> bool:
+    """Whether a point between a body (B,) that moves (B, 6) and what is at rest closes."""
     points = whole.points
-    moves = one.blocks[points.bodies]
-    cut = np.flatnonzero(moves[:, 0] != moves[:, 1])
-    block = np.where(moves[cut, 1], points.bodies[cut, 1], points.bodies[cut, 0])
+    goes = body[points.bodies]
+    cut = np.flatnonzero(goes[:, 0] != goes[:, 1])
+    block = np.where(goes[cut, 1], points.bodies[cut, 1], points.bodies[cut, 0])
     arm = points.point[cut] - whole.assembly.centre[block]
-    moved = one.velocity[block, :3] + np.cross(one.velocity[block, 3:], arm)
-    opening = np.sum(moved * points.frame[cut, 0], axis=1) * np.where(moves[cut, 1], 1.0, -1.0)
+    moved = moves[block, :3] + np.cross(moves[block, 3:], arm)
+    opening = np.sum(moved * points.frame[cut, 0], axis=1) * np.where(goes[cut, 1], 1.0, -1.0)
     return bool((opening < -CLOSES).any())

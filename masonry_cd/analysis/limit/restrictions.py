@@ -83,11 +83,11 @@ def _overturning(whole: Whole, element: MacroElement, direction: np.ndarray) -> 
     """The part above each of some beds, alone and with wedges of the walls in which it is bonded."""
     for level in _levels(whole, element):
         own = _above(whole, element.blocks, level)
-        yield _one(whole, "simple overturning", own)
+        yield _made(whole, "simple overturning", (own,))
         for angle in WEDGES:
             more = _wedge(whole, own, element.directions[0], level, math.tan(math.radians(angle)))
             if len(more):
-                yield _one(whole, f"composite overturning, wedges of {angle:g} degrees", np.concatenate([own, more]))
+                yield _made(whole, f"composite overturning, wedges of {angle:g} degrees", (np.concatenate([own, more]),))
 
 
 def _vertical_bending(whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
@@ -121,7 +121,7 @@ def _corner(whole: Whole, element: MacroElement, direction: np.ndarray) -> Itera
     for level in _levels(whole, element):
         own = _above(whole, element.blocks, level)
         if len(own):
-            yield _one(whole, CORNER, own)
+            yield _made(whole, CORNER, (own,))
 
 
 def _piers(whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
@@ -135,21 +135,17 @@ def _in_plane(whole: Whole, element: MacroElement, direction: np.ndarray) -> Ite
     """The part above a diagonal crack that rises from the toe, and the whole."""
     own, centre = element.blocks, whole.assembly.centre[element.blocks]
     along, (low, _) = centre @ direction, _reach(whole, element.blocks)
-    yield _one(whole, "rocking in its plane", own)
+    yield _made(whole, "rocking in its plane", (own,))
     for slope in CRACKS:
         over = centre[:, 2] - low >= (along.max() - along) * math.tan(math.radians(slope))
         if over.any() and not over.all():
-            yield _one(whole, f"{IN_PLANE}, a crack of {slope:g} degrees", own[over])
+            yield _made(whole, f"{IN_PLANE}, a crack of {slope:g} degrees", (own[over],))
 
 
 MAKERS = {
     OVERTURNING: _overturning, VERTICAL_BENDING: _vertical_bending, HORIZONTAL_BENDING: _horizontal_bending, CORNER: _corner, PIERS: _piers,
     IN_PLANE: _in_plane,
 }  # fmt: skip
-
-
-def _one(whole: Whole, name: str, blocks: np.ndarray) -> Restriction:
-    return _made(whole, name, (blocks,))
 
 
 def _made(whole: Whole, name: str, bodies: tuple[np.ndarray, ...]) -> Restriction:
@@ -168,7 +164,7 @@ def _made(whole: Whole, name: str, bodies: tuple[np.ndarray, ...]) -> Restrictio
     return Restriction(name, free, tuple(np.flatnonzero(owner == number) for number in range(len(bodies))))
 
 
-def _spin(whole: Whole, blocks: np.ndarray, place: np.ndarray, direction: np.ndarray, rate: float, out: np.ndarray) -> None:
+def spin(whole: Whole, blocks: np.ndarray, place: np.ndarray, direction: np.ndarray, rate: float, out: np.ndarray) -> None:
     """Turn blocks about a level axis through a place [m] so that what is above it moves along the push, at a rate [rad/s]."""
     axis = rate * np.array([-direction[1], direction[0], 0.0])
     out[blocks, :3] = np.cross(axis, whole.assembly.centre[blocks] - place)
@@ -185,7 +181,7 @@ def lowest_toe(whole: Whole, blocks: np.ndarray, direction: np.ndarray, sense: f
 def _turned(whole: Whole, bodies: Sequence[np.ndarray], direction: np.ndarray) -> np.ndarray:
     """All bodies as one, about the toe."""
     own, out = np.concatenate(bodies), np.zeros((whole.assembly.count, 6))
-    _spin(whole, own, lowest_toe(whole, own, direction), direction, 1.0, out)
+    spin(whole, own, lowest_toe(whole, own, direction), direction, 1.0, out)
     return out
 
 
@@ -193,10 +189,10 @@ def _bent(whole: Whole, lower: np.ndarray, upper: np.ndarray, direction: np.ndar
     """The lower body about its toe, the upper one back about the edge between the two, so that its top stays in its upright."""
     out = np.zeros((whole.assembly.count, 6))
     toe, hinge = lowest_toe(whole, lower, direction), lowest_toe(whole, upper, direction, -1.0)
-    _spin(whole, lower, toe, direction, 1.0, out)
+    spin(whole, lower, toe, direction, 1.0, out)
     own = np.array([-direction[1], direction[0], 0.0])
     high = max(_reach(whole, upper)[1] - hinge[2], SAME)
-    _spin(whole, upper, hinge, direction, -(hinge[2] - toe[2]) / high, out)
+    spin(whole, upper, hinge, direction, -(hinge[2] - toe[2]) / high, out)
     out[upper, :3] += np.cross(own, hinge - toe)
     return out
 
@@ -206,7 +202,7 @@ def _rocking(whole: Whole, bodies: Sequence[np.ndarray], direction: np.ndarray) 
     *piers, rest = bodies
     out = np.zeros((whole.assembly.count, 6))
     for pier in piers:
-        _spin(whole, pier, lowest_toe(whole, pier, direction), direction, 1.0, out)
+        spin(whole, pier, lowest_toe(whole, pier, direction), direction, 1.0, out)
     low, high = _reach(whole, np.concatenate(piers))
     wide = np.mean([float(np.ptp(whole.box[0][pier] @ direction)) for pier in piers])
     out[rest, :3] = (high - low) * direction + np.array([0.0, 0.0, wide])

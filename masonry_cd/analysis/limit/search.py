@@ -18,8 +18,7 @@ strips alone, each with the normal forces of the one before, move it on.
 
 In space a stone may turn like a door about an upright edge through which all passes that bears on it. Nothing that is pressed slides, and
 no load at all starts it; real joints, pressed over an area, do not allow it. So strips of the corners of a joint share a little of their
-width, which leads descents past such mechanisms and is no part of g; where a descent comes to no pair so, and none is known, it is made
-without.
+width, which leads descents past these and is no part of g; where a descent comes to no pair so, and none is known, it is made without.
 
 A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is no proof but the agreement
 of starts. The first begins at the associated mechanism, the second at the least normal forces in equilibrium, which press together nothing
@@ -307,10 +306,7 @@ def least_factor(
 
 
 def polished(problem: LimitProblem, found: LeastFound, cap: float) -> LeastFound:
-    """A search whose least pair is lowered by rounds that begin close to it, from pair to pair, as long as that takes something off.
-
-    That is no further start.
-    """
+    """A search whose least pair is lowered by rounds that begin close to it, from pair to pair, which is no further start."""
     search, best = Search(problem, cap, found), (found.optimum, found.gap)
     search.beyond, search.exact = CLOSE, FINER * search.exact
     for _ in range(POLISHED):

@@ -59,14 +59,6 @@ def edge_stresses(
     return out
 
 
-def linear_stress(polygon: np.ndarray, place: np.ndarray, bonded: bool = False) -> float:
-    """The largest compression in a convex polygon (n, 2) [m] by a force of 1 at a place (2,) [m], as [1/m2]; see :func:`edge_stresses`."""
-    n = len(polygon)
-    corners = np.zeros((n, 3))
-    corners[:, :2] = polygon
-    return float(largest_compression(corners, n, 1.0, float(place[0]), float(place[1]), bonded, np.zeros(n), np.zeros((2 * n, 3))))
-
-
 @entry()
 def _edge_stresses(joints, centre, position, maps, affine, force, moment, bonded, out):
     """Fill out (J,), see :func:`edge_stresses`; ``joints`` are (block_a, block_b, normal, start, polygon)."""

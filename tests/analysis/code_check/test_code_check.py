@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
-from masonry_cd.analysis.code_check.check import code_check
+from masonry_cd.analysis.code_check.check import check_at, with_borne
+from masonry_cd.analysis.code_check.ground import ground_of
+from masonry_cd.analysis.code_check.level import Level
+from masonry_cd.analysis.code_check.steps import CodeCheck
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import Basis
+from masonry_cd.analysis.code_check.verdicts import NO_SEARCH
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.errors import InputError, parse_table
 
@@ -28,9 +32,15 @@ def wall() -> Oscillator:
     return Oscillator(ALPHA, G, weight, 0.5 * weight, 0.25 * weight, np.array([0.0, 2.0 * REACH]), np.array([ALPHA, 0.0]))
 
 
+def code_check(table: CheckTable, oscillator: Oscillator, folder: Path, doubt: str = NO_SEARCH) -> CodeCheck:
+    """The check of a mechanism at the height of its table, with what it just bears."""
+    ground, level = ground_of(table, folder), Level(0.0, table.height, "limit.check.height", table.height)
+    return with_borne(check_at(table, level, oscillator, ground, doubt), table, level, oscillator, ground)
+
+
 def checked(oscillator: Oscillator | None = None, folder=None, **keys):
     """The check, and its values by symbol."""
-    made = code_check(parse_table(CheckTable, keys, "limit.check"), oscillator or wall(), folder, Basis(doubt=""))
+    made = code_check(parse_table(CheckTable, keys, "limit.check"), oscillator or wall(), folder, "")
     return made, {step.symbol: step.value for step in made.steps}
 
 

@@ -6,9 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from test_code_check import wall
+from test_code_check import code_check, wall
 
-from masonry_cd.analysis.code_check.check import code_check
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.code_check.verdicts import LITTLE, CheckResult, refused, verdict_of, worst
 from masonry_cd.foundation.errors import parse_table

@@ -7,37 +7,31 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from limit_loads import joined, push_loads
+from limit_loads import everything, joined, push_loads
 from models import GRAVITY, box, ground
 
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
 from masonry_cd.analysis.limit.candidates import (
-    ASSOCIATED,
-    SEARCH,
     UNTIED,
-    Candidate,
-    Untied,
     candidates,
-    dilation,
     tied_factor,
     with_untied,
 )
+from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, Found, dilation
 from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
 from masonry_cd.analysis.limit.problem import Bars, limit_problem
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 
-X = np.array([1.0, 0.0, 0.0])
 
-
-def found_of(blocks: list[Block], friction: float, bars: Bars | None = None, starts: int = 2) -> tuple[Analysis, list, list[Oscillator]]:
+def found_of(blocks: list[Block], friction: float, bars: Bars | None = None) -> tuple[Analysis, list[Found], list[Oscillator]]:
     """An analysis under a push along x, the mechanisms looked at, and their oscillators."""
     assembly, joints = joined(blocks, friction)
-    loads, options = replace(push_loads(assembly), bars=bars or Bars.none()), Options(starts=starts)
+    loads, options = replace(push_loads(assembly), bars=bars or Bars.none()), Options(starts=2)
     analysis = analyse(assembly, joints, loads, options)
-    analysis, untied = with_untied(analysis, assembly, joints, options)
-    looked = list(candidates(analysis, untied, assembly, joints))
-    return analysis, looked, [oscillator(one, assembly, joints, GRAVITY * X, None) for one in looked]
+    analysis, untied, _ = with_untied(analysis, assembly, joints, options)
+    looked = candidates(analysis, untied, everything(assembly, joints, analysis, loads))
+    return analysis, looked, [one.oscillator for one in looked]
 
 
 def pillar() -> list[Block]:
@@ -55,7 +49,7 @@ def test_a_mechanism_found_without_its_tie_has_the_work_of_the_tie_in_its_factor
     _, looked, made = found_of(pillar(), 0.65, rod(500.0))
     by_hand = (2000.0 * GRAVITY * 0.3 * 0.25 + 500.0 * np.sqrt(0.5) * 1.5) / (2000.0 * GRAVITY * 0.3 * 0.75)
     assert {one.source for one in looked} == {SEARCH, ASSOCIATED, SEARCH + UNTIED, ASSOCIATED + UNTIED}
-    assert [one.factor for one in looked] == pytest.approx([by_hand] * len(looked), rel=1e-6)
+    assert [one.oscillator.alpha for one in looked] == pytest.approx([by_hand] * len(looked), rel=1e-6)
     assert [one.fraction for one in made] == pytest.approx([1.0] * len(made), rel=1e-6)
 
 
@@ -67,8 +61,8 @@ def test_without_the_ties_that_hold_it_up_a_structure_has_no_mechanism_and_a_rem
     loads = replace(push_loads(assembly), bars=rod)
     analysis = analyse(assembly, joints, loads, Options(starts=1))
     assert analysis.stands
-    kept, untied = with_untied(analysis, assembly, joints, Options(starts=1))
-    assert kept is analysis and not untied.found and "without its ties" in untied.remark
+    kept, untied, why = with_untied(analysis, assembly, joints, Options(starts=1))
+    assert kept is analysis and not untied and "without its ties" in why
 
 
 def test_in_space_a_tie_that_a_mechanism_stretches_pulls_in_the_search() -> None:
@@ -83,7 +77,7 @@ def test_in_space_a_tie_that_a_mechanism_stretches_pulls_in_the_search() -> None
 def test_what_a_tie_that_does_not_yield_holds_never_starts() -> None:
     lower = box("b", (1.0, -0.2, 0.0), (1.5, 0.2, 1.2))  # leans at 0.5 / 1.2, the other one at 0.5 / 1.5 and not before its rod yields
     _, looked, _ = found_of([*pillar(), lower], 0.65, rod(np.inf))
-    assert [one.factor for one in looked] == pytest.approx([0.5 / 1.2] * len(looked), rel=1e-6)
+    assert [one.oscillator.alpha for one in looked] == pytest.approx([0.5 / 1.2] * len(looked), rel=1e-6)
     assert not any(one.source.endswith(UNTIED) for one in looked)
 
 
@@ -91,7 +85,8 @@ def test_a_mechanism_of_a_solver_that_ended_early_says_so() -> None:
     analysis, _, _ = found_of(pillar(), 0.65)
     early = replace(analysis.associated, optimum=replace(analysis.associated.optimum, stopped="MaxIterations"))
     assembly, joints = joined(pillar(), 0.65)
-    sources = [one.source for one in candidates(replace(analysis, associated=early), Untied(), assembly, joints)]
+    part = everything(assembly, joints, analysis, push_loads(assembly))
+    sources = [one.source for one in candidates(replace(analysis, associated=early), [], part)]
     assert sources == [SEARCH, f"{ASSOCIATED}, the solver ended before its tolerance"]
 
 
@@ -99,7 +94,7 @@ def test_what_slides_dilates_as_associated_and_not_in_the_search() -> None:
     """A slab that slides and lifts by mu: gravity takes from the push all that friction would, half of the power of both."""
     _, looked, made = found_of([ground(4.0), box("slab", (0.0, -1.0, 0.0), (2.0, 1.0, 0.4))], 0.3)
     assert [one.source for one in looked] == [SEARCH, ASSOCIATED]
-    assert [one.factor for one in looked] == pytest.approx([0.3, 0.3], rel=1e-6)
+    assert [one.oscillator.alpha for one in looked] == pytest.approx([0.3, 0.3], rel=1e-6)
     assert [one.dilation for one in looked] == pytest.approx([0.0, 0.5], abs=1e-6)
     assert not made[0].doubt and "dilates" in made[1].doubt
     assert made[1].acceleration() == pytest.approx(0.3 * GRAVITY, rel=1e-6)
@@ -111,15 +106,18 @@ def test_what_spreads_over_many_bodies_is_no_oscillator() -> None:
     assembly, joints = joined([ground(20.0), *apart], 0.65)
     options = Options(starts=0)
     analysis = analyse(assembly, joints, push_loads(assembly), options)
-    (lean,) = candidates(analysis, Untied(), assembly, joints)
+    part = everything(assembly, joints, analysis, push_loads(assembly))
+    (lean,) = candidates(analysis, [], part)
+    assert lean.mechanism is not None
+    factor = lean.oscillator.alpha
     every = replace(lean.mechanism, velocity=np.tile([1.0, 0, 0, 0, 0, 0], (13, 1)), speed=np.r_[0.0, np.ones(12)])
-    assert "12 bodies" in oscillator(replace(lean, mechanism=every), assembly, joints, GRAVITY * X, None).doubt
+    assert "12 bodies" in oscillator(part, every, factor, 0.0).doubt
     some = replace(every, speed=np.r_[0.0, np.ones(5), np.zeros(7)])
-    assert not oscillator(replace(lean, mechanism=some), assembly, joints, GRAVITY * X, None).doubt
+    assert not oscillator(part, some, factor, 0.0).doubt
     slow = replace(some, velocity=every.velocity * np.r_[0.0, 1.0, np.full(11, 0.01)][:, None])
-    made = oscillator(replace(lean, mechanism=slow), assembly, joints, GRAVITY * X, None)
+    made = oscillator(part, slow, factor, 0.0)
     assert "22 % only of the weight" in made.doubt  # 1.04^2 / (5 * 1.0004)
-    assert made.fraction == 1.0 and made.acceleration() == pytest.approx(lean.factor * GRAVITY)
+    assert made.fraction == 1.0 and made.acceleration() == pytest.approx(factor * GRAVITY)
 
 
 def wall() -> list[Block]:
@@ -150,8 +148,9 @@ def test_more_ties_never_lower_the_least_acceleration_over_a_fixed_set_of_mechan
     for count in range(len(bars.strength) + 1):
         some = Bars(bars.blocks[:count], bars.points[:count], bars.strength[:count])
         problem = limit_problem(assembly, joints, replace(bare, bars=some))
-        looked = [Candidate("", tied_factor(problem, optimum), moved, 0.0) for optimum, moved in zip(optima, moves, strict=True)]
-        least = min(oscillator(one, assembly, joints, GRAVITY * X, None).acceleration() for one in looked)
+        part = everything(assembly, joints, analysis, replace(bare, bars=some))
+        looked = [oscillator(part, moved, tied_factor(problem, optimum), 0.0) for optimum, moved in zip(optima, moves, strict=True)]
+        least = min(one.acceleration() for one in looked)
         assert least >= last
         first, last = least if not count else first, least
     assert last > 1.05 * first
@@ -199,7 +198,7 @@ def test_over_random_walls_and_churches_more_ties_never_lower_the_ratio(make, se
         problem = limit_problem(assembly, joints, replace(bare, bars=bars))
         factors = [tied_factor(problem, optimum) for optimum in optima]
         made = [
-            oscillator(Candidate("", factor, moved, dilates[k]), assembly, joints, GRAVITY * X, None)
+            oscillator(everything(assembly, joints, analysis, bare), moved, factor, dilates[k])
             for k, (factor, moved) in enumerate(zip(factors, moves, strict=True))
         ]
         least, fractions = min(one.acceleration() for one in made), [one.fraction for one in made]

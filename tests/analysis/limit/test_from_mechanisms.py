@@ -13,6 +13,7 @@ from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.limit.candidates import with_mechanisms
 from masonry_cd.analysis.limit.macro import analyse_element
 from masonry_cd.analysis.limit.mechanism import mechanism
+from masonry_cd.analysis.limit.part import part_of, resting
 from masonry_cd.analysis.limit.problem import limit_problem
 
 X = (1.0, 0.0, 0.0)
@@ -21,24 +22,18 @@ X = (1.0, 0.0, 0.0)
 def test_stones_that_rest_on_a_part_are_taken_along() -> None:
     """A facade that overturns lifts the stones of the cross wall that lie on it, which are held while it is looked at by itself."""
     whole = whole_of(toothed())
-    one = next(one for one in analyse_element(whole, element(whole, "facade"), X, EFFORT).mechanisms if one.moving > 3)
+    facade = element(whole, "facade")
+    one = next(one for one in analyse_element(whole, facade, X, EFFORT).mechanisms if one.moving > 3)
     assembly, joints = joined(toothed(), 0.6)
     problem = limit_problem(assembly, joints, push_loads(assembly))
-    velocity = problem.block_velocity(_all(one, whole, problem), assembly.count)
+    part = part_of(whole, resting(whole, facade.blocks), np.array(X)).problem
+    velocity = problem.block_velocity(problem.unknowns_of(part.block_velocity(one.velocity, assembly.count)), assembly.count)
     assert ((problem.jacobian @ problem.unknowns_of(velocity))[:: problem.directions]).min() < -1e-3
     taken = admitted(problem, assembly, velocity)
     assert taken is not None
     assert ((problem.jacobian @ taken)[:: problem.directions]).min() > -2e-4 * np.abs(taken).max()
     moved = np.linalg.norm(problem.block_velocity(taken, assembly.count), axis=1) > 1e-9
     assert any(assembly.names[b].startswith("cross") for b in np.flatnonzero(moved))
-
-
-def _all(one, whole, problem) -> np.ndarray:
-    """The velocities of a part's mechanism in the unknowns of all blocks."""
-    from masonry_cd.analysis.limit.part import part_of, resting
-
-    part = part_of(whole, resting(whole, one.element.blocks), np.array(X))
-    return problem.unknowns_of(part.problem.block_velocity(one.velocity, whole.assembly.count))
 
 
 def test_what_would_push_a_support_is_passed_over() -> None:

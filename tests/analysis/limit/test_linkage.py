@@ -11,7 +11,8 @@ import pytest
 from models import GRAVITY, box, ground
 from test_macro import EFFORT, element, stack, toothed, whole_of
 
-from masonry_cd.analysis.limit.macro import PartMechanism, analyse_element
+from masonry_cd.analysis.limit.found import Found
+from masonry_cd.analysis.limit.macro import analyse_element
 from masonry_cd.analysis.limit.part import part_of, resting
 from masonry_cd.analysis.limit.problem import Bars, PointMasses
 from structures.macro_elements.element import OVERTURNING, VERTICAL_BENDING
@@ -21,7 +22,7 @@ FOLLOWED = replace(EFFORT, displacements=True)
 WEIGHT = 2000.0 * GRAVITY  # per volume
 
 
-def least(whole, part) -> PartMechanism:
+def least(whole, part) -> Found:
     """The mechanism of the least acceleration of a part that is pushed along x."""
     return analyse_element(whole, part, X, FOLLOWED).mechanisms[0]
 
@@ -31,7 +32,7 @@ def test_courses_that_overturn_are_a_free_standing_wall() -> None:
     whole = whole_of([ground(8.0), *stack("wall", 6), *stack("held", 6, x=-0.5)])
     made = least(whole, element(whole, "wall")).oscillator
     assert made.alpha == pytest.approx(0.5 / 3.0, rel=1e-5) and made.fraction == pytest.approx(1.0, rel=1e-6)
-    assert made.falls and made.last == pytest.approx(0.25, rel=1e-3)
+    assert made.falls and made.last == pytest.approx(0.25, rel=1e-3) and made.by == "linkage of bodies"
     beta, radius = math.atan(0.5 / 3.0), 0.5 * math.hypot(0.5, 3.0)
     theta = beta - math.asin(0.6 * 0.25 / radius)
     assert made.acceleration(0.4 * made.last) == pytest.approx(math.tan(beta - theta) * GRAVITY, rel=1e-2)

@@ -11,7 +11,8 @@ from models import GRAVITY, box
 from masonry_cd.analysis.limit.admitted import admitted
 from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.limit.candidates import with_mechanisms
-from masonry_cd.analysis.limit.macro import FREE, Effort, ElementAnalysis, analyse_element
+from masonry_cd.analysis.limit.found import FREE
+from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, analyse_element
 from masonry_cd.analysis.limit.part import Whole, part_of, resting
 from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.analysis.limit.rigid_groups import rigid_groups
@@ -61,9 +62,9 @@ def test_a_pier_overturns_about_its_stress_block(share: float, off: float) -> No
     factors = [one.oscillator.alpha for one in found.mechanisms]
     assert {one.name.startswith(FREE) for one in found.mechanisms} == {True, False}
     assert factors == pytest.approx([by_hand(share)] * len(factors), rel=3e-4)
-    assert found.least is not None and found.least.agreed
-    first = found.mechanisms[0].found
-    assert first is not None and first.mechanism.crushing.sum() == 1
+    assert found.numbers.agreed
+    first = found.mechanisms[0].mechanism
+    assert first is not None and first.crushing.sum() == 1
 
 
 def test_joints_that_crush_are_not_followed_and_the_part_says_so() -> None:
@@ -91,13 +92,13 @@ def test_the_search_of_the_whole_begins_at_a_part_that_crushes() -> None:
     """The foot may close where the part's mechanism crushes it, by as much as the blocks overlap there."""
     share = 0.2
     whole = whole_of(PRESSURE / share)
-    moves = analysed(whole).mechanisms[0].found
+    moves = analysed(whole).mechanisms[0].mechanism
     assert moves is not None
     analysis = analyse(whole.assembly, whole.joints, push_loads(whole.assembly), Options(starts=0))
-    problem, velocity = analysis.problem, moves.mechanism.velocity
+    problem, velocity = analysis.problem, moves.velocity
     assert admitted(problem, whole.assembly, velocity) is None
-    begun = admitted(problem, whole.assembly, velocity, moves.mechanism.crushing)
+    begun = admitted(problem, whole.assembly, velocity, moves.crushing)
     assert begun is not None and (problem.jacobian @ begun)[:: problem.directions].min() > -1e-9 * np.abs(begun).max()
-    least = with_mechanisms(analysis, whole.assembly, whole.joints, [moves.mechanism]).least
+    least = with_mechanisms(analysis, whole.assembly, whole.joints, [moves]).least
     assert least is not None and least.starts == 1
     assert least.optimum.factor == pytest.approx(by_hand(share), rel=1e-3)

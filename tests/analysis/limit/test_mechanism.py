@@ -8,7 +8,7 @@ import pytest
 from limit_loads import joined, push_loads
 from models import box, ground
 
-from masonry_cd.analysis.limit.macro import named
+from masonry_cd.analysis.limit.found import named
 from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.part import Whole
 from masonry_cd.analysis.limit.problem import Bars, limit_problem

@@ -7,33 +7,33 @@ import math
 
 import numpy as np
 import pytest
-from limit_loads import joined, push_loads
+from limit_loads import everything, joined, push_loads
 from models import GRAVITY, box, ground
 
 from masonry_cd.analysis.limit.analysis import Options, analyse
-from masonry_cd.analysis.limit.candidates import Candidate, Untied, candidates
-from masonry_cd.analysis.limit.capacity import CurveOptions, capacity_curve
+from masonry_cd.analysis.limit.candidates import candidates
+from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
 from structures.geometry.prism import prism_xz
 
-X = np.array([1.0, 0.0, 0.0])
-
 
 def of_blocks(blocks, friction=0.65) -> Oscillator:
     """The oscillator of blocks that are pushed along x, with its curve."""
     assembly, joints = joined(blocks, friction)
+    return associated(assembly, joints, capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=0))))
+
+
+def associated(assembly: Assembly, joints: Joints, curve: CapacityCurve | None = None) -> Oscillator:
+    """The oscillator of the associated mechanism of a push along x."""
     loads = push_loads(assembly)
-    curve = capacity_curve(assembly, joints, loads, CurveOptions(Options(starts=0)))
-    return oscillator(associated(assembly, joints), assembly, joints, GRAVITY * X, curve)
-
-
-def associated(assembly: Assembly, joints: Joints) -> Candidate:
-    """The associated mechanism of a push along x."""
-    options = Options(starts=0)
-    return candidates(analyse(assembly, joints, push_loads(assembly), options), Untied(), assembly, joints)[0]
+    analysis = analyse(assembly, joints, loads, Options(starts=0))
+    part = everything(assembly, joints, analysis, loads)
+    one = candidates(analysis, [], part)[0]
+    assert one.mechanism is not None
+    return oscillator(part, one.mechanism, one.oscillator.alpha, one.dilation, curve)
 
 
 def test_a_free_standing_wall():
@@ -66,7 +66,7 @@ def test_courses_that_turn_as_one_are_one_body():
 
 def test_without_a_curve_no_displacement_is_known():
     assembly, joints = joined([ground(4.0), box("slab", (0.0, -1.0, 0.0), (2.0, 1.0, 0.4))], 0.3)
-    found = oscillator(associated(assembly, joints), assembly, joints, GRAVITY * X, None)
+    found = associated(assembly, joints)
     assert found.alpha == pytest.approx(0.3, rel=1e-9)
     assert not found.falls
     assert found.last == math.inf
@@ -143,7 +143,7 @@ def test_an_arch_on_piers_is_a_linkage_of_four_hinges():
     weight = GRAVITY * np.array([mass[part].sum() for part in parts])
     move = np.array([mass[part] @ each[part] / mass[part].sum() for part in parts])
     curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=0)))
-    made = oscillator(associated(assembly, joints), assembly, joints, GRAVITY * X, curve)
+    made = associated(assembly, joints, curve)
     assert made.alpha == pytest.approx(alpha(0.0), rel=1e-6)
     assert made.weight == pytest.approx(weight.sum(), rel=1e-9)
     assert made.mass == pytest.approx((weight @ move) ** 2 / (GRAVITY * weight @ move**2), rel=1e-6)

@@ -16,7 +16,7 @@ from masonry_cd.mechanics.dynamics.mean_stress import MeanStress, symmetric
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.edge_stress import edge_stresses, linear_stress
+from masonry_cd.mechanics.model.edge_stress import edge_stresses, largest_compression
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.state import State
@@ -140,6 +140,12 @@ def test_after_a_joint_has_slid_only_the_shared_area_counts():
     place = np.array([0.1, 0.0, 0.0]) - assembly.centre[joints.block_a[0]]
     found = edge_stresses(joints, assembly, state, np.array([1e3]), 1e3 * place[None], np.zeros(1, bool))
     assert found == pytest.approx([1e3 / 0.8], rel=1e-9)
+
+
+def linear_stress(polygon: np.ndarray, place: np.ndarray) -> float:
+    """The largest compression in a convex polygon (n, 2) [m] by a force of 1 at a place (2,) [m], as [1/m2]."""
+    n, corners = len(polygon), np.column_stack([polygon, np.zeros(len(polygon))])
+    return float(largest_compression(corners, n, 1.0, float(place[0]), float(place[1]), False, np.zeros(n), np.zeros((2 * n, 3))))
 
 
 def test_the_distribution_balances_the_force_on_any_convex_polygon():

@@ -9,7 +9,7 @@ from solids import build, free_volume
 
 from masonry_cd.mechanics.model.blocks import Block
 from structures.building import square_plan
-from structures.layout import wall_plan
+from structures.courser import wall_plan
 
 THICK, UNIT, COURSE = 0.5, 0.8, 0.25
 

@@ -93,7 +93,7 @@ def test_walls_of_two_thicknesses_in_line_stay_two_and_what_sticks_out_a_little_
     drawing.outline([(0, 0), (9, 0), (9, 0.6), (6, 0.6), (6, 0.9), (2.5, 0.9), (2.5, 1.0), (2, 1.0), (2, 0.9), (0, 0.9)])
     found = drawing.plan(tmp_path)
     assert sorted(wall["thickness"] for wall in found.tables["walls"]) == [0.6, 0.9]
-    assert [note.split(" m2")[1] for note in found.notes] == [" of wall about (2.25, 0.96) are in no wall"]
+    assert [note.split(" m2")[1] for note in found.notes] == [" of wall at x = 2.25 m, y = 0.96 m are in no wall"]
 
 
 def test_a_buttress_is_a_short_wall(tmp_path: Path):
@@ -132,7 +132,7 @@ def test_a_wall_without_a_height_is_a_fault_that_says_its_place(tmp_path: Path):
     ring(drawing)
     faults = drawing.plan(tmp_path, HIGH.model_copy(update={"wall_height": None})).faults
     assert faults.keys() == {"w1", "w2", "w3", "w4"}
-    assert re.search(r"height of wall w1 about \(0\.25, 2\.5.\) nor of 3 others: draw a text", faults["w1"].text)
+    assert re.search(r"height of wall w1 at x = 0\.25 m, y = 2\.5.. m nor of 3 others: draw a text", faults["w1"].text)
 
 
 def test_heights_names_gables_and_steps(tmp_path: Path):

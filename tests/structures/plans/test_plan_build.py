@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 from masonry_cd.app.scene_schema import PLAN_FILE, plan_schema_text
 from masonry_cd.cli.app import app
+from masonry_cd.foundation.errors import InputError
 from structures.kinds.building import build, plan_tables
 from structures.plans import open_plan
 
@@ -89,6 +90,17 @@ def test_a_wrong_key_in_a_plan_is_named(hut: Path):
     assert result.exit_code == 2
     assert 'walls[0].thicknes: unknown key (did you mean "thickness"?)' in result.stderr
     assert not (hut / "out").exists()
+
+
+def test_faults_of_a_drawing_far_from_the_origin_are_at_its_own_places(tmp_path: Path):
+    drawing = Drawing()
+    drawing.box((450_000.0, 90_000.0), (450_006.0, 90_000.5))
+    drawing.box((450_000.1, 90_000.0), (450_001.1, 90_000.5), "DOORS")
+    drawing.document.saveas(tmp_path / "hut.dxf")
+    with pytest.raises(InputError, match=r"^hut\.dxf: .*height of wall w1 at x = 450003\.00 m, y = 90000\.25 m"):
+        build({"plan": "hut.dxf"}, 2000.0, tmp_path)
+    with pytest.raises(InputError, match=r"^hut\.dxf: walls\[0\]\.openings\[0\]: .* at x = 450000\.00 m, y = 90000\.25 m"):
+        build({"plan": "hut.dxf", "wall_height": 3.0}, 2000.0, tmp_path)
 
 
 def test_the_schema_of_plans_takes_what_build_writes_and_no_more(hut: Path):

@@ -1,27 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walls along x and y: what kinds of structure with keys of their own draw of a plan, the beds that all of its walls share, and the ground.
+"""Walls along x and y with their openings: what kinds of structure with keys of their own draw of a plan.
 
 The engine of buildings makes the blocks (:mod:`structures.building.square_plan`). Where the footprints of two walls overlap, at a corner,
 a junction or a crossing, the courses take turns: in even ones the wall along x runs through and the wall along y stops against it, in odd
 ones the other way round. So the walls are interlocked without a cut stone, and no upright joint runs from bottom to top. Unbonded walls
-leave every such place to one of the two, a straight joint: a real and dangerous condition, so it must be asked for.
+leave every such place to one of the two, a straight joint: a real and dangerous condition, so it must be asked for. The frames of openings
+are those of all buildings (:mod:`structures.building.frames`). Heights are absolute, places count along the wall.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
-from masonry_cd.mechanics.model.blocks import Block
-from structures.geometry.prism import box
-from structures.layout.openings import Opening
+from structures.schema import HeadShape, OpeningTable
 
 CORE = "core"  # group of the middle one of three leaves
 SAME = 1e-9  # lengths closer than this are one [m]
-AROUND = 1.5  # of the height: how far the ground reaches around a structure
 
 
 class Sizes(NamedTuple):
@@ -29,6 +24,26 @@ class Sizes(NamedTuple):
 
     course: float
     unit: float
+
+
+@dataclass(frozen=True)
+class Opening:
+    """The measures of one opening [m]."""
+
+    key: str  # that draws it, for messages: "structure.openings[0]" or "structure.door_width"
+    centre: float
+    width: float
+    sill: float
+    height: float  # clear, to the crown of the intrados
+    head: HeadShape
+    depth: float  # of the lintel or of the ring
+    rise: float | None = None  # of a segmental intrados
+    bearing: float | None = None  # of a lintel
+
+    @property
+    def crown(self) -> float:
+        """Height of the top of the lintel or of the crown of the extrados."""
+        return self.sill + self.height + self.depth
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,13 +78,22 @@ class Wall:
         return [(self.start, low), (start, low), *upper, (end, low), (self.end, low)] if self.shoulder else upper
 
 
-def ground(blocks: Sequence[Block], depth: float, density: float) -> Block:
-    """A fixed slab under all blocks, its top at the lowest of them; so wide that what topples lies on it, and does not roll off at once."""
-    low = np.min([block.vertices.min(axis=0) for block in blocks], axis=0)
-    high = np.max([block.vertices.max(axis=0) for block in blocks], axis=0)
-    margin = AROUND * float(high[2] - low[2])
-    vertices, faces = box(
-        (float(low[0]) - margin, float(low[1]) - margin, float(low[2]) - depth),
-        (float(high[0]) + margin, float(high[1]) + margin, float(low[2])),
-    )
-    return Block("ground", vertices, faces, density, "base", fixed=True)
+def opening_of(table: OpeningTable, key: str, course: float) -> Opening:
+    """An opening in a wall whose foot is at z = 0, from its table, with the depth of its head filled in."""
+    depth = table.depth or (course if table.head in ("lintel", "flat") else natural_ring(table.width, course))
+    return Opening(key, table.centre, table.width, table.sill, table.height, table.head, depth, table.rise, table.bearing)
+
+
+def natural_bearing(width: float, unit: float) -> float:
+    """Of a lintel on each jamb [m]."""
+    return max(unit / 3.0, 0.15 * width)
+
+
+def natural_ring(width: float, course: float) -> float:
+    """Thickness of the voussoirs of an arch: a fifth of its span, for a small one up to a course [m]."""
+    return max(0.2 * width, min(0.8 * course, 0.35 * width))
+
+
+def voussoir_width(ring: float, course: float) -> float:
+    """Aimed at [m]."""
+    return max(0.6 * ring, min(0.8 * course, 1.2 * ring))
