@@ -10,7 +10,7 @@ from masonry_cd.analysis.limit.analysis import Analysis, Options
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.outcome import SearchNumbers
 from masonry_cd.analysis.limit.problem import plane_of
-from masonry_cd.analysis.limit.solution import AGREE
+from masonry_cd.analysis.limit.solution import AGREE, AGREEING
 from masonry_cd.foundation.quantities import in_words
 
 if TYPE_CHECKING:
@@ -60,7 +60,8 @@ def search_words(analysis: Analysis) -> str:
     open_end = least.starts - len(least.found)
     ended = f", {open_end} to no end" if open_end else ""
     wide = f", the largest found is {100.0 * least.spread:.2g} % above it" if len(least.found) > 1 else ""
-    sure = f"{least.agreeing} of {least.starts} starts came to it, none to less{ended}{wide}; no proof that it is the least"
+    near = f"{least.agreeing} of {least.starts} starts agree to {100.0 * AGREEING:g} %"
+    sure = f"{near}, none came to less{ended}{wide}; no proof that it is the least"
     return f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}"
 
 

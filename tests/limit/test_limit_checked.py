@@ -93,7 +93,7 @@ def test_without_a_search_or_with_one_start_nothing_is_satisfied(tmp_path: Path,
 
 
 def test_starts_that_do_not_agree_decide_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solution, "ALIKE", -1.0)  # none agree, not even with themselves
+    monkeypatch.setattr(solution, "AGREEING", -1.0)  # none agree, not even with themselves
     case = checked(tmp_path, 1.5)
     assert case.check is not None and case.check.verdicts[0].state == "not decided"
     assert "0 of 5 starts came to the least factor found" in case.check.verdicts[0].words

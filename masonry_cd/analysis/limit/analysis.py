@@ -14,7 +14,7 @@ from masonry_cd.analysis.limit.crushing import block_shares, crushable, cut_wher
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
 from masonry_cd.analysis.limit.problem import LimitProblem, Loads, limit_problem
 from masonry_cd.analysis.limit.programme import largest
-from masonry_cd.analysis.limit.search import least_factor
+from masonry_cd.analysis.limit.search import least_factor, polished, sought
 from masonry_cd.analysis.limit.solution import ALIKE, LeastFound, Optimum, Unbounded, merged
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -171,7 +171,7 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     if endless:
         answer = replace(answer, factor=math.inf)
     starts = 0 if problem.moves_support or not problem.live.any() else options.starts
-    problem, least = searched_finely(problem, lambda finer: searched(finer, best, starts, options.seed))
+    problem, least = searched_finely(problem, lambda finer: least_factor(finer, best, starts, options.seed))
     moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
     programmes = {RESTS: alone} | ({} if endless else {"the load factor, whose certificate says how far it holds": best})
     if least is not None:
@@ -200,18 +200,8 @@ def _scale(problem: LimitProblem) -> float:
     return max(float(np.linalg.norm(problem.dead)), 1e-300) / float(np.linalg.norm(problem.live))
 
 
-def searched(
-    problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0, known: LeastFound | None = None
-) -> LeastFound | None:
-    """The least factor without dilation of a number of starts, from the ``first`` one on; those before it found what is ``known``.
-
-    None of none, and where none came to an end.
-    """
-    return least_factor(problem, associated, starts, seed, first, known) if starts > first else None
-
-
 def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, made: int, most: int, seed: int) -> Analysis:
-    """An analysis in space whose search goes on until starts agree.
+    """An analysis in space whose search goes on until starts agree, two at a time, and whose least pair is then polished.
 
     Args:
         analysis: whose own search has ``made`` so many starts.
@@ -221,14 +211,16 @@ def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, mad
         most: to which it goes on.
         seed: of it.
     """
-    for number in range(made, most):
-        if analysis.least is not None and analysis.least.agreed:
-            break
-        more = searched(analysis.problem, analysis.associated.optimum, number + 1, seed, number, analysis.least)
-        least = merged(analysis.least, more, analysis.starts + 1)
-        moves = None if least is None else mechanism(analysis.problem, assembly, joints, least.optimum.velocity)
-        analysis = replace(analysis, least=least, least_mechanism=moves, starts=analysis.starts + 1)
-    return analysis
+    problem, best, least, starts = analysis.problem, analysis.associated.optimum, analysis.least, analysis.starts
+    while made < most and not (least is not None and least.agreed):
+        upto = min(made + 2, most)
+        starts += upto - made
+        least, made = merged(least, least_factor(problem, best, upto, seed, made, least), starts), upto
+    if least is None:
+        return replace(analysis, starts=starts)
+    if problem.axis is None:
+        least = polished(problem, least, sought(best))
+    return replace(analysis, least=least, least_mechanism=mechanism(problem, assembly, joints, least.optimum.velocity), starts=starts)
 
 
 def searched_finely(problem: LimitProblem, search: Callable[[LimitProblem], LeastFound | None]) -> tuple[LimitProblem, LeastFound | None]:

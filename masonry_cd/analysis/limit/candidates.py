@@ -25,13 +25,13 @@ from dataclasses import replace
 import numpy as np
 
 from masonry_cd.analysis.limit.admitted import admitted
-from masonry_cd.analysis.limit.analysis import HELD, Analysis, Options, largest_factor, searched, searched_finely
+from masonry_cd.analysis.limit.analysis import HELD, Analysis, Options, largest_factor, searched_finely
 from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, Found, alike, dilation, found_in
 from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.overturning import overturning_below
 from masonry_cd.analysis.limit.part import Part, Whole
 from masonry_cd.analysis.limit.problem import LimitProblem
-from masonry_cd.analysis.limit.search import CAP, Searched, begun_at
+from masonry_cd.analysis.limit.search import Searched, begun_at, least_factor, sought
 from masonry_cd.analysis.limit.solution import ALIKE, LeastFound, Optimum, Unbounded
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -58,7 +58,8 @@ def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options:
     bare = problem.without_ties()
     try:
         best, _ = largest_factor(bare)
-        least = searched(bare, best, options.starts, options.seed, known=analysis.least)  # what starts above it, starts higher with ties
+        # what starts far above the least factor with ties starts higher with them
+        least = least_factor(bare, best, options.starts, options.seed, known=analysis.least)
     except (InputError, Unbounded) as failure:
         return analysis, [], f"without its ties no load factor is found, and no mechanism: {failure}"
     if least is not None:
@@ -82,7 +83,7 @@ def with_overturning(analysis: Analysis, whole: Whole, direction: np.ndarray) ->
 
 def _begun_at(analysis: Analysis, assembly: Assembly, joints: Joints, mechanisms: Sequence[np.ndarray]) -> Analysis:
     """An analysis whose search has begun at velocities (unknowns,) as well."""
-    before, cap = Searched(analysis.least, analysis.starts), CAP * max(abs(analysis.associated.optimum.factor), 1e-3)
+    before, cap = Searched(analysis.least, analysis.starts), sought(analysis.associated.optimum)
     found = before
 
     def search(problem: LimitProblem) -> LeastFound | None:
@@ -125,6 +126,6 @@ def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
 
 def _named(suffix: str, associated: Optimum | None, least: LeastFound | None) -> list[Source]:
     """What a search found, the least first, and the associated mechanism where there is one."""
-    ends = () if least is None else sorted(least.ends, key=lambda end: end.factor)
+    ends = () if least is None else sorted(least.mechanisms, key=lambda end: end.factor)
     found = [*((SEARCH, end) for end in ends), *([] if associated is None else [(ASSOCIATED, associated)])]
     return [(source + suffix + (STOPPED if optimum.stopped else ""), optimum) for source, optimum in found]

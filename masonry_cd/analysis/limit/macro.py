@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import refuse_crushed, searched, searched_finely
+from masonry_cd.analysis.limit.analysis import refuse_crushed, searched_finely
 from masonry_cd.analysis.limit.crushing import solved_finely
 from masonry_cd.analysis.limit.found import ASSOCIATED, FREE, SEARCH, Found, alike, dilation, found_in, gravest_followed
 from masonry_cd.analysis.limit.linkage import with_displacements
@@ -19,7 +19,7 @@ from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
 from masonry_cd.analysis.limit.rigid_groups import RigidGroups, rigid_groups
-from masonry_cd.analysis.limit.search import Searched, begun_at
+from masonry_cd.analysis.limit.search import Searched, begun_at, least_factor
 from masonry_cd.analysis.limit.solution import LeastFound, Optimum, Unbounded
 from structures.macro_elements.element import HORIZONTAL_BENDING, MacroElement
 
@@ -135,7 +135,7 @@ def _searched(problem: LimitProblem, begin: tuple[int, int], known: Sequence[np.
     problem, best = solved_finely(problem, lambda finer: largest(finer, finer.dead, finer.live, MOST))
 
     def search(finer: LimitProblem) -> LeastFound | None:
-        own = Searched(searched(finer, best, *begin), begin[0])
+        own = Searched(least_factor(finer, best, *begin), begin[0])
         return begun_at(finer, own, known, MOST).least
 
     return best, searched_finely(problem, search)[1]

@@ -13,17 +13,20 @@ complementarity constraints (Ferris & Tin-Loi, Int. J. Mech. Sci. 43, 2001).
 for these forces the mechanism of least g: that of the associated problem with the strips |r_t| <= mu r'_n for cones, which open nothing
 (Gilbert, Casapulla & Ahmed, Computers & Structures 84, 2006; in space Portioli, Casapulla, Gilbert & Cascini, ibid. 142, 2014). And so on,
 with M_k that grow from round to round, fastest at the few points that have most of g: as long as they are small, forces may leave what a
-mechanism asks of them, so that a descent does not end where it began. Where it sticks before g is nothing, rounds of strips alone, each
-with the normal forces of the one before, move it on.
+mechanism asks of them, so that a descent does not end where it began. Where it sticks before g is nothing and no pair is known, rounds of
+strips alone, each with the normal forces of the one before, move it on.
 
 In space a stone may turn like a door about an upright edge through which all passes that bears on it. Nothing that is pressed slides, and
 no load at all starts it; real joints, pressed over an area, do not allow it. So strips of the corners of a joint share a little of their
-width, which leads descents past such mechanisms and is no part of g; where a descent comes to no pair so, it is made without.
+width, which leads descents past these and is no part of g; where a descent comes to no pair so, and none is known, it is made without.
 
 A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is no proof but the agreement
 of starts. The first begins at the associated mechanism, the second at the least normal forces in equilibrium, which press together nothing
 that need not be, others at random normal forces around these, by turns. Cone programmes are solved to a tolerance, so that g in space is
 small and not zero; it is reported.
+
+In space forces may differ a little everywhere, and factors of starts that come to one mechanism by some percent. Rounds that begin close
+to the least pair lower it until that takes off nothing.
 """
 
 from __future__ import annotations
@@ -48,6 +51,7 @@ ROUNDS = 24  # of a descent at most
 GROWS, LARGEST = 3.0, 1e3  # M_k, over w_1 . v = 1, begin at one and grow by this factor from round to round, up to that
 WORST, FASTER, MOST = 0.05, 10.0, 1e4  # those of points with more than this share of g grow by so much more, up to that
 LOWER = 2e-3  # share of the factor that a round takes off at least, once a pair is found
+POLISH, POLISHED = 9.0, 4  # M_k from which rounds lead from a pair to the next, lower by a percent in space; pairs at most
 STUCK, CLOSER = 1e-3, 0.8  # a round sticks that moves the factor by no more than this share of it and leaves more than that of g
 LOOSENED, STRIPS, AGAIN = 2, 4, 3.0  # times that a descent which sticks is moved on, by so many rounds of strips; the M_k after it
 WORSE = 0.1  # share by which forces may cost more than those of the round before, which would do as well: more is no answer
@@ -55,7 +59,8 @@ SPREAD = 0.1  # share of the width of a joint's strips in space that its corners
 IDLE = 1e-5  # power of the loads, over that of the largest factor that is looked for, up to which they do no work
 EXACT, NEARLY = 1e-7, 1e-3  # g of a pair, over the power of the loads: in a plane, and in space
 NO_POWER = 0.5  # w_1 . v of a programme of strips below which its factor is the cap: it is 1 elsewhere
-BEYOND = 0.4  # share of the least factor known by which a descent lies above it that is given up: e* of a mechanism is seldom below 0.7
+BEYOND = 0.25  # share of the least factor known by which a descent lies above it that is given up: their e* seldom differ as much
+CLOSE, FINER = 0.05, 0.1  # such a share, and the share of g of a pair, for rounds from the least pair itself
 LARGE = 1_000  # contact points from which on descents go on in several threads
 CAP = 10.0  # times the associated factor: the largest that is looked for
 
@@ -101,7 +106,7 @@ class Search:
     def __init__(self, problem: LimitProblem, cap: float, known: LeastFound | None = None) -> None:
         """``cap``: the largest factor that is looked for; ``known``: what was found before, far above which descents are given up."""
         self.problem, self.cap = problem, cap
-        self.known = np.inf if known is None else known.optimum.factor
+        self.known, self.beyond = np.inf if known is None else known.optimum.factor, BEYOND
         self.exact = EXACT if problem.axis is not None else NEARLY
 
     @cached_property
@@ -172,17 +177,17 @@ class Search:
         best: Pair | None = None
         for spread in (0.0,) if self.problem.axis is not None else (SPREAD, 0.0):
             try:
-                for pair in self._pairs(velocity, begin, spread):
+                for pair in self.pairs(velocity, begin, spread):
                     best = pair if best is None or pair[0].factor < best[0].factor else best
             except _GivenUp:
                 break
             except Unbounded:
                 pass
-            if best is not None:
+            if best is not None or self.known < np.inf:
                 break
         return best
 
-    def _pairs(self, velocity: np.ndarray, begin: float, spread: float) -> Iterator[Pair]:
+    def pairs(self, velocity: np.ndarray, begin: float, spread: float) -> Iterator[Pair]:
         """The pairs with a small g on the way down from a mechanism.
 
         Raises:
@@ -199,18 +204,19 @@ class Search:
             shares = self._gaps(asked, found) / power
             last, gap = (factor, gap), float(shares.sum())
             factor, normal, before = found.factor, normal_forces(self.problem, found), found
-            if (number or begin >= LARGEST) and factor > self.known + BEYOND * abs(self.known):
+            if (number or begin >= LARGEST) and factor > self.known + self.beyond * abs(self.known):
                 raise _GivenUp
             if gap <= self.exact:
                 yield replace(found, velocity=velocity, method=self._method), gap
-                if factor >= least * (1.0 - LOWER):
-                    return
+            if factor >= least * (1.0 - LOWER):
+                return
+            if gap <= self.exact:
                 least = factor
             penalty = np.minimum(GROWS * penalty, np.maximum(LARGEST, penalty))
             worst = shares[:-1] > WORST * gap
             penalty[worst] = np.minimum(FASTER * penalty[worst], MOST)
             if gap > self.exact and abs(factor - last[0]) <= STUCK * abs(factor) and gap > CLOSER * last[1]:
-                if loosened == LOOSENED:
+                if loosened == LOOSENED or self.known < np.inf:
                     return
                 normal, penalty, before, loosened = self._loosened(normal), np.full(len(penalty), AGAIN), None, loosened + 1
             velocity = self.mechanism_of(normal, spread)
@@ -270,10 +276,15 @@ def normal_forces(problem: LimitProblem, found: Optimum) -> np.ndarray:
     return np.maximum(found.force[:, 0] + problem.apex, 0.0)
 
 
+def sought(associated: Optimum) -> float:
+    """The largest factor that is looked for without dilation."""
+    return CAP * max(abs(associated.factor), 1e-3)
+
+
 def least_factor(
     problem: LimitProblem, associated: Optimum, starts: int, seed: int, first: int = 0, known: LeastFound | None = None
 ) -> LeastFound | None:
-    """The least factor that some starts come to, None where none comes to a pair.
+    """The least factor that some starts come to, None where none is made or comes to a pair.
 
     The second start, which is the quickest and often the best, is made before all others, so that these are given up in time.
 
@@ -285,11 +296,29 @@ def least_factor(
         first: number of the first that is made; those before it are left out.
         known: what these found.
     """
-    search = Search(problem, CAP * max(abs(associated.factor), 1e-3), known)
+    if starts <= first:
+        return None
+    search = Search(problem, sought(associated), known)
     begins = list(_begins(search, associated, starts, seed))[first:]
-    quick = search.each(search.descend_from, [begins.pop(1)]) if first == 0 and starts > 1 else []
+    quick = search.each(search.descend_from, [begins.pop(1)]) if known is None and len(begins) > 1 else []
     search.known = min([search.known, *(end[0].factor for end in quick)])
     return _found([*quick, *search.each(search.descend_from, begins)], starts - first)
+
+
+def polished(problem: LimitProblem, found: LeastFound, cap: float) -> LeastFound:
+    """A search whose least pair is lowered by rounds that begin close to it, from pair to pair, which is no further start."""
+    search, best = Search(problem, cap, found), (found.optimum, found.gap)
+    search.beyond, search.exact = CLOSE, FINER * search.exact
+    for _ in range(POLISHED):
+        try:
+            velocity = search.mechanism_of(normal_forces(problem, best[0]))
+            pair = next(search.pairs(velocity, POLISH, SPREAD), best)
+        except Unbounded:
+            break
+        if pair[0].factor >= best[0].factor:
+            break
+        best = pair
+    return LeastFound(*best, found.starts, found.ends)
 
 
 def _begins(search: Search, associated: Optimum, starts: int, seed: int) -> Iterator[Begin]:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-ALIKE = 2e-3  # factors that differ by no more than this share of the least agree
+ALIKE = 2e-3  # factors that differ by no more than this share of the least are one
+AGREEING = 2e-2  # starts agree that come to factors within this share of the least: checks keep a margin of 5 %
 AGREE = 2  # starts that come to the least factor before it counts as known: one start alone may miss it
 
 
@@ -32,7 +33,7 @@ class Optimum:
 class LeastFound:
     """The least factor of sliding without dilation that was found."""
 
-    optimum: Optimum
+    optimum: Optimum  # the least of the ends, or one below it to which descents that began there came
     gap: float  # g over the power of the loads
     starts: int
     ends: tuple[Optimum, ...]  # of each start that came to an end
@@ -43,10 +44,15 @@ class LeastFound:
         return tuple(end.factor for end in self.ends)
 
     @property
+    def mechanisms(self) -> tuple[Optimum, ...]:
+        """All that was found."""
+        return self.ends if any(end is self.optimum for end in self.ends) else (self.optimum, *self.ends)
+
+    @property
     def agreeing(self) -> int:
-        """Starts that came to it."""
-        best = self.optimum.factor
-        return sum(factor <= best + ALIKE * abs(best) for factor in self.found)
+        """Starts that came to the least of their ends."""
+        best = min(self.found)
+        return sum(factor <= best + AGREEING * abs(best) for factor in self.found)
 
     @property
     def agreed(self) -> bool:

@@ -11,8 +11,8 @@ import pytest
 from limit_loads import joined, push_loads
 from models import box, ground
 
-from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, searched, with_more_starts
-from masonry_cd.analysis.limit.search import CAP, Search
+from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, with_more_starts
+from masonry_cd.analysis.limit.search import CAP, Search, least_factor, polished
 from masonry_cd.analysis.limit.solution import merged
 from masonry_cd.limit.case import limit_case
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -31,9 +31,9 @@ def wedged(starts: int) -> tuple[Assembly, Joints, Analysis]:
 
 def test_starts_that_are_left_out_leave_the_others_as_they_are() -> None:
     _, _, analysis = wedged(0)
-    every = searched(analysis.problem, analysis.associated.optimum, 4, 7)
-    two = searched(analysis.problem, analysis.associated.optimum, 2, 7)
-    last = searched(analysis.problem, analysis.associated.optimum, 4, 7, 2, two)
+    every = least_factor(analysis.problem, analysis.associated.optimum, 4, 7)
+    two = least_factor(analysis.problem, analysis.associated.optimum, 2, 7)
+    last = least_factor(analysis.problem, analysis.associated.optimum, 4, 7, 2, two)
     both = merged(two, last, 4)
     assert every is not None and two is not None and both is not None
     assert (every.starts, two.starts) == (4, 2) and both.found == pytest.approx(every.found, rel=1e-9)
@@ -45,7 +45,15 @@ def test_a_search_goes_on_until_two_starts_agree_and_no_farther() -> None:
     more = with_more_starts(analysis, assembly, joints, 2, 8, 0)
     assert more.least is not None and more.least.agreed and more.starts < 8
     assert more.least.optimum.factor == pytest.approx(ALONE, rel=1e-4)
-    assert with_more_starts(more, assembly, joints, 2, 8, 0) is more
+    assert with_more_starts(more, assembly, joints, 2, 8, 0).starts == more.starts
+
+
+def test_rounds_from_the_least_pair_lower_it_and_are_no_start() -> None:
+    _, _, analysis = wedged(2)
+    assert analysis.least is not None
+    lower = polished(analysis.problem, analysis.least, CAP * analysis.associated.factor)
+    assert lower.optimum.factor <= analysis.least.optimum.factor and lower.gap < 1e-3
+    assert (lower.starts, lower.ends, lower.agreeing) == (analysis.least.starts, analysis.least.ends, analysis.least.agreeing)
 
 
 def test_programmes_that_are_set_up_once_give_what_each_gives_by_itself() -> None:
