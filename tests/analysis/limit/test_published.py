@@ -136,6 +136,11 @@ def test_horizontal_capacity_of_arches(ratio, push):
     assert pushed(arch(27, ratio), 10.0).associated.factor == pytest.approx(push, abs=1e-4)
 
 
+def test_oppenheims_arch():
+    """Seven voussoirs, 10 m to their middle, 1.5 m thick, embrace 157.5 degrees (Earthquake Eng. Struct. Dyn. 21, 1992)."""
+    assert pushed(arch(7, 0.15, 157.5), 10.0).associated.factor == pytest.approx(0.3736, abs=1e-4)
+
+
 @pytest.mark.parametrize(("ratio", "push"), [(0.125, 0.0655), (0.3, 0.5194)])
 def test_horizontal_capacity_of_arches_by_what_stands_under_a_push_that_is_held(ratio, push):
     assembly, joints = joined(arch(27, ratio), 10.0)
