@@ -16,7 +16,7 @@ from structures.building.axes import Leg
 from structures.building.columns import Row
 from structures.building.table import ArcadeTable, BuildingTable, BuildingWallTable, ButtressTable
 from structures.geometry.polygons import without_straight
-from structures.plans import place
+from structures.plans.places import place
 
 BUTTRESSES = "buttresses"  # their group
 RING = 0.38  # of a column: most that the ring of an arch takes of what two of them spring from

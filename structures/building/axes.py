@@ -20,7 +20,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from structures.building.table import ArcTable, BuildingWallTable
-from structures.plans import place
+from structures.plans.places import place
 
 GENTLE = math.radians(25.0)  # an axis that bends by more turns a corner
 SHARPEST = math.radians(60.0)  # bend between two chords of an arc

@@ -21,7 +21,7 @@ from masonry_cd.foundation.errors import Faults
 from masonry_cd.mechanics.model.components import connected_components
 from structures.building.axes import SAME, Facet, Leg, Span
 from structures.building.table import BuildingTable, JunctionBond
-from structures.plans import place
+from structures.plans.places import place
 
 LEAST_ANGLE = math.radians(25.0)  # of two walls that meet: stones of a sharper one would be slivers
 STUB = 0.1  # by which a wall that crosses another has to stick out beyond it [m]

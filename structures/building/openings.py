@@ -21,7 +21,7 @@ from structures.building.table import BuildingTable, WallOpeningTable
 from structures.building.widths import fat_pieces
 from structures.courser.bond import even
 from structures.geometry import polygons
-from structures.plans import place
+from structures.plans.places import place
 
 LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction or another frame [m]
 Frames = dict[tuple[int, int], list[Frame]]

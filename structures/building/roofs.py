@@ -18,7 +18,7 @@ from structures.building import vaults
 from structures.building.footprints import Plan
 from structures.building.table import BuildingRoofTable, BuildingTable, BuildingVaultTable
 from structures.geometry.prism import between
-from structures.plans import place
+from structures.plans.places import place
 from structures.ties import MODULI, Bar
 
 GROUP = "roof"

@@ -34,7 +34,7 @@ from structures.courser.vault_courses import barrel, crossing
 from structures.geometry import polygons
 from structures.geometry.compound_block import moved
 from structures.geometry.convex import halves
-from structures.plans import place
+from structures.plans.places import place
 
 PARALLEL = 1e-3  # of walls that carry a barrel, the sine of the angle between them
 CROSSING = 0.5  # sine of the angle between walls that make a corner of a bay, at least

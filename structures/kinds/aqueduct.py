@@ -3,8 +3,7 @@
 
 A tier is a bridge (:mod:`structures.bridge`) of equal semicircular spans on equal piers, whose spandrel walls
 (:mod:`structures.bridge.spandrels`) are as thick as it is wide, in place of fill. Upper tiers stand on the level top of the tier below, by
-default with the same pitch. The measures are of the order of Roman work in large squared blocks: the
-default is three openings of 5 m on piers of 2 m.
+default with the same pitch. The default, of the order of Roman work in large squared blocks, is three openings of 5 m on piers of 2 m.
 
 Groups, for friction and for damage by part: ``base``, ``pier1`` ..., ``arch1`` ..., ``spandrel1`` ... over the pier of that
 number, ``top`` for the courses that run over the crowns, and ``channel`` for walls and slabs of the channel on top; from a second

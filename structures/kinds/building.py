@@ -21,8 +21,9 @@ from structures.building.elements import parts
 from structures.building.table import BuildingTable
 from structures.kind import Keys, StructureKind, other_seed, scaled
 from structures.layout.ground import ground
-from structures.plans import Plan, drawn_about, open_plan
+from structures.plans import Plan, open_plan
 from structures.plans.keys import PlanKeys
+from structures.plans.places import drawn_about
 
 if TYPE_CHECKING:
     from structures.plans.recognised import Left

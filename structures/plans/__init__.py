@@ -6,9 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -34,26 +32,6 @@ class Plan(NamedTuple):
     left: list[Left]  # entities of a drawing that are not understood
     faults: Mapping[str, Fault] = MappingProxyType({})  # what walls lack that the drawing should say, by wall
     origin: tuple[float, float] = (0.0, 0.0)  # of the structure, in the coordinates of the drawing [m]
-
-
-ORIGIN: ContextVar[tuple[float, float]] = ContextVar("origin", default=(0.0, 0.0))  # of the plan of which messages speak [m]
-
-
-@contextmanager
-def drawn_about(origin: tuple[float, float]) -> Iterator[None]:
-    """Have messages give places in the coordinates of a drawing, in which the origin of the structure is this point [m]."""
-    token = ORIGIN.set(origin)
-    try:
-        yield
-    finally:
-        ORIGIN.reset(token)
-
-
-def place(point: Sequence[float] | np.ndarray) -> str:
-    """A point of the plan (2,) as messages give it: in the coordinates of its drawing, where it has one."""
-    origin = ORIGIN.get()
-    x, y = (f"{far + float(near):.2f}" if any(origin) else f"{near:.4g}" for near, far in zip(point, origin, strict=True))
-    return f"x = {x} m, y = {y} m"
 
 
 def read(path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -96,6 +74,7 @@ def _drawing(path: Path, keys: PlanKeys) -> Plan:
     from masonry_cd.foundation.errors import InputError
     from structures.files import foreign
     from structures.plans.entities import from_pieces
+    from structures.plans.places import drawn_about
     from structures.plans.recognised import counted, recognise
 
     pieces, figures, unread = foreign.read("structures.plans.dxf_file:read", path)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.errors import Fault, InputError
-from structures.plans import marks, place, single_lines
+from structures.plans import marks, single_lines
 from structures.plans.axes import Wall, walls_of
 from structures.plans.bands import Band, bands_of
 from structures.plans.edges import Faces, edges_of, faces_of
@@ -17,6 +17,7 @@ from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity
 from structures.plans.fitted import READ_AT, Drawn, beside_of, column_table, drawn, fit, opening_tables, vault_table
 from structures.plans.heights import Note, height_keys, nearest_wall
 from structures.plans.keys import PlanKeys
+from structures.plans.places import place
 
 MOST_EDGES = 8000  # on layers of walls: a plan of one floor has hundreds
 LEFT_OVER = 0.05  # of the ground of walls a piece this wide is worth a word [m]
