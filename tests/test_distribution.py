@@ -18,7 +18,7 @@ from masonry_cd import __version__
 from masonry_cd.foundation import kernel_store
 
 PACKAGES = ("masonry_cd", "structures", "loads", "reports")
-QUICK = ("loads/test_sinusoidal.py", "loads/test_readers.py", "foundation/test_errors.py")  # tests that need no kernels
+QUICK = ("loads/test_quantity.py", "loads/test_readers.py", "foundation/test_units.py")  # tests that need no kernels
 SCENE = """
 structure = {kind = "arch", span = 4.0, thickness = 0.6}
 material = {density = 2000.0, friction = 0.6}
