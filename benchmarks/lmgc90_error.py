@@ -83,11 +83,7 @@ def _problem(
     """The friction problem at q_m and LMGC90's impulses (C, 3), rows (n, t, s)."""
     blocks = np.stack([found["icdbdy"], found["ianbdy"]], axis=1).astype(np.int64) - 1
     frame = found["uc"].reshape(-1, 3, 3)[:, [1, 0, 2]]  # (C, 3 rows, 3): t, n, s -> n, t, s
-    jacobian = np.empty((len(blocks), 2, 3, 6))
-    for side, sign in ((0, 1.0), (1, -1.0)):
-        arm = found["coor"] - position[blocks[:, side]]
-        jacobian[:, side, :, :3] = sign * frame
-        jacobian[:, side, :, 3:] = sign * np.cross(arm[:, None, :], frame)
+    jacobian = Geometry.by_arms(frame, found["coor"][:, None] - position[blocks]).rows(blocks)
     offset = np.zeros((len(blocks), 3))
     offset[:, 0] = np.maximum(found["gap"].ravel(), 0.0) / scene.dt
     for side in range(2):
@@ -107,7 +103,7 @@ def _own_error(problem: FrictionProblem, impulse: np.ndarray, found: dict[str, n
     """The natural map error with LMGC90's local velocities."""
     u = np.ascontiguousarray(found["vloc"][:, [1, 0, 2]])
     u[:, 0] += np.maximum(found["gap"].ravel(), 0.0) / dt
-    scale = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / 3.0
+    scale = problem.arrays().d
     seen = LocalProblem(sparse.diags(np.repeat(scale, 3)).tocsr(), u - scale[:, None] * impulse, problem.mu)  # it has these velocities
     residual, _ = error_bodies(seen.arrays(), impulse)
     _, size = error_bodies(problem.arrays(), impulse)

@@ -20,7 +20,7 @@ from masonry_cd.mechanics.friction.problem import LocalProblem
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 UNIFORM = {True: 3, False: 6}  # strains of a uniform block in a plane or in space
-MESHED = 10  # and one that is meshed, whatever more
+MESHED = 10  # unknowns of a meshed block beyond those of a rigid one; any number has the same kernels
 SWEEPS = ("nlgs", "accelerated")  # solvers that blocks of all kinds meet in the tests
 UNREACHED = Options(tolerance=1e-300, max_iterations=2)  # so that each solver turns to all that it has
 

@@ -156,8 +156,15 @@ def thrown(speed: float) -> FrictionProblem:
     problem = wall(4, 6)
     offset = problem.offset.copy()
     ground = problem.bodies[:, 1] < 0
-    offset[ground] -= np.einsum("cij,j->ci", problem.jacobian[ground, 0, :, :3], np.array([speed, 0.0, 0.0]))
+    offset[ground] -= speed * problem.geometry.frame[ground, :, 0]
     return replace(problem, offset=offset)
+
+
+def off_centre(problem: FrictionProblem) -> FrictionProblem:
+    """A spatial problem whose blocks have coordinates that are not those of their centres of mass."""
+    shift = np.eye(6)
+    shift[:3, 3:] = [[0.0, 0.2, -0.3], [-0.2, 0.0, 0.1], [0.3, -0.1, 0.0]]
+    return replace(problem, inverse_mass=shift @ problem.inverse_mass @ shift.T)
 
 
 def packing(cells: int, mu: float, speed: float, seed: int = 0, radius: float = 0.05, step: float = 1e-3) -> FrictionProblem:

@@ -53,12 +53,12 @@ class ContactRows(NamedTuple):
         if count == len(self.gap):
             return self
         fields = {name: array[:count] for name, array in self._asdict().items() if name != "geometry"}
-        return ContactRows(**fields, geometry=Geometry(*[array[:count] for array in self.geometry]))
+        return ContactRows(**fields, geometry=self.geometry.of(slice(count)))
 
 
 @borrower()
 def support_velocity(rows, c, velocity):
-    """What supports with velocities (S, 3) move along the axes of contact c of ContactRows: three numbers."""
+    """Relative velocity that supports with velocities (S, 3) give contact c of ContactRows, along its axes: three numbers."""
     u = (0.0, 0.0, 0.0)
     for side in range(2):
         s = rows.supports[c, side]

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Assemble: the friction problem of the contacts at q_m.
 
-Each contact has a frame of unit vectors n, t1, t2, and at X an arm X - x on a block whose centre is at x. These are its H, of rigid blocks.
-Of blocks that deform H has rows. That along t is
+Each contact has a frame of unit vectors n, t1, t2 and, on each of its blocks, an arm X - x from the centre x of the block to the contact
+at X. Between rigid blocks these stand for its rows of H; where blocks deform a contact has the rows themselves. On a block that along t is
 
     sign (t, (X - x) x t),        sign = +1 on the candidate, -1 on the antagonist,
 
-and what strains add. The offset b holds the velocity of the supports and, on the normal, the gap over the step, max(g, 0) / h. In a plane a
-contact has the rows n and t1 only, and t1 lies in the plane. Elastic and bonded joints then put their law in, see ``joint_law.py``.
+followed by what strains add. The offset b holds the velocity of the supports and, on the normal, the gap over the step, max(g, 0) / h. In a
+plane a contact has the rows n and t1 only, and t1 lies in the plane. Elastic and bonded joints then put their law in, see ``joint_law.py``.
 """
 
 from __future__ import annotations

@@ -51,13 +51,12 @@ class Overload:
     def share(self, problem: FrictionProblem, tolerance: float) -> float:
         """What errors are to be divided by, over |q|; 1 at most. A problem of impacts has blocks that other contacts hold already."""
         blocks = self.blocks & (_gained(self.system, problem.v_free - self.v) > OVERLOADED * self.speed)
-        on = blocks[problem.bodies] & (problem.bodies >= 0)
-        part = problem.subset(on.any(axis=1))
-        if not part.contacts:
+        on = (blocks[problem.bodies] & (problem.bodies >= 0)).any(axis=1)
+        if not on.any():
             return 1.0
-        lightest = float(np.trace(part.delassus_diagonal(), axis1=1, axis2=2).max()) / problem.dimension
-        _, size = error_bodies(problem.arrays(), np.zeros((problem.contacts, problem.dimension)))
-        scale = AMPLE * self.speed * np.sqrt(problem.contacts / lightest)
+        given = problem.arrays()
+        _, size = error_bodies(given, np.zeros((problem.contacts, problem.dimension)))
+        scale = AMPLE * self.speed * np.sqrt(problem.contacts / given.d[on].max())
         return max(scale / size, min(1.0, ROUNDING / tolerance)) if scale < size else 1.0
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where contacts lie, by a frame and two arms, or else their rows of H: u = H v and H^T p of one side of a contact.
+"""Contacts by a frame and two arms, or else by their rows of H: u = H v and H^T p of one side of a contact.
 
 A contact between rigid blocks in space has the axes d = (n, t1, t2), right-handed, and lies at r_a and r_b from the centres of its bodies:
 
@@ -35,7 +35,7 @@ class Geometry(NamedTuple):
 
     @classmethod
     def by_arms(cls, frame: np.ndarray, arm: np.ndarray) -> Geometry:
-        """Contacts between rigid blocks by frames (C, k, k) and arms (C, 2, k)."""
+        """Contacts between rigid blocks by frames (C, k, k), right-handed in space, and arms (C, 2, k) [m]."""
         k = frame.shape[1]
         return cls(frame, arm, np.empty((0, 2, k, 3 * (k - 1))))
 
@@ -46,11 +46,11 @@ class Geometry(NamedTuple):
 
     @property
     def is_by_rows(self) -> bool:
-        """Whether the contacts have rows of H."""
+        """True if the contacts have rows of H."""
         return self.frame.shape[1] == BY_ROWS
 
-    def of(self, contacts: np.ndarray) -> Geometry:
-        """Some contacts, by a mask (C,) or their indices."""
+    def of(self, contacts: np.ndarray | slice) -> Geometry:
+        """Some contacts, by a mask (C,), their indices or a slice."""
         return Geometry(*(array[contacts] if len(array) else array for array in self))
 
     def rows(self, bodies: np.ndarray) -> np.ndarray:
@@ -84,7 +84,7 @@ def arm_at(contacts, c, side):
 
 @borrower(forceinline=True, fastmath={"contract"})
 def velocity_of_side(form, contacts, c, side, b, count, v):
-    """What body b, on one side of contact c, adds to H v, for v (B, n): three numbers, the last zero in a plane.
+    """The share of body b, on one side of contact c, in H v, for v (B, n): three numbers, the last zero in a plane.
 
     ``form`` is that of the contacts, ``count`` the unknowns of a body that has rows.
     """
@@ -195,7 +195,7 @@ def trace_by_arms(form, inverse, contacts, c, a, b):
 
 @borrower()
 def shares_faces(contacts, places, supports, first, c):
-    """Whether contact c lies on the same faces as contact ``first``: bodies at equal places (C, 2), not supports alone, and equal axes."""
+    """True if contact c lies on the same faces as contact ``first``: bodies at equal places (C, 2), not supports alone, and equal axes."""
     if places[c, 0] != places[first, 0] or places[c, 1] != places[first, 1] or min(places[c, 0], places[c, 1]) >= supports:
         return False
     for i in range(form_of(contacts)):

@@ -38,7 +38,7 @@ NARROWEST = 1e-6
 
 @kernel(inline="always")
 def has_friction(mu: float) -> bool:
-    """Whether a contact with this coefficient counts as one with friction."""
+    """True if a contact with this coefficient counts as one with friction."""
     return mu >= FRICTIONLESS
 
 

@@ -113,7 +113,7 @@ def add_symmetric_blocks(coupling, places, scale, share, symbolic, diagonal, low
 
 
 def is_definite(w: sparse.csr_matrix, shift: float) -> bool:
-    """Whether the symmetric part of W, with ``shift`` added to its diagonal, is positive definite: all of D in L D L^T is (Sylvester)."""
+    """True if the symmetric part of W, with ``shift`` added to its diagonal, is positive definite: all of D in L D L^T is (Sylvester)."""
     shifted = 0.5 * (w + w.T) + shift * sparse.identity(w.shape[0])
     try:
         _, pivots, _ = qdldl.Solver(sparse.triu(shifted, format="csc"), upper=True).factors()

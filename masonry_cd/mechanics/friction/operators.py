@@ -168,7 +168,7 @@ def add_product(problem, x, y, rows, one, other, out):
 
 @borrower(forceinline=True)
 def has_arms(problem):
-    """Whether contacts have frames and arms, which the type of n tells the compiler."""
+    """True if contacts have frames and arms, which the type of n tells the compiler."""
     return is_tuple(problem.n)
 
 

@@ -44,9 +44,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class FrictionProblem:
-    """A friction problem over rigid bodies: C contacts with m rows each, B free bodies with n unknowns each.
+    """A friction problem over bodies: C contacts with m rows each, B free bodies with n unknowns each.
 
-    In space m = 3 (normal, two tangents) and n = 6; in a plane m = 2 and n = 3.
+    In space m = 3 (normal, two tangents) and n = 6, in a plane m = 2 and n = 3; bodies that deform have more unknowns.
     """
 
     inverse_mass: np.ndarray  # (B, n, n) blocks of M^-1, symmetric positive definite

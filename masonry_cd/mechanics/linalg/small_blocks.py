@@ -27,7 +27,7 @@ def size_tuple(n: int) -> tuple[int, ...]:
 
 
 def room_for(count: int) -> int:
-    """Rows of wide blocks that have room for so many, in steps of STEP."""
+    """Rows of wide blocks with room for ``count``, in steps of STEP."""
     return max(-(-count // STEP), 1) * STEP
 
 

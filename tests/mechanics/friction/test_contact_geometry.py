@@ -13,13 +13,6 @@ from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
 
 
-def coupled(problem: FrictionProblem) -> FrictionProblem:
-    """The problem of blocks whose coordinates are not those of their centres of mass."""
-    shift = np.eye(6)
-    shift[:3, 3:] = [[0.0, 0.2, -0.3], [-0.2, 0.0, 0.1], [0.3, -0.1, 0.0]]
-    return replace(problem, inverse_mass=shift @ problem.inverse_mass @ shift.T)
-
-
 def on_one_block(problem: FrictionProblem) -> FrictionProblem:
     """The problem with a contact between two places of one block."""
     bodies = problem.bodies.copy()
@@ -55,7 +48,12 @@ def in_plane_on_one_block(problem: FrictionProblem) -> FrictionProblem:
     return on_one_block(scenes.in_plane(problem))
 
 
-CHANGES = {"centred": lambda problem: problem, "coupled": coupled, "on one block": on_one_block, "in a plane": in_plane_on_one_block}
+CHANGES = {
+    "centred": lambda problem: problem,
+    "coupled": scenes.off_centre,
+    "on one block": on_one_block,
+    "in a plane": in_plane_on_one_block,
+}
 
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)

@@ -170,7 +170,7 @@ def test_subtrees_give_the_answer_of_the_whole(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_the_order_of_the_two_blocks_of_a_contact_does_not_matter() -> None:
-    """With the sides of every contact swapped, as in problems from files, their axes are left-handed; the problem is the same one."""
+    """With the sides of every contact swapped, and rows of H as in problems from files, the problem is the same one."""
     problem = scenes.wall(3, 4)
     swapped = replace(problem, bodies=problem.bodies[:, ::-1].copy(), geometry=Geometry.by_rows(problem.jacobian[:, ::-1].copy()))
     one, other = (solve(each, Options(tolerance=1e-10), None) for each in (problem, swapped))

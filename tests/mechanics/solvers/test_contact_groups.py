@@ -91,10 +91,7 @@ def odd_rows() -> FrictionProblem:
 
 def coupled() -> FrictionProblem:
     """Blocks in space whose coordinates are not those of their centres of mass."""
-    problem = scenes.thrown(0.3)
-    shift = np.eye(6)
-    shift[:3, 3:] = [[0.0, 0.2, -0.3], [-0.2, 0.0, 0.1], [0.3, -0.1, 0.0]]
-    return replace(problem, inverse_mass=shift @ problem.inverse_mass @ shift.T)
+    return scenes.off_centre(scenes.thrown(0.3))
 
 
 def in_plane() -> FrictionProblem:
