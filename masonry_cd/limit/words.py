@@ -10,6 +10,7 @@ import numpy as np
 
 from masonry_cd.analysis.limit.candidates import UNTIED
 from masonry_cd.analysis.limit.crushed import crushed_lines
+from masonry_cd.analysis.limit.macro import MOST
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.outcome import on_the_whole
 from masonry_cd.analysis.limit.ties import tie_lines
@@ -65,8 +66,8 @@ def _part_lines(case: LimitCase) -> list[str]:
     """The parts, the gravest mechanism of each, and which are held; none where parts were not looked at by themselves."""
     some = [each.words for each in least_of(case.mechanisms) if each.part.element.name != THE_WHOLE]
     head = [_parts_in_words(case)] if case.whole is not None and case.parts else []
-    held = [f"{one.element.name} {way_words(one.direction)}" for one in case.parts if not one.mechanisms]
-    return [*head, *some, *([f"held, no mechanism below a factor of 5: {', '.join(held)}"] if held else [])]
+    held = [f"{one.element.name} {way_words(one.direction)}" for one in case.parts if one.held]
+    return [*head, *some, *([f"held, no mechanism below a factor of {MOST:g}: {', '.join(held)}"] if held else [])]
 
 
 def _parts_in_words(case: LimitCase) -> str:

@@ -18,6 +18,7 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.limit.case import LimitCase, Wanted, limit_case
 from masonry_cd.limit.checked import least_of
+from masonry_cd.limit.facts import facts
 from masonry_cd.limit.files import write
 from masonry_cd.mechanics.model.blocks import Block
 
@@ -128,6 +129,19 @@ def test_a_mechanism_above_the_ground_is_not_satisfied_by_the_motion_of_the_grou
         case = limit_case(scene(tmp_path, blocks, check, mu=0.8))
         assert case.verdict is not None and case.verdict.state == state
         assert ("limit.check." in case.verdict.because) == (state == "not decided")
+
+
+def test_a_part_that_does_not_stand_is_not_held_and_nothing_is_satisfied_with_it(tmp_path: Path) -> None:
+    """An arm whose centre of mass is beyond its foot falls with all else held; the slab alone is satisfied."""
+    arm = [box("foot", (3.0, -0.5, 0.0), (3.5, 0.5, 1.0)), box("arm", (3.0, -0.5, 1.0), (6.0, 0.5, 1.3))]
+    check = f'[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 1.5}\ndisplacements = false\n'
+    table = SLAB.replace('"slab"', '"foot", "arm"')
+    case = parts_of(scene(tmp_path, [*slabs()[:2], *arm], f"{check}{SLAB}{table}", mu=0.6))
+    assert least_rows(case)[0]["state"] == "satisfied"
+    assert case.verdict is not None and case.verdict.state == "not decided" and "no answer" in case.verdict.reason
+    assert not any("held, no mechanism" in line for line in said(case))
+    assert [part["held"] for part in facts(case)["parts"]] == [False, False]
+    assert any(line.startswith("foot and others, push -x: ") and "may not stand" in line for line in case.notes)
 
 
 def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path: Path) -> None:

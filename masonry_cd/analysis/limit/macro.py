@@ -54,6 +54,11 @@ class ElementAnalysis:
     doubt: str = ""  # why no demand counts as met after the search, in words; empty where one may
     search: str = ""  # what it came to, in words
 
+    @property
+    def held(self) -> bool:
+        """True where it was found to have no mechanism, not where the search for one came to no answer."""
+        return not self.mechanisms and not self.remarks
+
 
 def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[float], effort: Effort) -> ElementAnalysis:
     """All mechanisms of a macro-element under a push along a direction (3,).
