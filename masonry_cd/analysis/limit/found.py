@@ -18,6 +18,7 @@ from masonry_cd.analysis.limit.solution import ALIKE, Optimum
 from masonry_cd.foundation.quantities import counted
 
 SEARCH, ASSOCIATED = "search without dilation", "associated"
+STOPPED = ", the solver ended before its tolerance"
 FREE = "free least mechanism"
 SAME_HEIGHT = 1e-6  # [m]
 SAME = 5e-3  # share by which numbers of mechanisms that say the same may differ: their d0* are found in two ways
@@ -44,7 +45,7 @@ def found_in(part: Part, source: str, optimum: Optimum, dilates: float, name: st
     moves = _within(mechanism(part.problem, assembly, joints, optimum.velocity), part)
     called, stones = named(moves, part.whole, part.free, name)
     made, height = oscillator(part, moves, optimum.factor, dilates), held_at(moves, assembly, joints)
-    return Found(called, source, made, dilates, int(moves.moving.sum()), height, optimum.velocity, moves, stones)
+    return Found(called, source + (STOPPED if optimum.stopped else ""), made, dilates, int(moves.moving.sum()), height, optimum.velocity, moves, stones)
 
 
 def alike(one: Found, other: Found) -> bool:
