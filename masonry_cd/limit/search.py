@@ -10,7 +10,7 @@ from masonry_cd.analysis.limit.analysis import Analysis, Options
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.outcome import SearchNumbers
 from masonry_cd.analysis.limit.problem import plane_of
-from masonry_cd.analysis.limit.solution import AGREE, AGREEING
+from masonry_cd.analysis.limit.solution import AGREE, AGREEING, agreement
 from masonry_cd.foundation.quantities import in_words
 
 if TYPE_CHECKING:
@@ -60,8 +60,7 @@ def search_words(analysis: Analysis) -> str:
     open_end = least.starts - len(least.found)
     ended = f", {open_end} to no end" if open_end else ""
     wide = f", the largest found is {100.0 * least.spread:.2g} % above it" if len(least.found) > 1 else ""
-    near = f"{least.agreeing} of {least.starts} starts agree to {100.0 * AGREEING:g} %"
-    sure = f"{near}, none came to less{ended}{wide}; no proof that it is the least"
+    sure = f"{agreement(least.agreeing, least.starts)}, none came to less{ended}{wide}; no proof that it is the least"
     return f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}"
 
 
@@ -110,4 +109,5 @@ def _unsure(found: SearchNumbers, no_end: str) -> str:
         return f"{no_end}: raise limit.starts"
     if found.agreed:
         return ""
-    return f"{found.agreeing} of {found.starts} starts came to the least factor found, {AGREE} have to agree: raise limit.starts"
+    came = f"{found.agreeing} of {found.starts} starts came to the least factor found"
+    return f"{came}, {AGREE} have to agree to {100.0 * AGREEING:g} %: raise limit.starts"

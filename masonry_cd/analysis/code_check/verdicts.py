@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.limit.outcome import SearchNumbers
+from masonry_cd.analysis.limit.solution import agreement
 
 ON_THE_GROUND = 0.5  # height up to which the motion of the ground is that of a mechanism [m]
 HOLDS = 1e-9  # share by which a demand may exceed a capacity and be met
@@ -210,7 +211,7 @@ def searched_words(found: SearchNumbers | None) -> str:
     if found is None or not found.starts:
         return ""
     spread = "" if found.spread is None else f", spread {100.0 * found.spread:.2g} %"
-    return f"; {found.agreeing} of {found.starts} starts agree{spread}"
+    return f"; {agreement(found.agreeing, found.starts)}{spread}"
 
 
 def worst(found: Sequence[Verdict]) -> Verdict | None:
