@@ -53,10 +53,10 @@ GAP = 1e-8  # share of the width of a structure from which on gaps of its joints
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is looked at beside what the scene asks for.
+    """What is looked at in addition to what the scene asks for.
 
     Attributes:
-        parts: the macro-elements of the structure's kind, beside those of ``[[limit.mechanism]]``.
+        parts: the macro-elements of the structure's kind, in addition to those of ``[[limit.mechanism]]``.
         curve: the mechanism of the whole, followed also where the scene has no table ``[limit.curve]``.
         whole: look at the whole as well where the scene multiplies a load.
         jobs: processes for the parts; as many as there are cores by default.
@@ -83,7 +83,7 @@ class LimitCase:
     mechanisms: tuple[Checked, ...]  # of the whole and of all parts, the gravest first
     decides: Checked | None  # the mechanism with the verdict; None without a check
     notes: tuple[str, ...]  # what must not be overlooked
-    modelled: tuple[str, ...]  # masses, ties, floors and fill, in words
+    modelled: tuple[str, ...]  # a line on masses, and on ties, floors and fill
     seconds: float
 
     @property
@@ -124,7 +124,7 @@ def limit_case(
     Args:
         source: a scene, or its file.
         changes: of its keys, ``key=value``, where it is a file.
-        wanted: what is looked at beside what it asks for.
+        wanted: what is looked at in addition to what it asks for.
         keep: opens what keeps the parts that are done with; they are not kept by default.
 
     Raises:
@@ -226,7 +226,7 @@ def _next_to(own: ElementAnalysis, part: ElementAnalysis) -> ElementAnalysis:
 
 
 def has_pattern(scene: Scene) -> bool:
-    """Whether a scene names what a limit analysis of the whole multiplies."""
+    """True of a scene that names what a limit analysis of the whole multiplies."""
     if any(scene.limit.get(name) for name in PATTERNS):
         return True
     from loads.static import patterns
@@ -291,7 +291,7 @@ def _unchecked(analysis: Analysis) -> Verdict:
 
 
 def _notes_on(whole: WholeAnalysis, asked: CheckTable | None) -> list[str]:
-    """What is to be said of the analysis of the whole."""
+    """Notes on the analysis of the whole."""
     notes = [whole.left] if whole.left else []
     if asked is not None and (not whole.has_factor or whole.analysis.bears_nothing):
         notes.append("limit.check: no check: there is no load factor at which a mechanism would start")

@@ -87,7 +87,7 @@ def _factors(whole: WholeAnalysis) -> dict[str, Any]:
 
 
 def _basis(case: LimitCase) -> dict[str, Any]:
-    """What the check rests on: the search, why "satisfied" does not follow from it, and the mechanisms that were looked at."""
+    """The basis of the check: the search, why "satisfied" does not follow from it, and the mechanisms that were looked at."""
     each = case.decides
     assert each is not None
     looked = [other.row for other in looked_at(each, case.mechanisms)]

@@ -28,7 +28,7 @@ BORNE = GRAVITY / 6.0 / 1.35  # a0* of the slab of 0.5 by 3 m
 
 
 def slabs() -> list[Block]:
-    """A slab that leans at 1/6, and a low block beside it that leans at 2."""
+    """A slab that leans at 1/6, and a low block next to it that leans at 2."""
     return [ground(8.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0)), box("low", (3.0, -1.0, 0.0), (4.0, 1.0, 0.5))]
 
 
@@ -185,7 +185,7 @@ def test_what_cannot_be_is_one_line(tables: str, words: str, tmp_path: Path) -> 
     assert not (tmp_path / "out").exists()
 
 
-def test_the_damage_of_a_run_stands_beside_macro_elements_only(tmp_path: Path) -> None:
+def test_the_damage_of_a_run_stands_next_to_macro_elements_only(tmp_path: Path) -> None:
     path = scene(tmp_path, slabs(), SLAB)
     refused = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--run", str(tmp_path)])
     assert refused.exit_code == 2 and "has no damage.csv" in refused.output

@@ -207,7 +207,7 @@ def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, mad
     """An analysis in space whose search goes on until starts agree, two at a time, and whose least pair is then polished.
 
     Args:
-        analysis: whose own search has ``made`` so many starts.
+        analysis: whose own search has ``made`` this number of starts.
         assembly: its blocks.
         joints: of them.
         made: starts of its own.

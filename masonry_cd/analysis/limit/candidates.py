@@ -124,7 +124,7 @@ def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
 
 
 def _named(suffix: str, associated: Optimum | None, least: LeastFound | None) -> list[Source]:
-    """What a search found, the least first, and the associated mechanism where there is one."""
+    """The mechanisms that a search found, the least first, and the associated one where there is one."""
     ends = () if least is None else sorted(least.mechanisms, key=lambda end: end.factor)
     found = [*((SEARCH, end) for end in ends), *([] if associated is None else [(ASSOCIATED, associated)])]
     return [(source + suffix, optimum) for source, optimum in found]
