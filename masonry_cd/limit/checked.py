@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mechanisms with their check by a code: those of the whole and of its parts in one table, and the verdict of the gravest.
 
-Each is checked at the level of its own constraint lines. What counts as "satisfied" follows only where the search for the least mechanism of its
-part is sure. Stones of one course that slide by themselves, as on top of a wall, are no mechanism of the wall: they end the table, and
-decide where nothing else fails.
+Each is checked at the level of its own constraint lines. "satisfied" follows only where the search for the least mechanism of its part is
+sure. Stones of one course that slide by themselves, as on top of a wall, are no mechanism of the wall: they end the table, and decide where
+nothing else fails.
 """
 
 from __future__ import annotations

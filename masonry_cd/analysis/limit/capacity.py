@@ -7,8 +7,8 @@ may be another. Where no factor is borne, hinges pass to other joints (:mod:`mas
 the displacement of a control block along the load, until it vanishes.
 
 **Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (a descent of
-:mod:`masonry_cd.analysis.limit.search` from the associated mechanism), when ``starts`` asks for it; otherwise the factor is the associated one, an upper value, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not
-climb.
+:mod:`masonry_cd.analysis.limit.search` from the associated mechanism), when ``starts`` asks for it; otherwise the factor is the
+associated one, an upper value, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not climb.
 
 **Bond** is lost in joints that have hinged, slid or opened. **Ties** pull as they are then directed, those that yielded are longer for
 good, and those that have become shorter pull nothing until they are as long again.

@@ -42,7 +42,7 @@ class Effort:
 
 @dataclass(frozen=True, eq=False)
 class ElementAnalysis:
-    """Mechanisms of a macro-element under one push, and how they were searched for; the whole of a structure is the one that holds everything."""
+    """The mechanisms of a macro-element under one push, and their search; the whole of a structure is the one that holds everything."""
 
     element: MacroElement
     direction: np.ndarray
@@ -136,7 +136,7 @@ def _free(part: Part, known: Sequence[Found], effort: Effort) -> tuple[list[Foun
 
 
 def _searched(problem: LimitProblem, begin: tuple[int, int], known: Sequence[np.ndarray]) -> tuple[Optimum, LeastFound | None]:
-    """The associated answer of a problem and the least one without dilation, from starts (their number and seed) and from known mechanisms."""
+    """The associated answer of a problem and the least one without dilation, from starts (number, seed) and from known mechanisms."""
     problem, best = solved_finely(problem, lambda finer: largest(finer, finer.dead, finer.live, MOST))
 
     def search(finer: LimitProblem) -> LeastFound | None:
