@@ -184,6 +184,7 @@ def test_collapse_is_checked_by_displacements_alone(tmp_path: Path) -> None:
     assert case.verdict is not None and case.verdict.check == first["check"] == "non-linear"
     assert first["displacement"] == pytest.approx(0.6 * 0.25, rel=1e-2) and first["demand"] is None
     assert first["acceleration"] == pytest.approx(BORNE, rel=1e-3) and not any(row["state"] for row in others)
+    assert any(line.startswith("checked: the least ratio, by displacements, of ") for line in said(case))
     write(case, tmp_path / "out", pictures=False)
     (tmp_path / "low").mkdir()
     slides = scene(
