@@ -51,14 +51,14 @@ class LimitAnalysis(Sealed):
         """True of a structure that bears its dead loads.
 
         Raises:
-            InputError: parts alone were looked at; so do all values that are of the whole.
+            InputError: parts alone were looked at, as blocks, joints, curve and the pictures of the whole then raise, too.
         """
         return self._whole.analysis.stands
 
     @property
     def factor(self) -> float | None:
-        """The load factor, of associated sliding: an upper value. None where the structure does not stand, where supports move, or where no
-        factor is finite."""
+        """The load factor, of associated sliding: an upper value. None where the structure does not stand, where supports move, where no
+        factor is finite, or where parts alone were looked at."""
         found: float | None = self.summary.get("associated")
         return found
 

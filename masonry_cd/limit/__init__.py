@@ -12,7 +12,7 @@ search.py      how far the least factor is searched for
 left_state.py  the blocks where a run left them
 vehicle.py     the worst place of a vehicle
 curve.py       the capacity curve
-words.py       the analysis in words
+words.py       the lines that the terminal shows
 facts.py       limit.json
 assumed.py     the load factor without what is assumed
 kept.py        parts that are done with, for --resume

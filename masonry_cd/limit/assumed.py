@@ -35,7 +35,7 @@ class Without:
 
     @property
     def line(self) -> str:
-        """In words."""
+        """The line that is shown."""
         if self.factor is None:
             return f"without {self.words}: {self.why}"
         return f"without {self.words}: {f'load factor {self.factor:.4g}' if self.factor else 'it does not stand'}"

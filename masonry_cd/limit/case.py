@@ -27,7 +27,7 @@ from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.summary import masses
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.assumed import Without, without_assumptions
-from masonry_cd.limit.checked import Checked, checked, gravest, in_order
+from masonry_cd.limit.checked import Checked, checked, gravest, in_order, way_words
 from masonry_cd.limit.kept import Kept
 from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
 from masonry_cd.limit.search import doubt_of, search_numbers, ways
@@ -53,10 +53,10 @@ GAP = 1e-8  # share of the width of a structure from which on gaps of its joints
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is looked at beside what the scene asks for.
+    """What is looked at in addition to what the scene asks for.
 
     Attributes:
-        parts: the macro-elements of the structure's kind, beside those of ``[[limit.mechanism]]``.
+        parts: the macro-elements of the structure's kind, in addition to those of ``[[limit.mechanism]]``.
         curve: the mechanism of the whole, followed also where the scene has no table ``[limit.curve]``.
         whole: look at the whole as well where the scene multiplies a load.
         jobs: processes for the parts; as many as there are cores by default.
@@ -83,7 +83,7 @@ class LimitCase:
     mechanisms: tuple[Checked, ...]  # of the whole and of all parts, the gravest first
     decides: Checked | None  # the mechanism with the verdict; None without a check
     notes: tuple[str, ...]  # what must not be overlooked
-    modelled: tuple[str, ...]  # masses, ties, floors and fill, in words
+    modelled: tuple[str, ...]  # a line on masses, and on ties, floors and fill
     seconds: float
 
     @property
@@ -124,7 +124,7 @@ def limit_case(
     Args:
         source: a scene, or its file.
         changes: of its keys, ``key=value``, where it is a file.
-        wanted: what is looked at beside what it asks for.
+        wanted: what is looked at in addition to what it asks for.
         keep: opens what keeps the parts that are done with; they are not kept by default.
 
     Raises:
@@ -142,13 +142,13 @@ def limit_case(
             foundation_of(asked, structure.assembly)
             ground = ground_of(asked, scene.folder)
         parts, rows, notes = _parts(structure, ground, wanted, keep) if with_parts else ([], [], [])
-        whole, of_whole = _whole(structure, parts, wanted) if whole_too else (None, [])
+        whole, of_whole, on_parts = _whole(structure, parts, wanted) if whole_too else (None, [], [])
         assembly = structure.assembly if whole is None else whole.assembly
         rows = in_order([*checked(of_whole, asked, ground, assembly), *rows])
         decides = gravest(rows)
         loads = structure.loads_of_parts() if whole is None else whole.loads
     on_whole = [] if whole is None else _notes_on(whole, asked)
-    notes = [*on_whole, *notes, *_notes_on_structure(structure), *loads.notes]
+    notes = [*on_whole, *on_parts, *notes, *_notes_on_structure(structure), *loads.notes]
     modelled, seconds = (masses(assembly), *structure.made.notes), time.perf_counter() - begin
     return LimitCase(structure, wanted, ground, whole, crossing, tuple(parts), tuple(rows), decides, tuple(notes), modelled, seconds)
 
@@ -181,12 +181,19 @@ def _parts(
     notes = in_pieces(list(dict.fromkeys(element for element, _ in pushes)), structure.joints)
     if kept is not None and kept.others:
         notes.append(f"{kept.others} kept parts are of another scene, other blocks or another version: they were analysed again")
-    return found, rows, [*notes, *(f"{one.element.name}: {remark}" for one in found for remark in one.remarks)]
+    return found, rows, [*notes, *_remarks(found)]
 
 
-def _whole(structure: LimitStructure, parts: Sequence[ElementAnalysis], wanted: Wanted) -> tuple[WholeAnalysis, list[ElementAnalysis]]:
-    """The whole under the load of its scene, and what is known of its mechanisms: its own, and without ``parts`` those of rigid bodies of
-    its parts that may go along the push.
+def _remarks(parts: Sequence[ElementAnalysis]) -> list[str]:
+    """A line for each mechanism of a part and push that the solver has no answer for."""
+    return [f"{one.element.name}, push {way_words(one.direction)}: {remark}" for one in parts for remark in one.remarks]
+
+
+def _whole(
+    structure: LimitStructure, parts: Sequence[ElementAnalysis], wanted: Wanted
+) -> tuple[WholeAnalysis, list[ElementAnalysis], list[str]]:
+    """The whole under the load of its scene, what is known of its mechanisms: its own, and without ``parts`` those of rigid bodies of its
+    parts that may go along the push; and notes on these parts.
 
     Raises:
         InputError: loads that do not suit what is asked for, or no answer.
@@ -205,12 +212,12 @@ def _whole(structure: LimitStructure, parts: Sequence[ElementAnalysis], wanted: 
     with Progress(0, wanted.quiet, what="descent to the least factor") as progress, watched(progress.more):
         whole = analyse_whole(structure, loads, how, begun_at, wanted.curve)
     if not overturns or not whole.has_factor or whole.analysis.bears_nothing:
-        return whole, []
+        return whole, [], _remarks(along_push)
     own = as_part(whole)
-    return whole, [own, *(_beside(own, one) for one in along_push if asked.check)]
+    return whole, [own, *(_next_to(own, one) for one in along_push if asked.check)], _remarks(along_push)
 
 
-def _beside(own: ElementAnalysis, part: ElementAnalysis) -> ElementAnalysis:
+def _next_to(own: ElementAnalysis, part: ElementAnalysis) -> ElementAnalysis:
     """A part next to the whole, whose search counts for it: of one that holds all blocks only what the whole's own numbers do not say."""
     found = part.mechanisms
     if len(part.element.blocks) == len(own.element.blocks):
@@ -219,7 +226,7 @@ def _beside(own: ElementAnalysis, part: ElementAnalysis) -> ElementAnalysis:
 
 
 def has_pattern(scene: Scene) -> bool:
-    """Whether a scene names what a limit analysis of the whole multiplies."""
+    """True of a scene that names what a limit analysis of the whole multiplies."""
     if any(scene.limit.get(name) for name in PATTERNS):
         return True
     from loads.static import patterns
@@ -257,8 +264,8 @@ def _refuse_check(loads: StaticLoads, gravity: Sequence[float]) -> None:
 
 
 def _verdict(case: LimitCase) -> Verdict:
-    """The verdict of the gravest mechanism, on those that no check could be made of, and on a whole that has no load factor at which a
-    mechanism would start.
+    """The verdict of the gravest mechanism, on those that no check could be made of, on parts that the solver has no answer for, and on a
+    whole that has no load factor at which a mechanism would start.
 
     It names the load factors of the whole without what is assumed of it.
     """
@@ -267,6 +274,7 @@ def _verdict(case: LimitCase) -> Verdict:
     for each in case.mechanisms:
         if each.check is not None and each.decides is None and each.one.mechanism is not None:  # among the gravest of its part
             found.append(undecided(f"{each.words}: no check, {each.no_displacement}", each.part.numbers))
+    found += [undecided(remark) for remark in _remarks([part for part in case.parts if not part.mechanisms])]
     whole = case.whole
     if whole is not None and not (whole.has_factor and not whole.analysis.bears_nothing):
         found.append(_unchecked(whole.analysis))
@@ -283,7 +291,7 @@ def _unchecked(analysis: Analysis) -> Verdict:
 
 
 def _notes_on(whole: WholeAnalysis, asked: CheckTable | None) -> list[str]:
-    """What is to be said of the analysis of the whole."""
+    """Notes on the analysis of the whole."""
     notes = [whole.left] if whole.left else []
     if asked is not None and (not whole.has_factor or whole.analysis.bears_nothing):
         notes.append("limit.check: no check: there is no load factor at which a mechanism would start")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mechanisms with their check by a code: those of the whole and of its parts in one table, and the verdict of the gravest.
 
-Each is checked at the level of its own lowest line. What counts as "satisfied" follows only where the search for the least mechanism of its
-part is sure. Stones of one course that slide by themselves, as on top of a wall, are no mechanism of the wall: they end the table, and
-decide where nothing else fails.
+Each is checked at the level of its own constraint lines. "satisfied" follows only where the search for the least mechanism of its part is
+sure. Stones of one course that slide by themselves, as on top of a wall, are no mechanism of the wall: they end the table, and decide where
+nothing else fails.
 """
 
 from __future__ import annotations
@@ -89,12 +89,12 @@ class Checked:
 
     @property
     def height(self) -> float:
-        """Of the line at which it is held, above the foundation, or without a check above the lowest block [m]."""
+        """The height at which it is held above the foundation, or without a check its z [m]."""
         return self.one.height if self.level is None else self.level.height
 
     @property
     def doubt(self) -> str:
-        """Why "satisfied" does not follow, in words; empty where it may."""
+        """The reason why "satisfied" does not follow; empty where it may."""
         return (self.level.doubt if self.level is not None else "") or self.part.doubt
 
     @property
@@ -104,12 +104,12 @@ class Checked:
 
     @property
     def severity(self) -> tuple[int, float]:
-        """By which the table is in order: how grave the check that decides is, or a0* [m/s2] without one."""
+        """The key that orders the table: how grave the check that decides is, or a0* [m/s2] without one."""
         return (len(WORST_FIRST), self.acceleration) if self.decides is None else how_grave(self.decides)
 
     @property
     def words(self) -> str:
-        """The mechanism in a line."""
+        """The mechanism as a line."""
         row, made = self.row, self.one.oscillator
         of = f"{row['element']}, push {row['push']}"
         a0 = f"alpha0 {made.alpha:.4g}, e* {made.fraction:.3g}, a0* {row['acceleration']:.4g} m/s2{held_words(self.height)}"

@@ -17,7 +17,7 @@ from masonry_cd.limit.words import lines
 
 @dataclass(frozen=True)
 class Files:
-    """Where the files of an analysis go.
+    """The folder for the files of an analysis, and what is written there.
 
     Attributes:
         folder: for them, made if need be.
@@ -25,7 +25,7 @@ class Files:
         resume: continue an analysis of this scene that was stopped in this folder; parts that are kept there are not analysed again.
         pictures: draw them.
         view: of the pictures.
-        run: folder of a run, whose damage stands beside the parts.
+        run: folder of a run, whose damage stands next to the parts.
     """
 
     folder: Path
@@ -41,7 +41,7 @@ def limit(scene: Scene, wanted: Wanted, files: Files | None = None) -> Result[Li
 
     Args:
         scene: what is analysed.
-        wanted: what is looked at beside what it asks for.
+        wanted: what is looked at in addition to what it asks for.
         files: where it is written; nowhere by default.
 
     Raises:
@@ -76,6 +76,6 @@ def _refuse_files(scene: Scene, wanted: Wanted, files: Files) -> None:
     if files.run is None:
         return
     if not (wanted.parts or scene.limit.get("mechanism")):
-        raise InputError("--run", "stands beside macro-elements only; give --macro-elements")
+        raise InputError("--run", "its damage stands next to macro-elements only; give --macro-elements")
     if not (files.run / "damage.csv").exists():
         raise InputError("--run", f"{files.run} has no damage.csv; a run writes it where [report] damage = true")

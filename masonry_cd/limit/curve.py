@@ -32,14 +32,14 @@ def follow(table: CurveTable, assembly: Assembly, joints: Joints, loads: StaticL
     if table.control is not None and table.control not in assembly.names:
         raise InputError("limit.curve.control", f'there is no block "{table.control}"')
     if loads.kind == "tilt" and (not loads.only_gravity or assembly.laws.apex.any()):
-        raise InputError("limit.curve", "beside point loads, ties or bond a tilt is no push, and only a push is followed; give limit.push")
+        raise InputError("limit.curve", "with point loads, ties or bond a tilt is no push, and only a push is followed; give limit.push")
     control = None if table.control is None else assembly.names.index(table.control)
     limit = np.inf if table.displacement is None else table.displacement
     return capacity_curve(assembly, joints, loads.at(), CurveOptions(options, table.steps, control, limit))
 
 
 def curve_lines(curve: CapacityCurve, names: tuple[str, ...]) -> list[str]:
-    """The curve in words."""
+    """The lines on the curve."""
     last, peak = float(curve.displacement[-1]), curve.peak
     line = f'capacity curve: {len(curve.factor)} points, control block "{names[curve.control.block]}"; '
     line += (
@@ -62,7 +62,7 @@ def _places(curve: CapacityCurve, points: tuple[int, ...]) -> str:
 
 
 def numbers(curve: CapacityCurve, names: tuple[str, ...]) -> dict[str, Any]:
-    """What capacity.json holds."""
+    """The contents of capacity.json."""
     return {
         "control": {
             "block": names[curve.control.block], "point": curve.control.point.tolist(), "direction": curve.control.direction.tolist(),
@@ -119,7 +119,7 @@ def write_curve(curve: CapacityCurve, names: tuple[str, ...], folder: Path) -> l
 
 
 def draw_curve(curve: CapacityCurve, names: tuple[str, ...], folder: Path, about: tuple[str, str], view: str) -> Path:
-    """Draw capacity.png; ``about`` are the title of the scene and its load in words.
+    """Draw capacity.png; ``about`` are the title of the scene and its load.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL.

@@ -87,7 +87,7 @@ def _factors(whole: WholeAnalysis) -> dict[str, Any]:
 
 
 def _basis(case: LimitCase) -> dict[str, Any]:
-    """What the check rests on: the search, why "satisfied" does not follow from it, and the mechanisms that were looked at."""
+    """The basis of the check: the search, why "satisfied" does not follow from it, and the mechanisms that were looked at."""
     each = case.decides
     assert each is not None
     looked = [other.row for other in looked_at(each, case.mechanisms)]
@@ -100,6 +100,6 @@ def _of_a_part(case: LimitCase, part: ElementAnalysis) -> dict[str, Any]:
     search = None if numbers["least"] is None else {key: numbers[key] for key in ("least", "starts", "agreeing", "spread")}
     return {
         "element": part.element.name, "kind": part.element.kind, "push": way_words(part.direction), "points": part.points,
-        "interlock_n": part.interlock, "search": search, "held": not part.mechanisms, "remarks": list(part.remarks),
+        "interlock_n": part.interlock, "search": search, "held": part.held, "remarks": list(part.remarks),
         "blocks": [case.structure.assembly.names[b] for b in part.element.blocks],
     }  # fmt: skip

@@ -32,7 +32,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
         folder: for the files.
         pictures: draw them.
         view: of the pictures.
-        run: the folder of a run, whose damage stands beside the parts.
+        run: the folder of a run, whose damage stands next to the parts.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL for the pictures, a run without damage.csv; the tables are written by then.
@@ -76,13 +76,13 @@ def _curve_lines(whole: WholeAnalysis | None) -> list[str]:
 
 
 def _options(case: LimitCase) -> list[str]:
-    """The options of the command beside what the scene asks for."""
+    """The options of the command in addition to what the scene asks for."""
     curve = case.whole is not None and case.whole.curve is not None and "curve" not in case.scene.limit
     return [*(["--curve"] if curve else []), *(["--macro-elements"] if case.wanted.parts else [])]
 
 
 def _damage(case: LimitCase, run: Path) -> dict[str, str]:
-    """What a run did to the groups of each part, by its name."""
+    """The damage of a run to the groups of each part, by its name."""
     known, assembly, out = damage_by_group(run), case.structure.assembly, {}
     for part in case.parts:
         groups = [assembly.groups[g] for g in sorted(set(assembly.group_of[part.element.blocks].tolist()))]

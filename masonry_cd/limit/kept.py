@@ -3,7 +3,7 @@
 
 ``parts.kept`` has a record for each part and push: its length, and the pickled analysis behind a stamp of scene, blocks and version. A part
 of another stamp is analysed again, and the last record is left out where a kill cut it short. Only our own values and arrays are read.
-mechanisms.csv grows beside it. Once all is written, parts.kept goes.
+mechanisms.csv grows next to it. Once all is written, parts.kept goes.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ class Kept:
 
 
 def _key(part: ElementAnalysis) -> tuple[str, tuple[float, ...]]:
-    """The part and where to it is pushed."""
+    """The name of a part and the direction of its push."""
     return part.element.name, tuple(part.direction.tolist())
 
 

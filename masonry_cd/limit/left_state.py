@@ -35,7 +35,7 @@ SAME = 1e-6  # share of the smallest width by which corners of the same block ma
 
 def left_state(structure: LimitStructure, loads: StaticLoads) -> tuple[LimitStructure, StaticLoads, str]:
     """A structure where the run that its table ``[limit]`` names left it, the loads on it there, and which run, when, and how far blocks
-    are from their places, in words.
+    are from their places, as a line.
 
     Raises:
         InputError: no such run, one of other blocks or of blocks that deform, a time that it does not have, or joints that crush.
@@ -123,7 +123,7 @@ def _frame(results: Results, time: float | None) -> int:
 
 
 def against_undamaged(now: Analysis, whole: Analysis) -> str:
-    """What is left of the load factor of the structure as built, in words."""
+    """The line on what is left of the load factor of the structure as built."""
     if not now.stands:
         return (
             f"as built it bore its dead loads, and now {100.0 * max(now.standing, 0.0):.3g} % of them"
@@ -135,15 +135,15 @@ def against_undamaged(now: Analysis, whole: Analysis) -> str:
     if not whole.stands:
         return f"as built it did not stand under its dead loads; {_factor_words(now)} now"
     if now.endless or whole.endless or whole.bears_nothing or ((now.unlimited or whole.unlimited) and None in (now.least, whole.least)):
-        return f"{_factor_words(now)} beside {_factor_words(whole)} as built"
+        return f"{_factor_words(now)} against {_factor_words(whole)} as built"
     searched = now.least is not None and whole.least is not None
     factor, before = ((each.governing if searched else each.associated).factor for each in (now, whole))
     rule = "" if searched or not (now.starts or whole.starts) else ", both associated: a search came to no end"
-    return f"load factor {factor:.4g} beside {before:.4g} as built, {100.0 * factor / before:.3g} %{rule}"
+    return f"load factor {factor:.4g} against {before:.4g} as built, {100.0 * factor / before:.3g} %{rule}"
 
 
 def _factor_words(analysis: Analysis) -> str:
-    """The load factor of a structure that stands, in words."""
+    """The load factor of a structure that stands, as a phrase."""
     if analysis.endless:
         return "no finite load factor"
     return (

@@ -34,11 +34,11 @@ if TYPE_CHECKING:
     from masonry_cd.app.static_loads import StaticLoads
     from masonry_cd.limit.kept import Kept
 
-STARTS = 2  # of the free search within a part, beside those at the mechanisms of practice
-SEARCHED = 2_500  # contact points of a part up to which it is made unasked: some 10 s of processor time for a push
+STARTS = 2  # of the free search within a part, in addition to those at the mechanisms of practice
+SEARCHED = 2_500  # contact points of a part up to which it is made by default: some 10 s of processor time for a push
 TOWARDS = 0.7  # cosine of the angle between a push and the line of one of a part's own up to which it may go that way: 45 degrees
 
-Push = tuple[MacroElement, tuple[float, float, float]]  # a part, and where to
+Push = tuple[MacroElement, tuple[float, float, float]]  # a part, and the direction
 
 
 def whole_of(structure: LimitStructure, loads: StaticLoads) -> Whole:
@@ -88,7 +88,7 @@ def analysed(
 
     Args:
         whole: their structure.
-        pushes: the parts, each with where to.
+        pushes: the parts, each with its direction.
         effort: how much is looked for.
         how: number of processes, which share the structure, and whether no progress is reported.
         kept: the parts that are done already.
@@ -126,7 +126,7 @@ def elements_of(tables: Sequence[MechanismTable], named: Sequence[MacroElement],
     Args:
         tables: of the scene.
         named: the parts of the structure.
-        every: look at all of these, beside those of the tables.
+        every: look at all of these, in addition to those of the tables.
         assembly: the blocks.
 
     Raises:

@@ -10,7 +10,7 @@ from masonry_cd.analysis.limit.analysis import Analysis, Options
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.outcome import SearchNumbers
 from masonry_cd.analysis.limit.problem import plane_of
-from masonry_cd.analysis.limit.solution import AGREE, AGREEING
+from masonry_cd.analysis.limit.solution import AGREE, AGREEING, agreement
 from masonry_cd.foundation.quantities import in_words
 
 if TYPE_CHECKING:
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 STARTS = 4  # of the search in a plane; for a check in space at most, until starts agree: two from each end of what normal forces may be
 FIRST = 2  # of these that are made in any case, one from each end
-SEARCHED = 15_000  # points in space up to which a check searches unasked: two starts take 47 s of processor time at 10,600, 140 s at 14,500
+SEARCHED = (
+    15_000  # points in space up to which a check searches by default: two starts take 47 s of processor time at 10,600, 140 s at 14,500
+)
 ASK = "limit.starts = 2 does"
 
 
@@ -37,7 +39,7 @@ class Ways:
 def ways(structure: LimitStructure, loads: StaticLoads) -> Ways:
     """How to solve as the table ``[limit]`` of a structure asks for it.
 
-    In space each start is expensive: unasked a search is made for a check only, of a structure that is not large, and ends where starts
+    In space each start is expensive: by default a search is made for a check only, of a structure that is not large, and ends where starts
     agree; no curve is followed by it.
     """
     asked, seed = structure.asked, structure.scene.run.seed
@@ -51,7 +53,7 @@ def ways(structure: LimitStructure, loads: StaticLoads) -> Ways:
 
 
 def search_words(analysis: Analysis) -> str:
-    """What a search came to: the least factor, starts, agreement and spread; or why there is no such factor."""
+    """The outcome of a search as a line: the least factor, starts, agreement and spread; or why there is no such factor."""
     least = analysis.least
     if least is None:
         off = f"not searched for; {ASK}, at some ten times the cost of the associated factor each"
@@ -60,8 +62,7 @@ def search_words(analysis: Analysis) -> str:
     open_end = least.starts - len(least.found)
     ended = f", {open_end} to no end" if open_end else ""
     wide = f", the largest found is {100.0 * least.spread:.2g} % above it" if len(least.found) > 1 else ""
-    near = f"{least.agreeing} of {least.starts} starts agree to {100.0 * AGREEING:g} %"
-    sure = f"{near}, none came to less{ended}{wide}; no proof that it is the least"
+    sure = f"{agreement(least.agreeing, least.starts)}, none came to less{ended}{wide}; no proof that it is the least"
     return f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}"
 
 
@@ -78,25 +79,25 @@ def certificate_lines(analysis: Analysis) -> list[str]:
 
 
 def search_numbers(analysis: Analysis) -> SearchNumbers:
-    """What a search came to, in numbers."""
+    """The outcome of a search in numbers."""
     upper = None if analysis.unlimited else analysis.associated.factor
     return SearchNumbers.of(upper, analysis.least, analysis.starts)
 
 
 def doubt(analysis: Analysis) -> str:
-    """Why no demand counts as met after a search, in words; empty where one may.
+    """The reason why no demand counts as met after a search; empty where one may.
 
     The static value of the associated programme does not count: it is no lower bound where joints slide without dilation.
     """
     if not analysis.starts:
         large = analysis.problem.axis is None and analysis.problem.points.count > SEARCHED
-        size = f" of more than {SEARCHED:,} contact points" if large else ""
-        return f"the least factor without dilation is not searched for unasked{size}: {ASK}"
+        size = f" in a structure of more than {SEARCHED:,} contact points" if large else ""
+        return f"the least factor without dilation is not searched for by default{size}: {ASK}"
     return _unsure(search_numbers(analysis), f"of {analysis.starts} starts of the search for the least factor none came to an end")
 
 
 def doubt_of(part: ElementAnalysis, effort: Effort) -> str:
-    """Why no demand counts as met by a part after its search, in words; empty where one may."""
+    """The reason why no demand counts as met by a part after its search; empty where one may."""
     if part.remarks:
         return part.remarks[0]
     if part.numbers.least is None and part.points > effort.most_points:
@@ -110,4 +111,5 @@ def _unsure(found: SearchNumbers, no_end: str) -> str:
         return f"{no_end}: raise limit.starts"
     if found.agreed:
         return ""
-    return f"{found.agreeing} of {found.starts} starts came to the least factor found, {AGREE} have to agree: raise limit.starts"
+    came = f"{found.agreeing} of {found.starts} starts came to the least factor found"
+    return f"{came}, {AGREE} have to agree to {100.0 * AGREEING:g} %: raise limit.starts"

@@ -38,10 +38,10 @@ PATTERNS = ("push", "tilt", "live")  # keys of [limit] that multiply something
 
 @dataclass(frozen=True, eq=False)
 class Crossing:
-    """What a vehicle that crosses a bridge may weigh."""
+    """The load factors of a vehicle that crosses a bridge."""
 
     load: int  # its place in [[loads]]
-    vehicle: str  # in words
+    vehicle: str  # its name, or how many axles it has
     position: np.ndarray  # (M,) of the first axle along the road [m], growing
     factor: np.ndarray  # (M,) associated; inf where any multiple is borne
     spans: tuple[tuple[float, float], ...]  # from springing to springing of the spans [m]
@@ -60,7 +60,7 @@ class Crossing:
         }  # fmt: skip
 
     def line(self) -> str:
-        """In words."""
+        """The line that is shown."""
         least, place = float(self.factor[self.worst]), float(self.position[self.worst])
         first, last = float(self.position[0]), float(self.position[-1])
         return (
@@ -123,7 +123,7 @@ def _placed(scene: Scene, number: int, position: float) -> Scene:
 
 
 def _places(structure: LimitStructure, number: int) -> Places:
-    """Between which places of the first axle any of them stands on the bridge."""
+    """The first and last place of the first axle at which any axle stands on the bridge, and the vehicle."""
     from loads import kind_of, parse_load
 
     given, where = structure.scene.loads[number], f"loads[{number}]"
@@ -157,15 +157,15 @@ def _crossing(structure: LimitStructure, number: int, quiet: bool) -> Crossing |
 
 
 def _look(at: Callable[[float], float], places: Sequence[float], close: float) -> None:
-    """Ask for a value at places, and halve those beside the least of them until they are close."""
+    """Ask for a value at places, and halve those next to the least of them until they are close."""
     values = {place: at(place) for place in places}
     while True:
         ordered = sorted(values)
         k = ordered.index(min(ordered, key=lambda place: values[place]))
-        beside = [ordered[j] for j in (k - 1, k + 1) if 0 <= j < len(ordered) and abs(ordered[j] - ordered[k]) > close]
-        if not beside or not math.isfinite(values[ordered[k]]):
+        near = [ordered[j] for j in (k - 1, k + 1) if 0 <= j < len(ordered) and abs(ordered[j] - ordered[k]) > close]
+        if not near or not math.isfinite(values[ordered[k]]):
             return
-        for place in beside:
+        for place in near:
             values[0.5 * (place + ordered[k])] = at(0.5 * (place + ordered[k]))
 
 
@@ -182,7 +182,7 @@ def _factor(scene: Scene, structure: LimitStructure) -> float:
 
 
 def _spans(fill: Fill) -> tuple[tuple[float, float], ...]:
-    """Where the arches of a bridge begin and end along the road [m]."""
+    """The beginning and end of each arch of a bridge along the road [m]."""
     reach: dict[str, list[float]] = {}
     for face in fill.faces:
         if face.kind == "extrados":

@@ -53,7 +53,7 @@ class WholeAnalysis:
     analysis: Analysis
     how: Ways
     untied: Sequence[Source]  # mechanisms found without the ties
-    no_untied: str  # why there are none of these, in words; empty where there are, and without ties
+    no_untied: str  # the reason why there are none of these; empty where there are, and without ties
     curve: CapacityCurve | None = None
     left: str = ""  # by a run: from where it is, and what that does to the factor
     spare: LittleLeft | None = None  # of the strength under the dead loads
@@ -101,7 +101,7 @@ def analyse_whole(
     Args:
         structure: with its scene.
         loads: on it.
-        how: far its least factor is searched for.
+        how: how far its least factor is searched for.
         parts: macro-elements, at whose gravest mechanisms the search begins as well where they go with the push.
         curve: follow the mechanism, also where the scene has no table ``[limit.curve]``.
 
@@ -132,7 +132,7 @@ def analyse_whole(
 
 
 def _analysed(structure: LimitStructure, loads: StaticLoads, options: Options) -> Analysis:
-    """The limit analysis; of a tilt beside loads that do not turn with it, at the angle that belongs to its own factor."""
+    """The limit analysis; of a tilt with loads that do not turn with it, at the angle that belongs to its own factor."""
     assembly, joints = structure.assembly, structure.joints
     if loads.kind != "tilt" or (loads.only_gravity and not assembly.laws.apex.any()):
         return analyse(assembly, joints, loads.at(), options)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A limit analysis in words: the factor and how sure it is, the mechanism, those of parts, the check by a code."""
+"""The lines of a limit analysis: the factor and how sure it is, the mechanism, those of parts, the check by a code."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from masonry_cd.analysis.code_check.verdicts import NON_LINEAR
 from masonry_cd.analysis.limit.candidates import UNTIED
 from masonry_cd.analysis.limit.crushed import crushed_lines
+from masonry_cd.analysis.limit.macro import MOST
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.outcome import on_the_whole
 from masonry_cd.analysis.limit.ties import tie_lines
@@ -29,7 +31,7 @@ NAMED = 6  # blocks that a line names
 
 
 def lines(case: LimitCase) -> list[str]:
-    """The analysis in words: the verdict, what was found, the check by a code, and what is modelled."""
+    """All lines of the analysis: the verdict, what was found, the check by a code, and what is modelled."""
     verdict = on_the_whole(facts(case))
     how = _how_lines(case.whole) if case.whole is not None and case.whole.has_factor else []
     return [
@@ -49,12 +51,14 @@ def _checked_lines(case: LimitCase) -> list[str]:
     looked, made = looked_at(each, case.mechanisms), each.one.oscillator
     taken = f"; e* = 1 is taken, the safe side: {made.doubt}" if made.doubt else ""
     by = "ratio by accelerations" if any(one.height != each.height for one in looked) else "a0*"
+    if each.decides is not None and each.decides.check == NON_LINEAR:
+        by = "ratio, by displacements,"
     which = f"checked: the least {by} of {counted(len(looked), 'mechanism')} looked at, {each.one.source}"
     return [f"{which}, {counted(each.one.moving, 'moving block')}, alpha0 {made.alpha:.4g}{taken}", each.level.words]
 
 
 def found_lines(case: LimitCase) -> list[str]:
-    """The outcome in words, and the joints at their compressive strength; the first line says of what."""
+    """The lines of the outcome, and of the joints at their compressive strength; the first line says of what."""
     if case.whole is None:
         return [_parts_in_words(case)]
     without = [one.line for one in case.without]
@@ -65,8 +69,8 @@ def _part_lines(case: LimitCase) -> list[str]:
     """The parts, the gravest mechanism of each, and which are held; none where parts were not looked at by themselves."""
     some = [each.words for each in least_of(case.mechanisms) if each.part.element.name != THE_WHOLE]
     head = [_parts_in_words(case)] if case.whole is not None and case.parts else []
-    held = [f"{one.element.name} {way_words(one.direction)}" for one in case.parts if not one.mechanisms]
-    return [*head, *some, *([f"held, no mechanism below a factor of 5: {', '.join(held)}"] if held else [])]
+    held = [f"{one.element.name} {way_words(one.direction)}" for one in case.parts if one.held]
+    return [*head, *some, *([f"held, no mechanism below a factor of {MOST:g}: {', '.join(held)}"] if held else [])]
 
 
 def _parts_in_words(case: LimitCase) -> str:
@@ -102,7 +106,7 @@ def _factor_lines(case: LimitCase, whole: WholeAnalysis) -> list[str]:
 
 
 def _least_lines(case: LimitCase, whole: WholeAnalysis) -> list[str]:
-    """The least factor beside the associated one."""
+    """The least factor next to the associated one."""
     analysis, least, upper = whole.analysis, whole.analysis.least, whole.analysis.associated.factor
     if least is None:
         return [] if analysis.problem.moves_support else [search_words(analysis)]

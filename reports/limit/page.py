@@ -46,7 +46,7 @@ class LimitPage:
     summary: Mapping[str, Any]  # limit.json
     lines: Sequence[str]  # what was found; the first says of what
     scene: str  # its text
-    options: Sequence[str]  # of the command, beside what the scene asks for
+    options: Sequence[str]  # of the command, in addition to what the scene asks for
     report: Mapping[str, Any]  # the scene's table [report]
     damage: Mapping[str, str] = field(default_factory=dict)  # of the groups of each part in a run, by its name
 
@@ -133,7 +133,7 @@ def _value(step: Mapping[str, Any]) -> str:
 
 
 def _ties(summary: Mapping[str, Any]) -> list[list[str]]:
-    """What the ties pull at collapse."""
+    """The tensions of the ties at collapse."""
     return [
         [
             tie["tie"], f"{tie['block_a']} to {tie['block_b']}", force(tie["tension_n"]),
@@ -152,7 +152,7 @@ def _least(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
 
 
 def _notes(summary: Mapping[str, Any], least: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What to know of the table of mechanisms, a sentence or two each."""
+    """Notes on the table of mechanisms, a sentence or two each."""
     out = []
     if any(row["doubt"] for row in least):
         out.append("¹ e* = 1 is taken, the safe side: the mechanism dilates, spreads, or moves much that takes no part.")

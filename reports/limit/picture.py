@@ -36,7 +36,7 @@ AWAY = 0.1  # share of the speed of the blocks that leads away from the viewer a
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What the pictures show."""
+    """The contents of the pictures."""
 
     moves: Mechanism
     blocks: Sequence[Block]

@@ -81,7 +81,7 @@ def test_every_output_has_the_same_verdict(tmp_path: Path) -> None:
 def test_without_a_search_or_with_one_start_nothing_is_satisfied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     case = checked(tmp_path, 1.08, "starts = 0\n")
     assert case.check is not None and case.check.verdicts[0].state == "not decided"
-    assert "not searched for unasked: limit.starts = 2 does" in case.check.verdicts[0].words
+    assert "not searched for by default: limit.starts = 2 does" in case.check.verdicts[0].words
     case = checked(tmp_path, 1.5, "starts = 1\n")
     assert case.check is not None and case.check.verdicts[0].state == "not decided"
     assert "1 of 1 starts came to the least factor found, 2 have to agree" in case.check.verdicts[0].words
@@ -89,7 +89,7 @@ def test_without_a_search_or_with_one_start_nothing_is_satisfied(tmp_path: Path,
     case = checked(tmp_path, 1.5)
     assert case.check is not None and case.whole.analysis.starts == 0
     assert case.check.verdicts[0].state == "not decided"
-    assert "not searched for unasked of more than 4 contact points: limit.starts = 2 does" in case.check.verdicts[0].words
+    assert "not searched for by default in a structure of more than 4 contact points: limit.starts = 2 does" in case.check.verdicts[0].words
 
 
 def test_starts_that_do_not_agree_decide_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,7 +105,7 @@ def test_that_a_mechanism_starts_is_enough_to_say_no(tmp_path: Path) -> None:
     assert case.check.verdicts[0].state == "NOT satisfied"
 
 
-def test_without_a_check_no_search_is_made_unasked_in_space(tmp_path: Path) -> None:
+def test_without_a_check_no_search_is_made_by_default_in_space(tmp_path: Path) -> None:
     case = limit_case(scene(tmp_path, wedged(), "[limit]\npush = '-x'\n", mu=0.6))
     assert case.whole.analysis.starts == 0
     assert any("not searched for; limit.starts = 2 does" in line for line in said(case))
@@ -184,6 +184,7 @@ def test_collapse_is_checked_by_displacements_alone(tmp_path: Path) -> None:
     assert case.verdict is not None and case.verdict.check == first["check"] == "non-linear"
     assert first["displacement"] == pytest.approx(0.6 * 0.25, rel=1e-2) and first["demand"] is None
     assert first["acceleration"] == pytest.approx(BORNE, rel=1e-3) and not any(row["state"] for row in others)
+    assert any(line.startswith("checked: the least ratio, by displacements, of ") for line in said(case))
     write(case, tmp_path / "out", pictures=False)
     (tmp_path / "low").mkdir()
     slides = scene(

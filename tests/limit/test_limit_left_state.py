@@ -62,7 +62,7 @@ def test_a_pillar_whose_support_settled_overturns_about_the_edge_that_is_left(le
     exact = (centre[0] - edge[0]) / (centre[2] - edge[2])
     assert case.whole.analysis.associated.factor == pytest.approx(exact, rel=1e-3)
     note = next(line for line in said(case) if line.startswith("from run at"))
-    assert f"{case.whole.analysis.governing.factor:.4g} beside 0.3333 as built" in note
+    assert f"{case.whole.analysis.governing.factor:.4g} against 0.3333 as built" in note
 
 
 def test_at_the_beginning_it_is_as_built(left):
@@ -95,8 +95,8 @@ def test_a_wrong_folder_is_said_before_anything_is_analysed(left, monkeypatch):
 @pytest.mark.parametrize(
     ("now", "whole", "words"),
     [
-        ({"unlimited": True, "least": None}, {}, "no finite load factor beside load factor 0.3333 as built"),
-        ({}, {"unlimited": True, "least": None}, "load factor 0.3333 beside no finite load factor as built"),
+        ({"unlimited": True, "least": None}, {}, "no finite load factor against load factor 0.3333 as built"),
+        ({}, {"unlimited": True, "least": None}, "load factor 0.3333 against no finite load factor as built"),
         ({}, {"standing": 0.5}, "as built it did not stand under its dead loads; load factor 0.3333 now"),
         ({"standing": 0.25}, {}, "as built it bore its dead loads, and now 25 % of them"),
         ({}, {"least": None}, "both associated: a search came to no end"),

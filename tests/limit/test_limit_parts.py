@@ -18,6 +18,7 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
 from masonry_cd.limit.case import LimitCase, Wanted, limit_case
 from masonry_cd.limit.checked import least_of
+from masonry_cd.limit.facts import facts
 from masonry_cd.limit.files import write
 from masonry_cd.mechanics.model.blocks import Block
 
@@ -27,7 +28,7 @@ BORNE = GRAVITY / 6.0 / 1.35  # a0* of the slab of 0.5 by 3 m
 
 
 def slabs() -> list[Block]:
-    """A slab that leans at 1/6, and a low block beside it that leans at 2."""
+    """A slab that leans at 1/6, and a low block next to it that leans at 2."""
     return [ground(8.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0)), box("low", (3.0, -1.0, 0.0), (4.0, 1.0, 0.5))]
 
 
@@ -130,6 +131,19 @@ def test_a_mechanism_above_the_ground_is_not_satisfied_by_the_motion_of_the_grou
         assert ("limit.check." in case.verdict.because) == (state == "not decided")
 
 
+def test_a_part_that_does_not_stand_is_not_held_and_nothing_is_satisfied_with_it(tmp_path: Path) -> None:
+    """An arm whose centre of mass is beyond its foot falls with all else held; the slab alone is satisfied."""
+    arm = [box("foot", (3.0, -0.5, 0.0), (3.5, 0.5, 1.0)), box("arm", (3.0, -0.5, 1.0), (6.0, 0.5, 1.3))]
+    check = f'[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 1.5}\ndisplacements = false\n'
+    table = SLAB.replace('"slab"', '"foot", "arm"')
+    case = parts_of(scene(tmp_path, [*slabs()[:2], *arm], f"{check}{SLAB}{table}", mu=0.6))
+    assert least_rows(case)[0]["state"] == "satisfied"
+    assert case.verdict is not None and case.verdict.state == "not decided" and "no answer" in case.verdict.reason
+    assert not any("held, no mechanism" in line for line in said(case))
+    assert [part["held"] for part in facts(case)["parts"]] == [False, False]
+    assert any(line.startswith("foot and others, push -x: ") and "may not stand" in line for line in case.notes)
+
+
 def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path: Path) -> None:
     check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 1.5}\ndisplacements = false\n'
     path, folder = scene(tmp_path, slabs(), f"{check}{SLAB}", mu=0.6), tmp_path / "out"
@@ -171,7 +185,7 @@ def test_what_cannot_be_is_one_line(tables: str, words: str, tmp_path: Path) -> 
     assert not (tmp_path / "out").exists()
 
 
-def test_the_damage_of_a_run_stands_beside_macro_elements_only(tmp_path: Path) -> None:
+def test_the_damage_of_a_run_stands_next_to_macro_elements_only(tmp_path: Path) -> None:
     path = scene(tmp_path, slabs(), SLAB)
     refused = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--run", str(tmp_path)])
     assert refused.exit_code == 2 and "has no damage.csv" in refused.output

@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Level:
-    """Where a mechanism is held."""
+    """The height at which a mechanism is held, and whose motion is asked for there."""
 
     line: float  # z of the centroid of the lines that constrain it [m]
     height: float  # Z, above the foundation [m]
     by: str  # what says so: where the foundation is, or limit.check.height
     counted: float  # height of the building whose motion is asked for [m]; 0: the ground
-    doubt: str = ""  # why "satisfied" does not follow there, in words
+    doubt: str = ""  # the reason why "satisfied" does not follow there; empty where it may
 
     @property
     def words(self) -> str:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A check as values, one after the other, each with symbol, unit, clause and its formula with the numbers put in; and what they amount to.
 
-A code has one table of its quantities. ``Working.put`` notes the value that the check goes on with, so a line never shows another one:
+A code has one table of its quantities. ``Working.put`` notes a value and returns it, so that the line shows what the check continues with:
 
     a0* = alpha0 g / (e* CF) = 0.15 x 9.81 / (1 x 1.35) = 1.09 m/s2
 """
@@ -18,7 +18,7 @@ from masonry_cd.analysis.code_check.level import Level
 from masonry_cd.analysis.code_check.verdicts import LINEAR, CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
-GROUND, MECHANISM, BUILDING = "motion of the ground", "mechanism", "building"  # parts of a check besides linear and non-linear
+GROUND, MECHANISM, BUILDING = "motion of the ground", "mechanism", "building"  # parts of a check other than linear and non-linear
 IN_FULL = 1e4  # from which on a number is written without a power of ten
 PRODUCT = re.compile(r"(?<=[\w)]) (?=[\w(])")  # a space between two factors
 
@@ -120,7 +120,7 @@ class CodeCheck:
         return out
 
     def numbers(self) -> dict[str, Any]:
-        """What check.json holds."""
+        """The contents of check.json."""
         out = asdict(self) | {"worked": self.worked}
         out["verdicts"] = [one.numbers() for one in self.verdicts]
         out["borne"] = [one.numbers() for one in self.borne]
@@ -137,7 +137,7 @@ class CodeCheck:
 
 
 def no_end(oscillator: Oscillator) -> str:
-    """Why there is no check by displacements."""
+    """The line on why there is no check by displacements."""
     if oscillator.doubt:
         return f"no check by displacements: {oscillator.doubt}"
     return f"no non-linear check: {oscillator.end}"

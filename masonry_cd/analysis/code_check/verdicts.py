@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.limit.outcome import SearchNumbers
+from masonry_cd.analysis.limit.solution import agreement
 
 ON_THE_GROUND = 0.5  # height up to which the motion of the ground is that of a mechanism [m]
 HOLDS = 1e-9  # share by which a demand may exceed a capacity and be met
@@ -45,7 +46,7 @@ class CheckResult:
     unit: str
     clause: str
     unmoved: float = 0.0  # a0* over the acceleration under which the mechanism starts at all, where that decides as well
-    doubt: str = NO_SEARCH  # why "satisfied" does not follow, in words; empty where it may
+    doubt: str = NO_SEARCH  # the reason why "satisfied" does not follow; empty where it may
     fraction: float = 1.0  # e* by its formula, where one was taken in its place on the safe side
     period: float = 0.0  # at which the demand is read from the spectrum [s]
     damping: float = 0.05  # of that spectrum
@@ -69,7 +70,7 @@ class CheckResult:
 
     @property
     def passed(self) -> bool | None:
-        """Whether the capacity is enough; None where that is not decided."""
+        """True where the capacity is enough; None where that is not decided."""
         return PASSED[self.state]
 
     @property
@@ -99,7 +100,7 @@ class CheckResult:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """What one check is read from, in its unit: accelerations [m/s2] or displacements [m]."""
+    """The spectrum that one check is read from, in its unit: accelerations [m/s2] or displacements [m]."""
 
     check: CheckResult
     period: np.ndarray  # (n,) [s]
@@ -113,7 +114,7 @@ class Spectrum:
 
     @property
     def largest(self) -> int:
-        """Where the largest value up to the period of the check is: with a record, what is asked for by displacements."""
+        """The index of the largest value up to the period of the check: with a record, what is asked for by displacements."""
         return int(np.argmax(self.asked[self.period <= self.check.period]))
 
 
@@ -161,7 +162,7 @@ def confidence(state: str, because: str) -> str:
 
 
 def sides_in_words(capacity: float, demand: float, unit: str) -> str:
-    """What is borne, what is asked for, and their ratio."""
+    """The phrase on what is borne, what is asked for, and their ratio."""
     return f"{capacity:.4g} {unit} borne, {demand:.4g} {unit} asked for, ratio {capacity / demand:.3g}"
 
 
@@ -171,7 +172,7 @@ def held_words(height: float) -> str:
 
 
 def refused(reason: str, search: SearchNumbers | None = None) -> Verdict:
-    """That of a structure which needs no check to fail."""
+    """The verdict on a structure which needs no check to fail."""
     return Verdict(NOT_SATISFIED, reason, search=search)
 
 
@@ -206,11 +207,11 @@ def verdict_of(verdicts: Sequence[CheckResult], row: dict[str, Any] | None = Non
 
 
 def searched_words(found: SearchNumbers | None) -> str:
-    """The starts of a search, their agreement and their spread."""
+    """The phrase on the starts of a search: their agreement and their spread."""
     if found is None or not found.starts:
         return ""
     spread = "" if found.spread is None else f", spread {100.0 * found.spread:.2g} %"
-    return f"; {found.agreeing} of {found.starts} starts agree{spread}"
+    return f"; {agreement(found.agreeing, found.starts)}{spread}"
 
 
 def worst(found: Sequence[Verdict]) -> Verdict | None:

@@ -96,8 +96,13 @@ class Analysis:
     least: LeastFound | None  # without dilation
     least_mechanism: Mechanism | None
     starts: int  # of the search for it that were made
-    remarks: tuple[str, ...]  # which programmes ended before their tolerance
+    stopped: tuple[str, ...]  # which programmes other than the search ended before their tolerance
     unlimited: bool = False  # forces bear any multiple of the live loads; ``associated`` is then what bears the dead ones
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """A line for each programme that ended before its tolerance, that of the least pair among them."""
+        return self.stopped if self.least is None else (*self.stopped, *_remarks({"the least factor": self.least.optimum}))
 
     @property
     def stands(self) -> bool:
@@ -174,8 +179,6 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     problem, least = searched_finely(problem, lambda finer: least_factor(finer, best, starts, options.seed))
     moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
     programmes = {RESTS: alone} | ({} if endless else {"the load factor, whose certificate says how far it holds": best})
-    if least is not None:
-        programmes["the least factor"] = least.optimum
     return Analysis(problem, min(alone.factor, 1.0), answer, least, moves, starts, _remarks(programmes), endless)
 
 
@@ -204,7 +207,7 @@ def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, mad
     """An analysis in space whose search goes on until starts agree, two at a time, and whose least pair is then polished.
 
     Args:
-        analysis: whose own search has ``made`` so many starts.
+        analysis: whose own search has ``made`` this number of starts.
         assembly: its blocks.
         joints: of them.
         made: starts of its own.

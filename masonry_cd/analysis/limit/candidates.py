@@ -37,8 +37,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
-UNTIED, STOPPED = ", found without the ties", ", the solver ended before its tolerance"
-
+UNTIED = ", found without the ties"
 
 Source = tuple[str, Optimum]  # how a mechanism was found, and its velocities
 
@@ -125,7 +124,7 @@ def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
 
 
 def _named(suffix: str, associated: Optimum | None, least: LeastFound | None) -> list[Source]:
-    """What a search found, the least first, and the associated mechanism where there is one."""
+    """The mechanisms that a search found, the least first, and the associated one where there is one."""
     ends = () if least is None else sorted(least.mechanisms, key=lambda end: end.factor)
     found = [*((SEARCH, end) for end in ends), *([] if associated is None else [(ASSOCIATED, associated)])]
-    return [(source + suffix + (STOPPED if optimum.stopped else ""), optimum) for source, optimum in found]
+    return [(source + suffix, optimum) for source, optimum in found]

@@ -6,10 +6,9 @@ and a limit analysis of this geometry gives the factor and the mechanism that go
 may be another. Where no factor is borne, hinges pass to other joints (:mod:`masonry_cd.analysis.limit.passing`). The factor is drawn over
 the displacement of a control block along the load, until it vanishes.
 
-**Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (the sequence of
-:mod:`masonry_cd.analysis.limit.search` from the forces of the associated problem), when ``starts`` asks for it; otherwise the factor
-is the associated one, an upper value, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not
-climb.
+**Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (a descent of
+:mod:`masonry_cd.analysis.limit.search` from the associated mechanism), when ``starts`` asks for it; otherwise the factor is the
+associated one, an upper value, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not climb.
 
 **Bond** is lost in joints that have hinged, slid or opened. **Ties** pull as they are then directed, those that yielded are longer for
 good, and those that have become shorter pull nothing until they are as long again.

@@ -18,6 +18,7 @@ from masonry_cd.analysis.limit.solution import ALIKE, Optimum
 from masonry_cd.foundation.quantities import counted
 
 SEARCH, ASSOCIATED = "search without dilation", "associated"
+STOPPED = ", the solver ended before its tolerance"
 FREE = "free least mechanism"
 SAME_HEIGHT = 1e-6  # [m]
 SAME = 5e-3  # share by which numbers of mechanisms that say the same may differ: their d0* are found in two ways
@@ -27,7 +28,7 @@ SAME = 5e-3  # share by which numbers of mechanisms that say the same may differ
 class Found:
     """A mechanism that starts at a finite factor, alpha of its oscillator."""
 
-    name: str  # in words
+    name: str  # as tables and pictures show it
     source: str  # how it was found
     oscillator: Oscillator
     dilation: float  # work of normal forces on joints that open, as a share of the power of the loads
@@ -44,11 +45,21 @@ def found_in(part: Part, source: str, optimum: Optimum, dilates: float, name: st
     moves = _within(mechanism(part.problem, assembly, joints, optimum.velocity), part)
     called, stones = named(moves, part.whole, part.free, name)
     made, height = oscillator(part, moves, optimum.factor, dilates), held_at(moves, assembly, joints)
-    return Found(called, source, made, dilates, int(moves.moving.sum()), height, optimum.velocity, moves, stones)
+    return Found(
+        called,
+        source + (STOPPED if optimum.stopped else ""),
+        made,
+        dilates,
+        int(moves.moving.sum()),
+        height,
+        optimum.velocity,
+        moves,
+        stones,
+    )
 
 
 def alike(one: Found, other: Found) -> bool:
-    """Whether two are one mechanism that was found twice in the same way."""
+    """True of one mechanism that was found twice in the same way."""
     near = abs(one.oscillator.alpha - other.oscillator.alpha) <= ALIKE * abs(other.oscillator.alpha)
     if one.mechanism is None or other.mechanism is None:
         return False
@@ -56,7 +67,7 @@ def alike(one: Found, other: Found) -> bool:
 
 
 def says_the_same(one: Found, other: Found) -> bool:
-    """Whether the numbers of a check of one mechanism are those of another, its displacement among them where the other has one."""
+    """True where a check of one mechanism has the numbers of another, its displacement among them where the other has one."""
     mine, theirs = one.oscillator, other.oscillator
     pairs = [(mine.alpha, theirs.alpha), (mine.fraction, theirs.fraction), (1.0 + one.height, 1.0 + other.height)]
     if theirs.falls:

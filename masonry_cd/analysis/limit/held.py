@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a mechanism is held: the height Z of the centroid of its constraint lines, as C8A.4.2.3 of Circolare 617/2009 has it."""
+"""The height at which a mechanism is held: Z of the centroid of its constraint lines, as C8A.4.2.3 of Circolare 617/2009 has it."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ SLIDES = 0.5  # speed of the foot of a body over that of its top, or its own, fr
 class Effort:
     """How much is looked for."""
 
-    starts: int  # of the free search within a part, beside those at the mechanisms of practice
+    starts: int  # of the free search within a part, in addition to those at the mechanisms of practice
     most_points: int  # contact points of a part up to which it is made
     seed: int = 0
     displacements: bool = False  # follow the gravest mechanisms of each part and push until its factor vanishes
@@ -42,7 +42,7 @@ class Effort:
 
 @dataclass(frozen=True, eq=False)
 class ElementAnalysis:
-    """What was found of a macro-element under one push; the whole of a structure is the one that holds everything."""
+    """The mechanisms of a macro-element under one push, and their search; the whole of a structure is the one that holds everything."""
 
     element: MacroElement
     direction: np.ndarray
@@ -51,8 +51,13 @@ class ElementAnalysis:
     interlock: float  # friction of bonded walls that holds it [N]
     remarks: tuple[str, ...]
     numbers: SearchNumbers  # of the free search
-    doubt: str = ""  # why no demand counts as met after the search, in words; empty where one may
-    search: str = ""  # what it came to, in words
+    doubt: str = ""  # the reason why no demand counts as met after the search; empty where one may
+    search: str = ""  # the line of the terminal on its outcome
+
+    @property
+    def held(self) -> bool:
+        """True where it was found to have no mechanism, not where the search for one came to no answer."""
+        return not self.mechanisms and not self.remarks
 
 
 def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[float], effort: Effort) -> ElementAnalysis:
@@ -90,7 +95,7 @@ def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[flo
 
 
 def _least_of(whole: Whole, way: np.ndarray, made: Sequence[Restriction]) -> list[Found]:
-    """Of restrictions that differ in a height or an angle: the one of least factor without dilation, and of least associated factor."""
+    """From restrictions that differ in a height or an angle, the one of least factor without dilation, and of least associated factor."""
     least: list[tuple[Optimum, Part, RigidGroups, Restriction]] = []
     upper: list[tuple[Optimum, Part, RigidGroups, Restriction]] = []
     for each in made:
@@ -131,7 +136,7 @@ def _free(part: Part, known: Sequence[Found], effort: Effort) -> tuple[list[Foun
 
 
 def _searched(problem: LimitProblem, begin: tuple[int, int], known: Sequence[np.ndarray]) -> tuple[Optimum, LeastFound | None]:
-    """The associated answer of a problem and the least one without dilation, from so many starts of a seed and from known mechanisms."""
+    """The associated answer of a problem and the least one without dilation, from starts (number, seed) and from known mechanisms."""
     problem, best = solved_finely(problem, lambda finer: largest(finer, finer.dead, finer.live, MOST))
 
     def search(finer: LimitProblem) -> LeastFound | None:

@@ -45,8 +45,8 @@ class Oscillator:
     second: float  # sum P d^2 over the square of that of the control point [N]
     displacement: np.ndarray  # (n,) of the control point, from zero [m]; empty where none is known at which the factor vanishes
     factor: np.ndarray  # (n,) alpha there, at most that at which it starts; the last is zero
-    end: str = ""  # why no displacement is known, in words
-    doubt: str = ""  # why the mechanism is no oscillator with one degree of freedom, in words; then e* = 1
+    end: str = ""  # the reason why no displacement is known
+    doubt: str = ""  # the reason why the mechanism is no oscillator with one degree of freedom; then e* = 1
     by: str = ""  # how the displacements were found: BY_CURVE or BY_LINKAGE; empty where there are none
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What came of a limit analysis: the verdict on it, with the factor that counts, how sure it is and why, and its mechanism in numbers."""
+"""The outcome of a limit analysis: the verdict on it, with the factor that counts, how sure it is and why, and its mechanism in numbers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
-from masonry_cd.analysis.limit.solution import AGREE, LeastFound
+from masonry_cd.analysis.limit.solution import AGREE, LeastFound, agreement
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
 from masonry_cd.foundation.quantities import force
 
@@ -28,19 +28,19 @@ class SearchNumbers:
     least: float | None  # None: not searched for, or no start came to an end
     starts: int  # that were made; 0: no search
     ended: int  # that came to an end
-    agreeing: int  # that came to the least factor
+    agreeing: int  # that agree on the least factor
     spread: float | None  # the largest factor found less the least, over the least
 
     @classmethod
     def of(cls, associated: float | None, least: LeastFound | None, starts: int) -> SearchNumbers:
-        """Of what a search found; ``starts`` is how many were made where it found nothing."""
+        """The numbers of what a search found; ``starts`` is how many were made where it found nothing."""
         if least is None:
             return cls(associated, None, starts, 0, 0, None)
         return cls(associated, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)
 
     @property
     def agreed(self) -> bool:
-        """Whether starts enough came to the least factor for it to count as known, which is no proof that it is the least."""
+        """True where enough starts agree for the least factor to count as known, which is no proof that it is the least."""
         return self.least is not None and self.agreeing >= AGREE
 
 
@@ -94,7 +94,7 @@ def _of_the_factor(facts: Mapping[str, Any], least: Mapping[str, Any] | None) ->
     factor, agreeing, starts = least["factor"], least["agreeing"], least["starts"]
     because = f"least found without dilation; at most {upper:.4g}, of sliding that opens joints"
     if factor < (1.0 - APART) * upper and (agreeing < AGREE or 2 * agreeing <= starts):
-        why = f"{agreeing} of {starts} starts of the search came to the least factor; more starts may find less (limit.starts)"
+        why = f"{agreement(agreeing, starts)}; more starts may find less (limit.starts)"
         return Verdict(f"load factor {factor:.4g}", "", because, LOOK, "read this before you rely on the factor", why)
     return Verdict(f"load factor {factor:.4g}", "", because, GOOD, "the searches agree, and the certificate closes", "")
 

@@ -92,7 +92,7 @@ def _beside(whole: Whole, direction: np.ndarray) -> dict[int, int]:
 
 
 def _closes(whole: Whole, body: np.ndarray, moves: np.ndarray) -> bool:
-    """Whether a point between a body (B,) that moves (B, 6) and what is at rest closes."""
+    """True where a point between a body (B,) that moves (B, 6) and what is at rest closes."""
     points = whole.points
     goes = body[points.bodies]
     cut = np.flatnonzero(goes[:, 0] != goes[:, 1])

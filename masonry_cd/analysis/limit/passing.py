@@ -7,7 +7,7 @@ under any factor, and by Farkas' lemma there is a motion of the blocks with
     w_0 . v > 0,      w_1 . v = 0:
 
 the dead loads do work, the load does none. The blocks go that way by themselves while the load is held where it is, by a jack that keeps
-its displacement: the joint opens that the thrust has left, and a hinge beside it closes. They come to rest where the hinge has closed, and
+its displacement: the joint opens that the thrust has left, and a hinge next to it closes. They come to rest where the hinge has closed, and
 forces balance again: the hinge has passed. The motion is that of :func:`masonry_cd.analysis.limit.programme.least_unborne`, found again
 after each step, and a step ends where blocks meet. What they gain in speed on the way is taken for lost.
 

@@ -39,7 +39,7 @@ from masonry_cd.foundation.extras import require
 
 EXACT = 1e-10  # feasibility of linear programmes
 TOLERANCE = 1e-8  # of residuals and gap of cone programmes, over their scale
-MOST = 75  # iterations of Clarabel: churches of 5,000 blocks end there with a factor that holds to four digits; the certificate tells
+MOST = 75  # iterations of Clarabel, which takes 30 to 70; one that ends there is reported
 ENDED = ("Solved", "AlmostSolved", "InsufficientProgress", "MaxIterations")  # with an answer
 MANY = 20_000  # multipliers from which HiGHS' interior point method is faster than its simplex
 
@@ -104,7 +104,7 @@ class Programme:
         return float(norm(self.matrix[0])) / max(float(np.abs(self.right).max()), 1.0)
 
     def _by_simplex(self) -> Optimum:
-        """By HiGHS: the least right . z with matrix^T z = -cost and z >= 0 but in the first row."""
+        """The answer of HiGHS: the least right . z with matrix^T z = -cost and z >= 0 but in the first row."""
         bounds = np.zeros((len(self.right), 2))
         bounds[:, 1] = np.inf
         bounds[0, 0] = -np.inf

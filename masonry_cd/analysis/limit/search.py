@@ -49,11 +49,11 @@ from masonry_cd.mechanics.solvers.options import cores
 
 ROUNDS = 24  # of a descent at most
 GROWS, LARGEST = 3.0, 1e3  # M_k, over w_1 . v = 1, begin at one and grow by this factor from round to round, up to that
-WORST, FASTER, MOST = 0.05, 10.0, 1e4  # those of points with more than this share of g grow by so much more, up to that
+WORST, FASTER, MOST = 0.05, 10.0, 1e4  # of points with more than this share of g they grow by this factor instead, up to that
 LOWER = 2e-3  # share of the factor that a round takes off at least, once a pair is found
 POLISH, POLISHED = 9.0, 4  # M_k from which rounds lead from a pair to the next, lower by a percent in space; pairs at most
 STUCK, CLOSER = 1e-3, 0.8  # a round sticks that moves the factor by no more than this share of it and leaves more than that of g
-LOOSENED, STRIPS, AGAIN = 2, 4, 3.0  # times that a descent which sticks is moved on, by so many rounds of strips; the M_k after it
+LOOSENED, STRIPS, AGAIN = 2, 4, 3.0  # how often a descent that sticks is moved on, each time by how many rounds of strips; M_k after it
 WORSE = 0.1  # share by which forces may cost more than those of the round before, which would do as well: more is no answer
 SPREAD = 0.1  # share of the width of a joint's strips in space that its corners have in common
 IDLE = 1e-5  # power of the loads, over that of the largest factor that is looked for, up to which they do no work
@@ -70,7 +70,7 @@ _SEEN: ContextVar[Callable[[int, int], object]] = ContextVar("_SEEN", default=la
 
 @contextmanager
 def watched(seen: Callable[[int, int], object]) -> Iterator[None]:
-    """Have it known how many more descents begin, and how many have ended, in all searches of the body."""
+    """Call ``seen`` with how many more descents begin, and how many have ended, in all searches of the body."""
     token = _SEEN.set(seen)
     try:
         yield
@@ -80,7 +80,7 @@ def watched(seen: Callable[[int, int], object]) -> Iterator[None]:
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """What a mechanism asks of forces: g is linear in them."""
+    """The coefficients of g for a mechanism: g is linear in the forces."""
 
     prices: np.ndarray  # (P, m) of r'
     of_bars: np.ndarray  # (T,) of N
@@ -90,14 +90,14 @@ class _Asked:
 
 @dataclass(frozen=True, eq=False)
 class Begin:
-    """Where a start begins: at a mechanism (unknowns,) with w_1 . v = 1, or at that of normal forces r'_n (P,); nowhere without both."""
+    """The beginning of a start: a mechanism (unknowns,) with w_1 . v = 1, or that of normal forces r'_n (P,); none without both."""
 
     velocity: np.ndarray | None = None
     normal: np.ndarray | None = None
 
 
 class _GivenUp(Unbounded):
-    """A descent stays far above what is known."""
+    """Raised by a descent that stays far above what is known."""
 
 
 class Search:
@@ -119,7 +119,7 @@ class Search:
 
     @cached_property
     def least_normal(self) -> np.ndarray | None:
-        """The normal forces r'_n (P,) of least sum that bear the dead loads with any factor, which weighs next to nothing beside them.
+        """The normal forces r'_n (P,) of least sum that bear the dead loads with any factor; the factor hardly counts in that sum.
 
         None where no factor is borne.
         """
@@ -147,7 +147,7 @@ class Search:
         return found.velocity / power
 
     def each(self, descend: Callable[[Any], Pair | None], begins: Sequence[Any]) -> list[Pair]:
-        """The pairs of several descents, in their order, in as many threads as there are cores: solvers leave Python's lock alone."""
+        """The pairs of several descents, in their order, in as many threads as there are cores: solvers release Python's lock."""
         several = self.problem.points.count >= LARGE and len(begins) > 1
         if several:
             _ = self._strips, self._cones
@@ -244,7 +244,7 @@ class Search:
         return found
 
     def _asked(self, velocity: np.ndarray) -> _Asked:
-        """What a mechanism (unknowns,) asks of forces."""
+        """The coefficients of g for a mechanism (unknowns,)."""
         problem = self.problem
         moved = (problem.jacobian @ velocity).reshape(-1, problem.directions)
         opening = np.maximum(moved[:, 0], 0.0)
@@ -256,7 +256,7 @@ class Search:
         return _Asked(prices, slack, opening * np.maximum(problem.apex - problem.tension, 0.0), work)
 
     def _gaps(self, asked: _Asked, found: Optimum) -> np.ndarray:
-        """(P + 1,) the terms of g of the points, and that of all ties."""
+        """The terms of g, (P + 1,): one for each point, and one for all ties."""
         lifted = found.force.copy()
         lifted[:, 0] += self.problem.apex
         of_points = np.maximum(np.sum(asked.prices * lifted, axis=1) - asked.least, 0.0)
@@ -322,7 +322,7 @@ def polished(problem: LimitProblem, found: LeastFound, cap: float) -> LeastFound
 
 
 def _begins(search: Search, associated: Optimum, starts: int, seed: int) -> Iterator[Begin]:
-    """Where so many starts begin."""
+    """The beginnings of a number of starts."""
     random, power = np.random.default_rng(seed), float(search.problem.live @ associated.velocity)
     pressed = normal_forces(search.problem, associated)
     for start in range(starts):
@@ -377,7 +377,7 @@ def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float,
 
 
 def _held(problem: LimitProblem, velocity: np.ndarray) -> bool:
-    """Whether a mechanism stretches a tie that does not yield, or closes a joint."""
+    """True of a mechanism that stretches a tie which does not yield, or closes a joint."""
     longer = (problem.bars @ velocity)[~np.isfinite(problem.strength)]
     opening = (problem.jacobian @ velocity)[:: problem.directions]
     size = STILL * float(np.abs(velocity).max(initial=0.0))

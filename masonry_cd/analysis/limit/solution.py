@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a limit analysis finds, and how sure it is."""
+"""Results of a limit analysis: an optimum, the least factor of a search, and how well its starts agree."""
 
 from __future__ import annotations
 
@@ -10,6 +10,11 @@ import numpy as np
 ALIKE = 2e-3  # factors that differ by no more than this share of the least are one
 AGREEING = 2e-2  # starts agree that come to factors within this share of the least: checks keep a margin of 5 %
 AGREE = 2  # starts that come to the least factor before it counts as known: one start alone may miss it
+
+
+def agreement(agreeing: int, starts: int) -> str:
+    """How many starts agree, and to how much, as a phrase."""
+    return f"{agreeing} of {starts} starts agree to {100.0 * AGREEING:g} %"
 
 
 class Unbounded(RuntimeError):
@@ -50,13 +55,13 @@ class LeastFound:
 
     @property
     def agreeing(self) -> int:
-        """Starts that came to the least of their ends."""
+        """The number of starts that came to the least of their ends, to AGREEING."""
         best = min(self.found)
         return sum(factor <= best + AGREEING * abs(best) for factor in self.found)
 
     @property
     def agreed(self) -> bool:
-        """Whether starts enough came to it for it to count as known, which is no proof that it is the least."""
+        """True where enough starts agree for the least factor to count as known, which is no proof that it is the least."""
         return self.agreeing >= AGREE
 
     @property
@@ -66,7 +71,7 @@ class LeastFound:
 
 
 def merged(one: LeastFound | None, other: LeastFound | None, starts: int) -> LeastFound | None:
-    """Two searches as one of so many starts; None where neither found anything."""
+    """Two searches as one with this total number of starts; None where neither found anything."""
     both = [each for each in (one, other) if each is not None]
     if not both:
         return None

@@ -134,8 +134,8 @@ class Stages:
     def _without_dilation(self, problem: LimitProblem, associated: Optimum, slides: bool) -> Optimum | None:
         """The answer without dilation, None where there is none beside the associated one, whose mechanism ``slides`` or does not.
 
-        The search begins from the associated forces. Where only hinges work these are an answer, but if the stage before slid, blocks may
-        go on sliding under less: then it begins from the forces of that stage.
+        The search begins at the associated mechanism. Where only hinges work that is an answer, but if the stage before slid, blocks may
+        continue to slide under less: then it begins from the normal forces of that stage.
         """
         if not self._slid:
             found = least_factor(problem, associated, 1, self.options.seed) if slides else None

@@ -10,7 +10,8 @@ import pytest
 from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
-from masonry_cd.analysis.limit.found import FREE
+from masonry_cd.analysis.limit import macro
+from masonry_cd.analysis.limit.found import ASSOCIATED, FREE, SEARCH
 from masonry_cd.analysis.limit.macro import Effort, analyse_element
 from masonry_cd.analysis.limit.part import INTERLOCK, Whole, part_of, resting
 from masonry_cd.analysis.limit.problem import Bars, limit_problem
@@ -126,6 +127,13 @@ def test_a_wall_alone_overturns_at_its_slenderness_and_no_free_mechanism_starts_
     assert [one.oscillator.alpha for one in found.mechanisms] == pytest.approx([0.5 / 3.0] * len(found.mechanisms), rel=1e-4)
     assert {one.name for one in found.mechanisms if not one.name.startswith(FREE)} == {"simple overturning"}
     assert found.numbers.agreed
+
+
+def test_a_mechanism_of_a_part_whose_solver_ended_early_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(macro, "largest", lambda *given: replace(largest(*given), stopped="MaxIterations"))
+    whole = whole_of([ground(8.0), *stack("wall", 2)])
+    sources = {one.source for one in analyse_element(whole, element(whole, "wall"), (1.0, 0.0, 0.0), EFFORT).mechanisms}
+    assert sources == {SEARCH, f"{ASSOCIATED}, the solver ended before its tolerance"}
 
 
 def test_a_wall_held_by_ties_at_its_top_bends_between() -> None:

@@ -18,7 +18,7 @@ ALONG, OVER = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.5, 0.0, -0.5, 0.0, 1.0, 0.0]
 CASES = {
     "one stone": ({RIGHT: ALONG}, "1 stone of one course that slides"),
     "a course": ({LEFT: ALONG, RIGHT: ALONG, TOP: ALONG}, ""),
-    "two stones beside each other": ({LEFT: ALONG, RIGHT: ALONG}, "2 stones of one course that slide"),
+    "two stones next to each other": ({LEFT: ALONG, RIGHT: ALONG}, "2 stones of one course that slide"),
     "one that turns": ({TOP: OVER}, ""),
     "nothing": ({}, ""),
 }

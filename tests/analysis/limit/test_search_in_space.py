@@ -56,6 +56,16 @@ def test_rounds_from_the_least_pair_lower_it_and_are_no_start() -> None:
     assert (lower.starts, lower.ends, lower.agreeing) == (analysis.least.starts, analysis.least.ends, analysis.least.agreeing)
 
 
+def test_a_least_pair_whose_solver_ended_early_is_reported_and_no_other() -> None:
+    assembly, joints, analysis = wedged(2)
+    assert analysis.least is not None and analysis.remarks == ()
+    early = replace(analysis.least.optimum, stopped="MaxIterations")
+    analysis = replace(analysis, least=replace(analysis.least, optimum=early))
+    (line,) = analysis.remarks
+    assert line.startswith("the least factor: the solver ended before its tolerance (MaxIterations after ")
+    assert with_more_starts(analysis, assembly, joints, 2, 8, 0).remarks == ()  # of the least pair then, which converged
+
+
 def test_programmes_that_are_set_up_once_give_what_each_gives_by_itself() -> None:
     _, _, analysis = wedged(0)
     problem, cap = analysis.problem, CAP * analysis.associated.factor

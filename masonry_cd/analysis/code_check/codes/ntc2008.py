@@ -76,7 +76,7 @@ def _asked(table: CheckTable, ground: Ground, made: Working) -> tuple[float, str
 
 
 def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made: Working) -> CheckResult:
-    """By the secant period at ds* = 0.4 du*, du* = 0.4 d0*."""
+    """The check by displacements: by the secant period at ds* = 0.4 du*, du* = 0.4 d0*."""
     made.part = NON_LINEAR
     ultimate = made.put("du*", ULTIMATE * oscillator.last)
     secant = made.put("ds*", SECANT * ultimate)

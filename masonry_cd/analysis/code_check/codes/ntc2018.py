@@ -71,7 +71,7 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
 
 
 def left_open(table: CheckTable) -> tuple[str, ...]:
-    """What the clauses leave to the engineer, and what was taken."""
+    """Points that the clauses leave to the engineer, and what was taken."""
     factor = f"FC = {table.confidence_factor:g}"
     asked = "alpha0 does not account for the compressive strength, for which C8.7.1.2.1.3 asks for the 1.35 of LC1"
     out = [f"{factor}: {asked}" if table.confidence_factor == LC1 else f"{factor} as given: where {asked}"]
@@ -120,7 +120,7 @@ def _asked_at_once(table: CheckTable, ground: Ground, made: Working) -> tuple[fl
 
 
 def _linear(table: CheckTable, oscillator: Oscillator, made: Working, asked: tuple[float, str], starts: float) -> CheckResult:
-    """By accelerations; at SLV they are divided by q."""
+    """The check by accelerations; at SLV they are divided by q."""
     made.part = LINEAR
     (demand, formula), free = asked, table.element_period or 0.0
     if table.limit_state == "SLD":
@@ -130,7 +130,7 @@ def _linear(table: CheckTable, oscillator: Oscillator, made: Working, asked: tup
 
 
 def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made: Working, unmoved: float) -> CheckResult:
-    """By displacements, at SLV or SLC."""
+    """The check by displacements, at SLV or SLC."""
     state = table.limit_state
     share, factor, _, damping = LIMITS[state]
     borne, of = f"d{state}", f"T{state}"
