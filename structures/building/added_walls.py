@@ -14,6 +14,7 @@ import numpy as np
 from masonry_cd.foundation.errors import Faults, InputError
 from structures.building.axes import Leg
 from structures.building.columns import Row
+from structures.building.frames import NATURAL_RISE
 from structures.building.table import ArcadeTable, BuildingTable, BuildingWallTable, ButtressTable
 from structures.geometry.polygons import without_straight
 from structures.plans.places import place
@@ -23,7 +24,7 @@ RING = 0.38  # of a column: most that the ring of an arch takes of what two of t
 
 
 def added(table: BuildingTable, legs: Sequence[Leg], rows: Sequence[Row], faults: Faults) -> dict[str, list[BuildingWallTable]]:
-    """The walls of all arcades and buttresses by their keys, beside the legs of other walls; what is wrong is added to the faults."""
+    """The walls of all arcades and buttresses by their keys, next to the legs of other walls; what is wrong is added to the faults."""
     found = dict[str, list[BuildingWallTable]]()
     for k, arcade in enumerate(table.arcades):
         name = arcade.name or f"arcade{k + 1}"
@@ -120,9 +121,8 @@ def _arches(keys: ArcadeTable, supports: Sequence[Support], size: float, table: 
         width = bay - a.half - b.half
         if width < size:
             raise InputError("", f"its arch {k + 1} would be {width:.3g} m wide, less than a column")
-        rise = {"round": 0.5 * width, "segmental": keys.rise or width / 6.0, "pointed": keys.rise or 0.5 * math.sqrt(3.0) * width}[
-            keys.shape
-        ]
+        given = None if keys.shape == "round" else keys.rise
+        rise = given or NATURAL_RISE[keys.shape] * width
         ring = keys.ring or min(RING * size, max(0.1 * width, 0.8 * table.course_height))
         yield {
             "name": f"arch{k + 1}",

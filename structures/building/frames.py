@@ -34,7 +34,7 @@ LEAST_MEASURE = 1e-2  # of a width or a ring [m]
 SLENDER = 0.6  # width of a voussoir on the intrados, in thicknesses of the ring
 MOST_VOUSSOIRS = 199
 LEAST_ROUND = 7  # voussoirs of a half circle
-EQUAL_SIDES = 0.5 * math.sqrt(3.0)  # rise of a pointed arch of equal sides, in widths
+NATURAL_RISE = {"round": 0.5, "segmental": 1.0 / 6.0, "pointed": 0.5 * math.sqrt(3.0)}  # of an arch by default, in widths
 LEAST_BEARING = 0.1  # of a lintel that has less masonry beside it than it should [m]
 LEAST_RING = 0.12  # of an arch that has less masonry around it than it should, in widths
 LEAST_LINTEL = 0.15  # and the height of such a lintel
@@ -121,7 +121,7 @@ class Straight:
     takes: ClassVar = ("lintel", "bearing")
 
     def completed(self, keys: WallOpeningTable, around: Around) -> WallOpeningTable:
-        """The keys with what they leave out."""
+        """The keys with defaults for what they leave out."""
         if keys.lintel is not None and keys.ring is not None:
             raise InputError("", "give lintel or ring")
         height = keys.height or 2.0 * keys.width
@@ -133,7 +133,7 @@ class Straight:
         return keys.model_copy(update=new)
 
     def drawn(self, keys: WallOpeningTable, course: float) -> Drawn:
-        """Jambs under it."""
+        """The hole (4, 2), and the lintel or the flat arch over it."""
         half, top = 0.5 * keys.width, keys.height or 0.0
         hole = np.array([(-half, 0.0), (half, 0.0), (half, top), (-half, top)])
         if keys.ring is None:
@@ -155,7 +155,7 @@ class Arched:
     pointed: bool = False
 
     def completed(self, keys: WallOpeningTable, around: Around) -> WallOpeningTable:
-        """The keys with what they leave out."""
+        """The keys with defaults for what they leave out."""
         rise, least, most = keys.rise or self.natural * keys.width, self.least * keys.width, self.most * keys.width
         if not least <= rise <= most * (1.0 + 1e-9):
             raise InputError(
@@ -167,7 +167,7 @@ class Arched:
         return keys.model_copy(update={"rise": rise, "height": height, "ring": _ring(keys, height, around, around.beside)})
 
     def drawn(self, keys: WallOpeningTable, course: float) -> Drawn:
-        """Jambs under it."""
+        """The hole (n, 2), jambs and intrados, and the voussoirs around its head."""
         half, rise, ring = 0.5 * keys.width, keys.rise or 0.0, keys.ring or 0.0
         springing = (keys.height or 0.0) - rise
         if self.pointed:
@@ -194,14 +194,14 @@ class Rose:
     takes: ClassVar = ()
 
     def completed(self, keys: WallOpeningTable, around: Around) -> WallOpeningTable:
-        """The keys with what they leave out."""
+        """The keys with defaults for what they leave out."""
         if keys.height is not None and abs(keys.height - keys.width) > 1e-9:
             raise InputError("", f"a rose is as high as wide, {keys.width:g} m, got {keys.height:g}")
         ring = _ring(keys, keys.width, around, min(around.beside, keys.sill))
         return keys.model_copy(update={"height": keys.width, "ring": ring})
 
     def drawn(self, keys: WallOpeningTable, course: float) -> Drawn:
-        """A ring about its middle."""
+        """The hole (n, 2), and the voussoirs all around it."""
         radius, ring = 0.5 * keys.width, keys.ring or 0.0
         count = max(8, 2 * round(math.pi * radius / voussoir_width(ring, course)))
         angles = 2.0 * math.pi * (np.arange(count) + 0.5) / count
@@ -212,9 +212,9 @@ class Rose:
 
 SHAPES: dict[str, Straight | Arched | Rose] = {
     "rectangular": Straight(),
-    "round": Arched(0.5, 0.01, math.inf, ()),
-    "segmental": Arched(1.0 / 6.0, 0.01, 0.5, ("rise",)),
-    "pointed": Arched(EQUAL_SIDES, 0.5 * (1.0 + 1e-6), math.inf, ("rise",), pointed=True),
+    "round": Arched(NATURAL_RISE["round"], 0.01, math.inf, ()),
+    "segmental": Arched(NATURAL_RISE["segmental"], 0.01, 0.5, ("rise",)),
+    "pointed": Arched(NATURAL_RISE["pointed"], 0.5 * (1.0 + 1e-6), math.inf, ("rise",), pointed=True),
     "rose": Rose(),
 }
 

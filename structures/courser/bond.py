@@ -16,7 +16,7 @@ LEAST_BOND = 0.12  # between head joints of successive courses, in blocks
 
 
 def even(low: float, high: float, count: int, odd: bool) -> list[float]:
-    """Head joints of a course of so many blocks between two places, the odd ones with half a block at both ends [m]."""
+    """Head joints of a course of ``count`` blocks between two places [m]; an odd course has half a block at each end."""
     shift = 0.5 if odd else 0.0
     return [low + (high - low) * (i + shift) / count for i in range(0 if odd else 1, count)]
 

@@ -20,7 +20,7 @@ SAME = 1e-9  # lengths closer than this are one [m]
 
 
 class Sizes(NamedTuple):
-    """Of the stones aimed at [m]."""
+    """Sizes of stones that are aimed at [m]."""
 
     course: float
     unit: float
@@ -85,7 +85,7 @@ def opening_of(table: OpeningTable, key: str, course: float) -> Opening:
 
 
 def natural_bearing(width: float, unit: float) -> float:
-    """Of a lintel on each jamb [m]."""
+    """Length of a lintel on each jamb [m], where none is given."""
     return max(unit / 3.0, 0.15 * width)
 
 
@@ -95,5 +95,5 @@ def natural_ring(width: float, course: float) -> float:
 
 
 def voussoir_width(ring: float, course: float) -> float:
-    """Aimed at [m]."""
+    """Width of a voussoir that is aimed at [m]."""
     return max(0.6 * ring, min(0.8 * course, 1.2 * ring))

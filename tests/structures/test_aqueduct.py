@@ -61,7 +61,7 @@ def test_volume_and_joints_are_those_of_closed_forms(built: tuple[dict[str, obje
         span, count = tier.layout.keys.spans[0], len(tier.layout.profiles)
         assert span.voussoirs is not None
         radius, turn, pier = 0.5 * span.span, math.pi / span.voussoirs, tier.pier_courses * tier.course
-        high = pier + radius * 1.0 + span.thickness + tier.layout.keys.cover
+        high = pier + radius + span.thickness + tier.layout.keys.cover
         if span.voussoirs % 2:  # the keystone's chord lies below the circle
             high -= (radius + span.thickness) * (1.0 - math.cos(0.5 * turn))
         opening = span.span * pier + 0.5 * span.voussoirs * radius**2 * math.sin(turn)
