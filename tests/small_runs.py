@@ -20,7 +20,6 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Block
 from structures.files import blockfile
 
-
 FROM_FILE = 'structure = {kind = "file", path = "blocks.json"}\n'
 
 
@@ -37,7 +36,7 @@ def write_scene(folder: Path, blocks: Sequence[Block] | Sequence[dict[str, Any]]
 
 
 def ran(scene: Path, *changes: str) -> Summary:
-    """The summary of a run of a scene, into the folder ``out`` beside it."""
+    """The summary of a run of a scene, into the folder ``out`` next to it."""
     return run_case(prepare(read_scene(scene, changes)), scene.parent / "out")
 
 

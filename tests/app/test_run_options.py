@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run is asked besides: its friction problems in files, what it left out and why, and results that no disc holds."""
+"""Options of a run: its friction problems in files, an explanation of what it left out, and results for which the disc has no room."""
 
 from __future__ import annotations
 
