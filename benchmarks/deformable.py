@@ -32,7 +32,7 @@ from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
-from masonry_cd.studies.study.task import of_run
+from masonry_cd.studies.study.task import numbers_of_run
 
 POISSON = 0.2
 DAMPED = ("damping=0.05", "damping_frequency=10.0")  # of what is elastic
@@ -85,7 +85,7 @@ def row(name: str, young: float, asked: Scene) -> Row:
         summary = run_case(case, Path(folder) / "out")
         spent = time.process_time() - begin
         file = Path(folder) / "out" / "result.h5"
-        drift = of_run(file, summary, asked)[0]["drift"]
+        drift = numbers_of_run(file, summary, asked)[0]["drift"]
         with Results.open(file) as results:
             opened = results.peaks["first_opening_time"]
     first = float(np.nanmin(opened)) if np.isfinite(opened).any() else np.nan

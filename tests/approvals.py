@@ -77,7 +77,7 @@ def masked(text: str, folder: Path) -> str:
 
 
 def typed(*lines: str, **keys: str) -> Callable[[Path], str]:
-    """What command lines print, one after the other, beside the scene of a block on a plate."""
+    """All that command lines print, one after the other, in the folder of the scene of a block on a plate."""
 
     def text(folder: Path) -> str:
         write_plate_scene(folder, **({"duration": "duration = 0.05"} | keys))
@@ -121,7 +121,7 @@ def page_of(folder: Path, scene: str = DRY, summary: Mapping[str, Any] | None = 
 
 
 def words(html: str) -> str:
-    """What a reader reads of a page, tags left out."""
+    """The text of a page, tags left out."""
     body = re.sub(r"<(script|style).*?</\1>", " ", html[html.index("<body") :], flags=re.DOTALL)
     return unescape(re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", body))).strip()
 
@@ -152,7 +152,7 @@ def study(made: Made) -> Callable[[Path], str]:
 
 
 def compared(folder: Path) -> str:
-    """What is said of two runs that differ by the slip of a block."""
+    """All that is said of two runs that differ by the slip of a block."""
     for name, slip in (("weak", 0.006), ("strong", 0.03)):
         (folder / name).mkdir()
         write_run(folder / name / "result.h5", stack(), states(slip=slip), "Two blocks", scene=DRY, ended=True)

@@ -14,21 +14,21 @@ from masonry_cd.foundation.errors import InputError
 
 
 def masonry_cd(*words: object) -> Result:
-    """What a command line comes to."""
+    """The result of a command line."""
     typed = [str(word) for word in words]
     with mock.patch.object(sys, "argv", ["masonry-cd", *typed]):
         return CliRunner().invoke(app, typed)
 
 
 def done(*words: object) -> Result:
-    """What a command line comes to that has to end well."""
+    """The result of a command line, which has to end well."""
     result = masonry_cd(*words)
     assert result.exit_code == 0, result.output
     return result
 
 
 def refusal(result: Result) -> InputError:
-    """What a command was refused for, which it printed, alone, before it ended with exit code 2."""
+    """The fault for which a command was refused, which it printed, alone, before it ended with exit code 2."""
     error: BaseException | None = result.exception
     while error is not None and not isinstance(error, InputError):
         error = error.__context__

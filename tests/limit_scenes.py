@@ -6,11 +6,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from models import box, ground
+from small_runs import write_scene
 
 from masonry_cd.limit.case import LimitCase
 from masonry_cd.limit.words import lines
 from masonry_cd.mechanics.model.blocks import Block
-from structures.files import blockfile
 
 PUSH = '[[loads]]\nkind = "push"\ndirection = "x"\nrate = 0.1\n'
 TILT = '[[loads]]\nkind = "tilt"\ndirection = "x"\nrate = 0.1\n'
@@ -20,12 +20,7 @@ TIE = '[[loads]]\nkind = "tie"\nname = "rod"\nblocks = ["a", "ground"]\npoints =
 
 def scene(folder: Path, blocks: list[Block], tables: str, mu: float = 0.65, joints: str = "", run: str = RUN) -> Path:
     """A scene file about blocks."""
-    blockfile.write(folder / "blocks.json", blocks)
-    path = folder / "scene.toml"
-    path.write_text(
-        f'structure = {{kind = "file", path = "blocks.json"}}\nmaterial = {{density = 2000.0, friction = {mu}{joints}}}\n{run}{tables}'
-    )
-    return path
+    return write_scene(folder, blocks, f"material = {{density = 2000.0, friction = {mu}{joints}}}\n{run}{tables}")
 
 
 def pillar() -> list[Block]:

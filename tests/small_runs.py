@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import json
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -18,17 +20,23 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Block
 from structures.files import blockfile
 
+FROM_FILE = 'structure = {kind = "file", path = "blocks.json"}\n'
 
-def write_scene(folder: Path, blocks: Sequence[Block], text: str) -> Path:
-    """scene.toml beside blocks.json: the tables of a text, and blocks of the file."""
-    blockfile.write(folder / "blocks.json", list(blocks))
+
+def write_scene(folder: Path, blocks: Sequence[Block] | Sequence[dict[str, Any]], text: str) -> Path:
+    """Write blocks.json, of blocks or of tables as a block file has them, and next to it scene.toml with the tables of a text."""
+    made = [block for block in blocks if isinstance(block, Block)]
+    if made:
+        blockfile.write(folder / "blocks.json", made)
+    else:
+        (folder / "blocks.json").write_text(json.dumps({"units": "m", "blocks": list(blocks)}), encoding="utf-8")
     path = folder / "scene.toml"
-    path.write_text(f'structure = {{kind = "file", path = "blocks.json"}}\n{text}', encoding="utf-8")
+    path.write_text(FROM_FILE + text, encoding="utf-8")
     return path
 
 
 def ran(scene: Path, *changes: str) -> Summary:
-    """The summary of a run of a scene, into the folder ``out`` beside it."""
+    """The summary of a run of a scene, into the folder ``out`` next to it."""
     return run_case(prepare(read_scene(scene, changes)), scene.parent / "out")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What commands print and pages say is what was approved, see tests/approvals.py."""
+"""The texts that commands print and pages show are the approved ones, see tests/approvals.py."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is refused, by the tables of tests/refusals: it names the place that is wrong, ends with exit code 2, and leaves no file behind."""
+"""Each refusal of the tables of tests/refusals names the place that is wrong, ends with exit code 2, and leaves no file behind."""
 
 from __future__ import annotations
 

@@ -25,9 +25,9 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, Field, model_validator
+from pydantic import BaseModel, model_validator
 
-from loads.motion import STANDARD_GRAVITY, strict
+from loads.motion import STANDARD_GRAVITY, Positive, strict
 from masonry_cd.foundation.fields import Span
 from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.usual import ACCELERATIONS
@@ -124,9 +124,6 @@ def ntc(
     stretch = factor * tc_star**power
     tc = stretch * tc_star
     return CodeSpectrum(ag * soil * hill, 1.0, f0, (tc / 3.0, tc, 4.0 * share + 1.6), LONG_PERIODS[ground], soil, hill, stretch)
-
-
-Positive = Annotated[float, Field(gt=0.0)]
 
 
 GROUND = Usual(0.6, 10.0, "hazard maps give 0.6 to 10 m/s2 (0.06 to 1 g) where masonry is checked", ACCELERATIONS)

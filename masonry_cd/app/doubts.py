@@ -339,7 +339,7 @@ def _code(check: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """A spectrum of another code than that of the check."""
     if check.get("code") == "EC8" and check.get("spectrum") == "NTC":
         words = 'Eurocode 8 with its own ag and ground has spectrum = "EC8", the Italian check code = "NTC2018"'
-        yield "limit.check.spectrum", f'limit.check.spectrum = "NTC" stands beside code = "EC8": {words}'
+        yield "limit.check.spectrum", f'limit.check.spectrum = "NTC" stands next to code = "EC8": {words}'
 
 
 def _open(tables: Mapping[str, Any], assembly: Assembly, joints: Joints) -> Iterator[tuple[str, str]]:

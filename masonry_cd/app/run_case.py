@@ -279,7 +279,7 @@ OF_JOINT = 6 + 3 + 3  # numbers of a frame: six histories, the force and its pla
 def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int, stress: bool = False, of_meshes: int = 0) -> float:
     """About how large result.h5 will be, its ties and shocks apart [B].
 
-    ``stress``: it keeps stress; ``of_meshes``: numbers of a frame that meshed blocks then have besides, in single precision.
+    ``stress``: it keeps stress; ``of_meshes``: numbers of a frame that meshed blocks then have as well, in single precision.
     """
     of_block = OF_BLOCK + (0 if assembly.deformation is None else OF_STRAIN)
     frame = 1 + of_block * assembly.count + (OF_JOINT + len(histories(assembly.laws))) * joints.count

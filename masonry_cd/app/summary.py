@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the run itself yields for summary.json (:mod:`masonry_cd.io.summary`), and what of the masonry it leaves out."""
+"""The share of summary.json that a run itself yields (:mod:`masonry_cd.io.summary`), with the elasticity that its joints leave out."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def masses(assembly: Assembly) -> str:
     return f"masses: {1e-3 * assembly.mass[free].sum():.4g} t free to move, {', '.join(named)}{fill}"
 
 
-FEW_FREE = 5  # free ones that are a study of mechanics rather than a building
+FEW_FREE = 5  # free blocks that are a study of mechanics rather than a building
 
 
 def elasticity_left_out(case: Case) -> Summary:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from masonry_cd.app.result import Result
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust, exclude
 
 
 def limit(
@@ -52,7 +52,6 @@ def limit(
       masonry-cd limit church.toml -o out/parts --macro-elements
     """
     from masonry_cd.app.scene import read_scene
-    from masonry_cd.cli.shared import exclude
     from masonry_cd.limit.case import Wanted
     from masonry_cd.limit.command import Files
     from masonry_cd.limit.command import limit as command

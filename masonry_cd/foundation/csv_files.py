@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables as CSV that a spreadsheet opens without running anything.
+"""Tables as CSV that a spreadsheet opens without running anything, and as aligned text in Markdown or for a terminal.
 
 A spreadsheet takes a cell that begins with =, +, -, @ or a control character for a formula, and names come from files of strangers. So a
 text that begins like one gets an apostrophe before it, and what could end a cell in any country is quoted (OWASP, CSV injection); numbers

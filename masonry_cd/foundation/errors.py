@@ -109,7 +109,7 @@ class Faults:
 
     @contextmanager
     def of(self, place: object = "", name: object = "") -> Iterator[None]:
-        """Collect what is wrong in the body, reported of the thing of a name at ``place``, each of them unless it is empty."""
+        """Collect what is wrong in the body, with ``place`` and then ``name`` before the place of each fault, where they are not empty."""
         try:
             yield
         except InputError as error:
@@ -163,7 +163,7 @@ def in_plain_words(failure: OSError) -> str:
 
 
 def in_a_line(reason: Exception) -> str:
-    """What an exception says, in one line; its kind where it says nothing."""
+    """The message of an exception as one line; the name of its class where it has none."""
     return " ".join(str(reason).split()) or type(reason).__name__
 
 
@@ -239,7 +239,7 @@ def _faults(failure: ValidationError, model: type[BaseModel], table: Mapping[str
 
 
 def _is_form(part: str) -> bool:
-    """Whether a part of a path is pydantic's name of a form of values, ``dict[str,float]`` or ``constrained-float``, and no key."""
+    """True for a part of a path that is no key but pydantic's name of a form of values, ``dict[str,float]`` or ``constrained-float``."""
     return "[" in part or part.startswith("constrained-")
 
 

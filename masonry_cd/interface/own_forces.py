@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Forces and motions that Python gives, beside those of the scene's loads, as the step asks for them: at the places of its middle, q_m.
+"""Forces and motions that Python gives, on top of those of the scene's loads, as the step asks for them: at the places of its middle, q_m.
 
 A field is a function ``f(now)`` of all blocks at once, a history the force on one block over time. Both enter the free velocity as point
 loads do, so they are explicit: one that grows with displacement, of stiffness k on a mass m, needs a time step below 2 sqrt(m / k).
@@ -47,7 +47,7 @@ class Pushes(NamedTuple):
 
 
 class Pushing(Protocol):
-    """What pushes blocks. By default it remembers nothing."""
+    """A source of forces on blocks. By default it remembers nothing."""
 
     keeps_plane: bool = False  # whether what leads out of the plane of a scene cancels in it
 
@@ -308,7 +308,7 @@ def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[Structure, list[Pa
 
 
 def _part(history: History, block: int, blocks: list[Block]) -> Part:
-    """What drives one block."""
+    """The part of the loads that drives one block."""
     share = np.zeros(len(blocks))
     share[block] = 1.0
     return Part(

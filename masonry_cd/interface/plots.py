@@ -94,7 +94,7 @@ class Plots(Sealed):
         """The pushes of the run: force against displacement.
 
         Args:
-            measured: a CSV file with the curve of a test, displacement [m] and force [N], to be drawn beside them.
+            measured: a CSV file with the curve of a test, displacement [m] and force [N], to be drawn with them.
 
         Raises:
             InputError: the run has no push by displacement, or a file that is no such curve.
@@ -191,7 +191,7 @@ SHARES = ("opened", "slid", "lost")
 
 
 class StudyPlots(Sealed):
-    """What ``study.plot`` offers. A picture that the design or the runs do not allow is refused, with the names of those that there are.
+    """The pictures of ``study.plot``. One that the design or the runs do not allow is refused, with the names of those that there are.
 
     Args:
         found: what the runs say.
@@ -229,7 +229,7 @@ class StudyPlots(Sealed):
         """The first push of every run whose folder was kept, laid over each other, with the force over the displacement.
 
         Args:
-            measured: a CSV file with the curve of a test, displacement [m] and force [N], to be drawn beside them.
+            measured: a CSV file with the curve of a test, displacement [m] and force [N], to be drawn with them.
 
         Raises:
             InputError: no run was kept, one has no push by displacement, or a file that is no such curve.

@@ -33,7 +33,7 @@ from masonry_cd.interface.temporary import TemporaryFolder, place_of
 from masonry_cd.interface.values import plain
 from masonry_cd.studies.study.folder import StudyFolder
 from masonry_cd.studies.study.plan import Plan
-from masonry_cd.studies.study.study_case import plan_of_study, require_own
+from masonry_cd.studies.study.study_case import Options, plan_of, plan_of_study, require_own
 from masonry_cd.studies.study.study_file import parse_study
 from reports.study.joint_maps import JointStudy, joint_study
 from reports.study.tables import COLUMNS_OF_FITS, row_of
@@ -209,7 +209,6 @@ def study(
     [[0.3, 0.4, 'done'], [0.3, 0.7, 'done'], [0.6, 0.4, 'done'], [0.6, 0.7, 'done']]
     """
     from masonry_cd.studies.study.command import study as command
-    from masonry_cd.studies.study.study_case import Options
 
     place, keeper = place_of(folder)
     plan = _plan(source, place, force)
@@ -235,8 +234,6 @@ def _plan(source: str | os.PathLike[str] | Mapping[str, Any], folder: Path, forc
         return plan_of_tables(source, folder, force)
     if not isinstance(source, str | os.PathLike):
         raise InputError("study", f"a file or a dict of its tables is needed, got a {type(source).__name__}")
-    from masonry_cd.studies.study.study_case import plan_of
-
     return plan_of(Path(source))
 
 

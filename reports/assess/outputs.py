@@ -75,7 +75,7 @@ def _cell(answer: Answer, member: Member) -> str:
 
 
 def note_of(found: Assessment, member: Member) -> str:
-    """What to know of a run: why it is no data, that steps missed the tolerance, that it alone was cut off."""
+    """A remark on a run: why it is no data, that steps missed the tolerance, that it alone was cut off."""
     if not member.row.status:
         return WAITS
     if not member.row.done:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from made_run import box
+from small_runs import write_scene
 
 from masonry_cd.app.case import Case, prepare
 from masonry_cd.app.closing_lines import closing_lines
@@ -21,13 +22,8 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.start import drawn_velocities
-from structures.files.blockfile import write
 
 SCENE = """
-[structure]
-kind = "file"
-path = "blocks.json"
-
 [material]
 density = 2000.0
 friction = 0.7
@@ -47,11 +43,9 @@ tolerance = 1e-6
 
 
 def case(folder: Path, *changes: str) -> Case:
-    path = folder / "scene.toml"
-    path.write_text(SCENE)
     base = box("base", (-1, -1, -0.2), (1, 1, 0), "base", fixed=True)
-    write(folder / "blocks.json", [base, box("block", (-0.2, -0.2, 0), (0.2, 0.2, 0.9))])
-    return prepare(read_scene(path, changes))
+    scene = write_scene(folder, [base, box("block", (-0.2, -0.2, 0), (0.2, 0.2, 0.9))], SCENE)
+    return prepare(read_scene(scene, changes))
 
 
 def run(folder: Path, *changes: str) -> Summary:

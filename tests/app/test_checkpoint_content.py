@@ -17,7 +17,7 @@ from command_line import done, masonry_cd
 from datasets import contents
 from forked import ended
 from places import ROOT
-from small_runs import ctrl_c_before_step
+from small_runs import ctrl_c_before_step, write_scene
 
 from masonry_cd.app import run_loop
 from masonry_cd.app.case import prepare
@@ -218,11 +218,11 @@ class Killed(BaseException):
 @pytest.mark.parametrize("name", SCENES_JOINTS)
 def test_a_killed_run_ends_as_the_unbroken_one(tmp_path, monkeypatch, name):
     blocks, up = SCENES_JOINTS[name]
-    (tmp_path / "blocks.json").write_text(json.dumps({"units": "m", "blocks": blocks}))
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
-        '[structure]\nkind = "file"\npath = "blocks.json"\n[material]\ndensity = 2000.0\nfriction = 0.5\n'
-        f"[run]\ndt = 4e-3\nduration = {STEPS * 4e-3}\nframes_per_second = 50\ngravity = [0.0, 0.0, {up * 9.81}]\n"
+    scene = write_scene(
+        tmp_path,
+        blocks,
+        "[material]\ndensity = 2000.0\nfriction = 0.5\n"
+        f"[run]\ndt = 4e-3\nduration = {STEPS * 4e-3}\nframes_per_second = 50\ngravity = [0.0, 0.0, {up * 9.81}]\n",
     )
     whole = run(scene, tmp_path / "whole")
 

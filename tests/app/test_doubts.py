@@ -13,6 +13,7 @@ import pytest
 from models import box
 from places import EXAMPLES
 from pydantic import BaseModel
+from small_runs import FROM_FILE
 
 import loads
 from masonry_cd.app.case import prepare, structure_of
@@ -31,10 +32,7 @@ from structures import KINDS
 from structures.tables import CommonTable
 
 ROOT = EXAMPLES.parent
-TEXT = """
-[structure]
-kind = "file"
-path = "blocks.json"
+TEXT = f"""{FROM_FILE}
 [material]
 density = 2000.0
 friction = 0.6
@@ -179,7 +177,7 @@ def test_a_time_step_that_a_slipped_unit_makes_too_long_is_refused_with_that_val
 
 def test_the_lines_stand_among_the_warnings_of_a_run_and_the_notes_of_a_limit_analysis(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
-    path.write_text(TEXT.replace('kind = "file"\npath = "blocks.json"', 'kind = "column"\ndrums = 2').replace("0.6", "1.5"))
+    path.write_text(TEXT.replace(FROM_FILE, 'structure = {kind = "column", drums = 2}\n').replace("0.6", "1.5"))
     scene = read_scene(path)
     (line,) = structure_doubts(scene, structure_of(scene).blocks)
     assert line in facts(limit_case(scene))["notes"]

@@ -7,6 +7,7 @@ import json
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from block_files import cuboid
 from command_line import done, masonry_cd, refusal
 from datasets import contents
 from places import ROOT
-from small_runs import ctrl_c_before_step
+from small_runs import ctrl_c_before_step, write_scene
 
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.detector import Detector
@@ -26,9 +27,6 @@ UNIFORM = ("deformable=uniform", *MESHED[2:])
 LONG = pytest.mark.slow(reason="hundreds of steps of an arch that is cut into elements")
 BOTH = pytest.mark.parametrize("material", [pytest.param(UNIFORM, id="uniform"), pytest.param(MESHED, id="meshed", marks=LONG)])
 KINDS = """
-[structure]
-kind = "file"
-path = "blocks.json"
 [material]
 density = 2000.0
 friction = 0.6
@@ -73,9 +71,7 @@ def towers(folder: Path, joints: str = "") -> Path:
         for k, group in enumerate(("hard", "even", "cut")):
             corners = (at - 0.25, -0.25, 0.25 * k), (at + 0.25, 0.25, 0.25 * (k + 1))
             blocks.append(cuboid(*corners) | {"name": f"{group}{at:g}", "group": group})
-    (folder / "blocks.json").write_text(json.dumps({"units": "m", "blocks": blocks}))
-    (folder / "scene.toml").write_text(KINDS.format(joints=joints))
-    return folder / "scene.toml"
+    return write_scene(folder, blocks, KINDS.format(joints=joints))
 
 
 @BOTH
@@ -172,9 +168,6 @@ def test_a_run_whose_contacts_are_not_found_ends_with_its_results(
 
 RADIUS, ROLLING = 0.1, 0.1
 SCENE = """
-[structure]
-kind = "file"
-path = "blocks.json"
 [material]
 density = 2000.0
 friction = 0.8
@@ -219,7 +212,7 @@ rate = 10.0
 }
 
 
-def scene(folder: Path, load: str, duration: float, material: str = "") -> Path:
+def piles() -> list[dict[str, Any]]:
     """Four balls, and one on them, on each of two plates that lie apart."""
     blocks = []
     for name, at in (("near", 0.0), ("far", 4.0)):
@@ -227,15 +220,18 @@ def scene(folder: Path, load: str, duration: float, material: str = "") -> Path:
         places = [(x, y, RADIUS) for x in (-RADIUS, RADIUS) for y in (-RADIUS, RADIUS)] + [(0.0, 0.0, RADIUS * (1.0 + math.sqrt(2.0)))]
         for k, (x, y, z) in enumerate(places):
             blocks.append({"name": f"{name} {k}", "centre": [at + x, y, z], "radius": RADIUS, "group": "balls"})
-    (folder / "blocks.json").write_text(json.dumps({"units": "m", "blocks": blocks}))
-    (folder / "scene.toml").write_text(SCENE.format(load=LOADS.get(load, ""), duration=duration, material=material))
-    return folder / "scene.toml"
+    return blocks
+
+
+def scene(folder: Path, load: str, duration: float, material: str = "", blocks: list[dict[str, Any]] | None = None) -> Path:
+    """A scene of a load on two piles, or on other blocks."""
+    return write_scene(folder, blocks or piles(), SCENE.format(load=LOADS.get(load, ""), duration=duration, material=material))
 
 
 def ran(folder: Path, balance: float = 1e-6) -> dict:
     """The summary of a run that ends well, each step of it solved and with its energy closed."""
     done("run", folder / "scene.toml", "-o", folder / "out", "-q")
-    found = json.loads((folder / "out" / "summary.json").read_text())
+    found = summary_of(folder / "out")
     assert found["solver"]["steps_missed"] == 0
     assert abs(found["energy"]["balance_error"]) < balance
     return found
@@ -268,8 +264,7 @@ def test_a_pile_sinks_with_its_support(tmp_path: Path) -> None:
 def test_a_tilted_ball_rolls_from_the_angle_of_its_rolling_friction_on(tmp_path: Path) -> None:
     blocks = [cuboid((-2.0, -1.0, -0.5), (2.0, 1.0, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}]
     blocks.append({"name": "ball", "centre": [0.0, 0.0, RADIUS], "radius": RADIUS, "group": "balls"})
-    scene(tmp_path, "tilt", 0.9)
-    (tmp_path / "blocks.json").write_text(json.dumps({"units": "m", "blocks": blocks}))
+    scene(tmp_path, "tilt", 0.9, blocks=blocks)
     ran(tmp_path)
     with Results.open(tmp_path / "out" / "result.h5") as results:
         time = np.array(results.time)
@@ -302,8 +297,7 @@ def test_stones_beside_spheres_have_springs_by_default(tmp_path: Path) -> None:
     blocks = [cuboid((-1.0, -1.0, -0.5), (1.0, 1.0, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}]
     blocks.append(cuboid((-0.2, -0.2, 0.0), (0.2, 0.2, 0.4)) | {"name": "stone", "group": "stones"})
     blocks.append({"name": "ball", "centre": [0.0, 0.0, 0.4 + RADIUS], "radius": RADIUS, "group": "balls"})
-    scene(tmp_path, "", 0.1, "[material.joints.default]\nnormal_stiffness = 1e9\n")
-    (tmp_path / "blocks.json").write_text(json.dumps({"units": "m", "blocks": blocks}))
+    scene(tmp_path, "", 0.1, "[material.joints.default]\nnormal_stiffness = 1e9\n", blocks)
     found = ran(tmp_path, balance=1e-3)  # of the work of settling alone, some joules
     weight = 2000.0 * 9.81 * (0.4**3 + 4.0 / 3.0 * math.pi * RADIUS**3)
     assert found["energy"]["elastic"] == pytest.approx(0.5 * weight**2 / (1e9 * 0.16), rel=1e-3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run is asked besides: its friction problems in files, what it left out and why, and results that no disc holds."""
+"""Options of a run: its friction problems in files, an explanation of what it left out, and results for which the disc has no room."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import pytest
 from command_line import done, masonry_cd
 from hostile import refused_at
 from made_run import box
+from small_runs import write_scene
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.commands.solve import solve
@@ -23,10 +24,8 @@ from masonry_cd.app.run_case import result_bytes
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.problem_files import read_problem
 from masonry_cd.io.results import Results
-from structures.files import blockfile
 
 SCENE = """\
-structure = { kind = "file", path = "blocks.json" }
 material = { density = 2000.0, friction = 0.5 }
 [run]
 dt = 1e-3
@@ -43,9 +42,7 @@ def falling(tmp_path):
         box("low", (0, 0, 0), (1, 0.5, 1)),
         box("high", (0.2, 0, 1.005), (1, 0.5, 2)),
     ]
-    blockfile.write(tmp_path / "blocks.json", blocks)
-    (tmp_path / "scene.toml").write_text(SCENE)
-    return tmp_path / "scene.toml"
+    return write_scene(tmp_path, blocks, SCENE)
 
 
 def test_problems_are_those_that_were_solved_and_the_run_keeps_its_bits(falling, tmp_path):
@@ -90,7 +87,6 @@ def test_steps_are_counted_once_and_in_order():
 
 
 SCENE_EXPLAIN = """\
-structure = { kind = "file", path = "blocks.json" }
 material = { density = 2000.0, friction = 0.5 }
 run = { dt = 1e-3, duration = 0.06 }
 """
@@ -100,9 +96,7 @@ run = { dt = 1e-3, duration = 0.06 }
 def explained(tmp_path):
     """Runs two cubes, the upper of which falls by 5 mm, and a third far away; returns what was said and kept."""
     cubes = [box("low", (0, 0, 0), (1, 0.5, 1)), box("high", (0.2, 0, 1.005), (1, 0.5, 2)), box("far", (10, 0, 0), (11, 0.5, 1))]
-    blockfile.write(tmp_path / "blocks.json", [box("plate", (-2, -0.25, -1), (12, 0.75, 0), fixed=True), *cubes])
-    scene = tmp_path / "scene.toml"
-    scene.write_text(SCENE_EXPLAIN)
+    scene = write_scene(tmp_path, [box("plate", (-2, -0.25, -1), (12, 0.75, 0), fixed=True), *cubes], SCENE_EXPLAIN)
 
     def run(*changes: str) -> tuple[str, dict]:
         words = [word for change in changes for word in ("--set", change)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run finds of its own result: joints that open, crush, shorten or settle, blocks that deform, motion against the contact laws."""
+"""Remarks of a run on its own result: joints that open, crush, shorten or settle, blocks that deform, motion against the contact laws."""
 
 from __future__ import annotations
 

@@ -172,7 +172,7 @@ def test_the_page_of_a_study_opens(tmp_path, opened, monkeypatch):
 
 
 def completed(line: str) -> set[str]:
-    """What bash is offered after a line."""
+    """The words that bash is offered after a line."""
     code = "import sys; sys.argv = ['masonry-cd']; from masonry_cd.cli import main; main()"
     asked = {"_MASONRY_CD_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(line.split(" ")) - 1)}
     out = subprocess.run([sys.executable, "-c", code], env=os.environ | asked, capture_output=True, text=True, check=False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is asked for after a run is refused before it; what numpy warns of is a line; -q is quiet; README speaks of the program as it is."""
+"""Outputs that cannot be are refused before the run; a warning of numpy is a line; -q is quiet; README speaks of the program as it is."""
 
 from __future__ import annotations
 
@@ -14,12 +14,10 @@ from doc_pages import fences
 from hostile import refused_at
 from made_run import at_rest, box, write_run
 from places import ROOT
-from typer.testing import CliRunner
 
 import structures
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.cli.printing import errors_reported
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
@@ -119,9 +117,8 @@ def test_other_warnings_pass():
 
 
 def test_limit_is_quiet_where_it_is_asked_to_be(tmp_path: Path) -> None:
-    asked = ["limit", str(ROOT / "examples" / "arch.toml"), "--set", 'limit.push="x"', "--no-picture"]
-    loud = CliRunner().invoke(app, [*asked, "-o", str(tmp_path / "loud")])
-    quiet = CliRunner().invoke(app, [*asked, "-o", str(tmp_path / "quiet"), "-q"])
+    asked = ("limit", ROOT / "examples" / "arch.toml", "--set", 'limit.push="x"', "--no-picture")
+    loud, quiet = masonry_cd(*asked, "-o", tmp_path / "loud"), masonry_cd(*asked, "-o", tmp_path / "quiet", "-q")
     assert (loud.exit_code, quiet.exit_code) == (0, 0)
     assert "written: " in loud.output
     assert quiet.stdout == "" and quiet.stderr == loud.stderr != ""

@@ -71,7 +71,7 @@ PICTURES = {"arch": 5, "own_blocks": 3, "stepping": 3, "study": 3, "sweep": 3}  
 
 
 def shown(notebook: nbformat.NotebookNode) -> list[nbformat.NotebookNode]:
-    """What the cells of a notebook show."""
+    """The outputs of the cells of a notebook."""
     return [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
 
 
@@ -95,8 +95,8 @@ def test_it_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 MODULES = sorted(path.stem for path in (ROOT / "masonry_cd" / "interface").glob("*.py"))
 WITH_EXAMPLES = {
-    "assessing", "comparison", "limit", "macro", "modal",
-    "results", "run_stress", "running", "scenes", "simulation", "studies",
+    "assessing", "comparison", "limit", "modal", "results",
+    "run_stress", "running", "scenes", "simulation", "studies",
 }  # fmt: skip
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a plain install lacks is named with the extra that brings it; a user's own loads.py never takes the place of our packages."""
+"""A package that a plain install lacks is named with its extra; a user's own loads.py never takes the place of our packages."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Processes end with the one that they work for, keep freed memory until it is given back, and keep their signals beside gmsh."""
+"""Processes end with the one that they work for, keep freed memory until it is given back, and keep their signals while gmsh is at work."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ if __name__ == "__main__":
 
 
 def ended(pid: int) -> bool:
-    """Whether a process is gone, or is a zombie that nobody waits for."""
+    """True for a process that is gone, or is a zombie that nobody waits for."""
     try:
         return Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] == "Z"
     except FileNotFoundError:

@@ -87,7 +87,7 @@ EVIL = "=cmd|'/c calc'!A1"
 
 
 def without_guard(cell: str) -> str:
-    """A cell as it was, by the rule that masonry_cd/foundation/csv_files.py tells."""
+    """A cell as it was, by the rule that masonry_cd/foundation/csv_files.py states."""
     return cell[1:] if re.match(r"''*[=+\-@\t\r\n]", cell) else cell
 
 

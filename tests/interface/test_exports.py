@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What other programs take of a run and of a scene, and what a scene takes of theirs: blocks, meshes, traces."""
+"""Exchange with other programs, of runs and scenes and into scenes: blocks, meshes, traces."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ WAVE = np.sin(np.pi * TIME / 4.0) ** 2 * np.sin(12.0 * TIME)
 
 
 def trace(channel: str = "HNE", data: Any = WAVE, **stats: Any) -> SimpleNamespace:
-    """What has the attributes of a trace of obspy."""
+    """A value with the attributes of a trace of obspy."""
     about = SimpleNamespace(delta=STEP, channel=channel, **({"starttime": 0.0} | stats))
     return SimpleNamespace(data=np.asanyarray(data), stats=about, id=f"XX.SITE..{channel}")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What pages tell a client: loads, motions, title block, verdicts, tables; what is filled into a template stays text."""
+"""The words of pages for a client: loads, motions, title block, verdicts, tables; what is filled into a template stays text."""
 
 from __future__ import annotations
 

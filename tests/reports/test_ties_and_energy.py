@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ties had to bear, and the picture of the energies, which closes: drawn from the result file alone."""
+"""The tension that ties had to bear, and the picture of the energies, which closes: drawn from the result file alone."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a study says it is, which files in its folder are its own, and what runs in one process share."""
+"""The progress that a study reports, which files in its folder are its own, and what runs in one process share."""
 
 from __future__ import annotations
 

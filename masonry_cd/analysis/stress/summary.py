@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The stress of a run in numbers, its share of summary.json, and in words."""
+"""The stress of a run for its summary: the numbers of the table ``stress`` of summary.json, and the lines that report them."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _against_strength(results: Results, peaks: StressPeaks) -> Strength:
 
 
 def stress_lines(found: RunStress) -> list[str]:
-    """The stress of a run in words, from its share of the summary."""
+    """Lines that report the stress of a run, made from the table ``stress`` of its summary."""
     lines = [
         f"stress, means over the {length(found.interval, 's')} between frames: largest compression of a block "
         f"{pressure(found.compression_max)} in {found.compression_max_block} at {found.compression_max_time:.3g} s{_pulled(found)}"
@@ -91,7 +91,7 @@ def _pulled(found: StressPeak) -> str:
 
 
 def _element_line(found: ElementStress) -> str:
-    """The largest stresses of elements, in words."""
+    """A line that reports the largest stresses of the elements of meshed blocks, and how many lie above their strength."""
     above = ""
     if found.compared is not None:
         where = f", in {', '.join(found.blocks_above_names)}{' and others' if found.blocks_above > NAMED else ''}"
@@ -103,7 +103,7 @@ def _element_line(found: ElementStress) -> str:
 
 
 def _strength_line(found: Strength) -> str:
-    """What lies above its strength, in words."""
+    """A line that reports how many blocks and joints come above their compressive strength."""
     blocks = f"{found.blocks_above or 'none'} of {found.blocks_compared} blocks"
     joints = f"{found.joints_above or 'none'} of {found.joints_compared} joints"
     joints += f" ({found.joints_above_open or 'none'} of them while open)" if found.joints_above else ""

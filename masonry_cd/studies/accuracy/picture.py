@@ -125,7 +125,7 @@ CSV, MARKDOWN, PICTURE = OUTPUTS = ("accuracy.csv", "accuracy.md", "accuracy.png
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was measured; rows of one table have equal keys."""
+    """The numbers of a measurement, the lines on it and its diagram; rows of one table have equal keys."""
 
     heading: str  # of accuracy.md
     rows: Sequence[Row]  # of accuracy.csv

@@ -3,7 +3,7 @@ r"""Designs: which runs a study has, and what these are chosen from: motions, le
 
     grid       all combinations of the lists and ranges that vary, the levels, and the motions
     sample     a Latin hypercube of all that varies: distributions by their quantiles, lists, levels and motions by their places
-    stripes    every motion at every level of intensity (Jalayer & Cornell, 2009); what is random is drawn anew for each run
+    stripes    every motion at every level of intensity (Jalayer & Cornell, 2009); what is random is drawn for each run
     cloud      every motion once, as it was recorded (Jalayer, 2003); what is random is drawn for each
     ensemble   the same scene under tiny perturbations, which show how far a chaotic run spreads; the first member is the scene itself
     ida        incremental dynamic analysis by hunt and fill (Vamvatsikos & Cornell, Earthq. Eng. Struct. Dyn. 31(3), 2002)
@@ -47,7 +47,7 @@ class Asked:
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """What a design chooses from."""
+    """The motions, levels and values from which a design chooses."""
 
     tables: StudyTables
     records: Records | None
@@ -95,7 +95,7 @@ def grid(space: Space) -> Iterator[Asked]:
 
 
 def sample(space: Space) -> Iterator[Asked]:
-    """The runs; another number of samples makes all of them anew."""
+    """The runs; with another number of samples all of them are others."""
     from scipy.stats.qmc import LatinHypercube
 
     lists, keys = space.varied.lists, space.varied.keys
@@ -189,7 +189,7 @@ def _bracketing(table: IdaTable, found: Mapping[float, bool | None]) -> float | 
 
 
 def _before_filling(table: IdaTable, found: Mapping[float, bool | None]) -> int:
-    """How many runs hunting and bracketing took: they are gone through again from the first."""
+    """The number of runs that hunting and bracketing took: they are gone through again from the first."""
     replayed: dict[float, bool | None] = {}
     while (level := _bracketing(table, replayed)) is not None and level in found:
         replayed[level] = found[level]

@@ -320,7 +320,7 @@ def space_of(scene: Scene, tables: dict[str, Any]) -> tuple[Study, Space]:
 
 
 def _perturbs(tables: dict[str, Any]) -> Any:
-    """What the members of an ensemble differ by: the loads where they have a size, else first velocities, else friction."""
+    """The quantity by which members of an ensemble differ: the loads where they have a size, else first velocities, else friction."""
     try:
         perturb(copy.deepcopy(tables), "loads", SIZE)
     except InputError:

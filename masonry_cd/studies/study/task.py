@@ -3,7 +3,7 @@
 
 The row depends on the scene alone, seconds and worker aside. Structures are kept from run to run, since in most studies only the loads
 differ. A run ends after the step in which its time is up; watchdog.py ends those that hang. What fails is a row with its reason. For maps
-of probability a run leaves arrays of its joints beside its row.
+of probability a run leaves arrays of its joints with its row.
 """
 
 from __future__ import annotations
@@ -35,41 +35,6 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.joints import Joints
 from reports.damage import damage_settings
-
-
-def of_run(results_file: Path, summary: Summary, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """The numbers of a run that is done, those of its parts, and its joints' arrays.
-
-    Args:
-        results_file: result.h5 of the run.
-        summary: that of the run.
-        scene: whose ``[report]`` says what counts as damage.
-
-    Returns:
-        numbers by the columns of runs.csv, with the residual drift; by part {"grade_number", "drift"}; and
-        opening, sliding (J,) float32 [m], the largest over the run, lost (J,) bool, and ``shape``, a digest of the joints at rest.
-    """
-    with Results.open(results_file) as results:
-        run = Measured(results, damage_settings(scene.report), summary)
-        found, table = values_in(STUDY, run) | {"residual_drift": finite(run.whole["residual_drift"])}, run.table
-        arrays = {
-            "opening": table.max_opening.astype(np.float32),
-            "sliding": table.max_sliding.astype(np.float32),
-            "lost": table.state == "separated",
-            "shape": _digest(results.joints),
-        }
-        rows = run.damage.parts[:-1]
-    parts = {row["part"]: {"grade_number": grade_number(row["grade"]), "drift": finite(row["max_drift"])} for row in rows}
-    return found, parts, arrays
-
-
-def _digest(joints: Joints) -> int:
-    """A number that joints of the same blocks and corners share."""
-    digest = hashlib.sha256()
-    for array in (joints.block_a, joints.block_b, joints.polygon_start, joints.polygon):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return int.from_bytes(digest.digest()[:7], "little")
-
 
 ROWS = "rows"  # folder of a study with what each run came to
 RESULTS = "result.h5"
@@ -139,7 +104,7 @@ def _run(task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
         return RunRow(TIMEOUT, f"out of time, {task.timeout:g} s"), None
     if summary.stopped:
         return RunRow(FAILED, summary.stopped), None
-    found, parts, joints = of_run(folder / RESULTS, summary, scene)
+    found, parts, joints = numbers_of_run(folder / RESULTS, summary, scene)
     timing = {"set_up": set_up, "stepping": summary.stepping_seconds, "closing": time.perf_counter() - ended, "processor": processor}
     verdict = summary.verdict
     doubt = verdict.why if verdict is not None and verdict.verdict == DOUBTFUL else ""
@@ -197,3 +162,37 @@ def _scratch() -> str | None:
         return str(get_worker().local_directory)
     except ValueError:
         return None
+
+
+def numbers_of_run(results_file: Path, summary: Summary, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """The numbers of a run that is done, those of its parts, and its joints' arrays.
+
+    Args:
+        results_file: result.h5 of the run.
+        summary: that of the run.
+        scene: whose ``[report]`` says what counts as damage.
+
+    Returns:
+        numbers by the columns of runs.csv, with the residual drift; by part {"grade_number", "drift"}; and
+        opening, sliding (J,) float32 [m], the largest over the run, lost (J,) bool, and ``shape``, a digest of the joints at rest.
+    """
+    with Results.open(results_file) as results:
+        run = Measured(results, damage_settings(scene.report), summary)
+        found, table = values_in(STUDY, run) | {"residual_drift": finite(run.whole["residual_drift"])}, run.table
+        arrays = {
+            "opening": table.max_opening.astype(np.float32),
+            "sliding": table.max_sliding.astype(np.float32),
+            "lost": table.state == "separated",
+            "shape": _digest(results.joints),
+        }
+        rows = run.damage.parts[:-1]
+    parts = {row["part"]: {"grade_number": grade_number(row["grade"]), "drift": finite(row["max_drift"])} for row in rows}
+    return found, parts, arrays
+
+
+def _digest(joints: Joints) -> int:
+    """A number that joints of the same blocks and corners share."""
+    digest = hashlib.sha256()
+    for array in (joints.block_a, joints.block_b, joints.polygon_start, joints.polygon):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return int.from_bytes(digest.digest()[:7], "little")

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import re
 import shutil
 from pathlib import Path
@@ -14,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 from block_files import cuboid
+from small_runs import write_scene
 
 import masonry_cd as mc
 from masonry_cd.analysis.deformed import Pose, Solids, solids_of
@@ -33,9 +33,6 @@ from reports.paraview import export
 DENSITY, WIDTH, HEIGHT, YOUNG = 2000.0, 0.5, 0.25, 1e9
 WEIGHT = DENSITY * 9.81 * HEIGHT  # of a block over its foot [Pa]
 SCENE = """
-[structure]
-kind = "file"
-path = "blocks.json"
 [material]
 density = 2000.0
 friction = 0.6
@@ -69,9 +66,8 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> mc.Run:
     for k, (name, group) in enumerate((("low", "cut"), ("high", "cut"), ("lid", "hard"))):
         corners = (-WIDTH / 2, -0.25, HEIGHT * k), (WIDTH / 2, 0.25, HEIGHT * (k + 1))
         blocks.append(cuboid(*corners) | {"name": name, "group": group})
-    (folder / "blocks.json").write_text(json.dumps({"units": "m", "blocks": blocks}))
-    (folder / "scene.toml").write_text(SCENE.format(strength=2.2 * WEIGHT))
-    return mc.run(mc.scene(folder / "scene.toml"), folder / "out", progress=False)
+    scene = write_scene(folder, blocks, SCENE.format(strength=2.2 * WEIGHT))
+    return mc.run(mc.scene(scene), folder / "out", progress=False)
 
 
 def test_the_elements_carry_the_weight_above_them(run: mc.Run) -> None:
