@@ -130,6 +130,16 @@ def structure(folder: Path, group: Mapping[str, Any], changes: Mapping[str, Any]
     return lambda: structures.build(changed(group["base"], changes, dropped), 2000.0, folder)
 
 
+def building(
+    folder: Path, group: Mapping[str, Any], changes: Mapping[str, Any], walls: Mapping[str, Any] | None = None, more: Sequence[Any] = ()
+) -> Callable[[], Any]:
+    """A building with other keys, and other keys of its walls by their names, of which "" leaves one out; and more walls."""
+    keys = changed(group["base"], changes)
+    own = [wall | (walls or {}).get(wall["name"], {}) for wall in keys["walls"]]
+    keys["walls"] = [{key: value for key, value in wall.items() if value != ""} for wall in own] + [*more]
+    return lambda: structures.build(keys, 2000.0, folder)
+
+
 def study(folder: Path, group: Mapping[str, Any], lines: Mapping[str, str]) -> Callable[[], Any]:
     """A study of a block on a plate, by three motions if need be: some of its lines, by what they begin with, are others."""
     write_records(folder)
@@ -182,6 +192,7 @@ DOORS: dict[str, Door] = {
     "scene": scene,
     "set": changes,
     "structure": structure,
+    "building": building,
     "study": study,
     "command": command,
     "blocks": blocks,
