@@ -13,13 +13,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import limit_scenes
 import made_run
 import numpy as np
 from block_files import write_plate_and_block, write_plate_scene
 from bridge_scenes import bridge
 from command_line import masonry_cd, refusal
 from hostile import TETRA
-from models import box
+from models import box, ground
 from places import ROOT
 from studied import write_records, write_study
 from typer.testing import Result
@@ -140,6 +141,13 @@ def building(
     return lambda: structures.build(keys, 2000.0, folder)
 
 
+def limit(folder: Path, group: Mapping[str, Any], tables: str) -> Callable[[], Any]:
+    """Limit analysis of boxes on a ground, by their names and corners, under tables of a scene."""
+    stones = [ground(8.0), *(box(*stone) for stone in group["boxes"])]
+    path = limit_scenes.scene(folder, stones, tables)
+    return lambda: raised(masonry_cd("limit", path, "-o", folder / "out"))
+
+
 def study(folder: Path, group: Mapping[str, Any], lines: Mapping[str, str]) -> Callable[[], Any]:
     """A study of a block on a plate, by three motions if need be: some of its lines, by what they begin with, are others."""
     write_records(folder)
@@ -193,6 +201,7 @@ DOORS: dict[str, Door] = {
     "set": changes,
     "structure": structure,
     "building": building,
+    "limit": limit,
     "study": study,
     "command": command,
     "blocks": blocks,
