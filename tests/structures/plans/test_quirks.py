@@ -132,5 +132,5 @@ def test_ends_that_miss_by_up_to_20_mm_are_brought_to_where_the_lines_cross_and_
 def test_ends_that_miss_by_more_are_left(tmp_path: Path) -> None:
     drawing = Drawing()
     drawing.lines((0.03, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0))
-    drawing.box((0.5, 0.5), (5.5, 3.5))
+    drawing.lines((0.53, 0.5), (5.5, 0.5), (5.5, 3.5), (0.5, 3.5), (0.5, 0.5))
     assert not [note for note in drawing.plan(tmp_path).notes if " mm" in note]
