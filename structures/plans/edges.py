@@ -195,7 +195,8 @@ def _snap(runs: list[list[Edge]]) -> list[tuple[np.ndarray, float]]:
             (k, one), (other_run, other) = ends[i], ends[j]
             corner = _corner(runs[k][one], runs[other_run][other], 0.5 * (places[i] + places[j]))
             for run, side in (ends[i], ends[j]):
-                runs[run][side] = runs[run][side]._replace(**{"end" if side else "start": corner})
+                edge = runs[run][side]
+                runs[run][side] = edge._replace(end=corner) if side else edge._replace(start=corner)
             snapped.append((corner, float(distance[i])))
     return snapped
 

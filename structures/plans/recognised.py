@@ -101,11 +101,10 @@ def recognise(entities: Sequence[Entity], keys: PlanKeys, name: str) -> Recognis
     left += unread
     texts = [e for e in roles.all() if e.kind == TEXT]
     none, doubt = single_lines.signs([*faces.edges, *faces.loose], walls, [e for e in entities if e.kind == TEXT])
-    if none:
-        raise InputError(name, doubt)
     reader = _Reader(walls, keys, left, name)
     reader.notes += [f"{name}: {doubt}"] if doubt else []
-    return reader.tables(roles, openings, texts, faces)
+    found = reader.tables(roles, openings, texts, faces)
+    return found._replace(faults={wall.name: Fault(name, doubt) for wall in reader.walls}) if none else found
 
 
 def _told(entities: Iterable[Entity]) -> list[Entity]:
