@@ -59,7 +59,8 @@ def build(
         if name not in BLOCKS:
             raise InputError("--format", f'"{name}" is none; formats: {", ".join(BLOCKS)}')
     marks = [name for name in files_of("build") if not name.startswith("blocks.") or name.removeprefix("blocks.") in formats]
-    free_folder(folder, tuple(marks), force)
+    refused_before = not any((folder / f"blocks.{name}").exists() for name in BLOCKS)
+    free_folder(folder, tuple(marks), force or refused_before)  # the plan of what was refused gives way
     for name in formats:
         if name != JSON:
             meshfile.require_writer(folder / f"blocks.{name}")
@@ -134,7 +135,7 @@ def _draw(scene: Scene, made: Made, folder: Path, picture: bool) -> list[Path]:
     from reports.drawing.solids import structure_scene
     from structures.ties import lines_of
 
-    Sheet.drawn(structure_scene(made.blocks, scene.title, ties=lines_of(made.ties))).save(folder / "structure.png")
+    Sheet.drawn(structure_scene(made.blocks, scene.title, ties=lines_of(made.ties), fills=made.fills)).save(folder / "structure.png")
     return [folder / "structure.png"]
 
 
