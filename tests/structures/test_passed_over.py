@@ -250,7 +250,7 @@ def test_nodes_of_another_scene_are_counted_and_copies_get_names(tmp_path: Path)
         ("a.obj", "v 0 0 0\ncstype bezier\nsurf 0 1 0 1 1\n", "line 3: surf"),
         ("a.off", files.off().replace("OFF", "COFF", 1), "COFF"),
         ("a.off", files.off() + "1 1 1\n", "not the counts"),
-        ("BODIES.DAT", "$bdyty\n RBDY2      1\n", "RBDY2 1"),
+        ("BODIES.DAT", "$bdyty\n MAILx      1\n", "MAILx 1"),
     ],
 )  # fmt: skip
 def test_lines_that_bring_or_change_faces_are_refused(tmp_path: Path, name: str, content: str, words: str) -> None:
