@@ -56,7 +56,7 @@ FORMATS = {
     ),
     "step": Format((".step", ".stp"), "a solid a block, by its label; states its unit", f"{PACKAGE}cad_solids:read"),
     "brep": Format((".brep",), "a solid a block", f"{PACKAGE}cad_solids:read"),
-    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{PACKAGE}decks_3dec:read"),
+    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; joint sets; block fix range", f"{PACKAGE}decks_3dec:read"),
 }
 CAD = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # marks by which their content is known
 
@@ -114,7 +114,7 @@ def _by_content(head: bytes, size: int) -> str | None:
         return "dxf"
     if lower.startswith(b"solid") and b"facet" in lower:
         return "stl"
-    if any(line.startswith((b"block create", b"poly brick", b"poly prism", b"poly face")) for line in lines):
+    if any(line.startswith((b"block create", b"poly brick", b"poly prism", b"poly face", b"poly reg")) for line in lines):
         return "3dec"
     if sum(line.startswith(b"v ") for line in lines) >= 3:
         return "obj"
