@@ -176,11 +176,30 @@ def forward_columns(symbolic, low, x, size_n):
             if is_wide(size_n):
                 subtract_rows_times(lows[t], x[j], rows_of(symbolic, i, size_n), own, x[i])
                 continue
-            for p in range(n):
-                total = x[i, p]
-                for q in range(n):
-                    total -= lows[t, p, q] * x[j, q]
-                x[i, p] = total
+            if n == 6:
+                subtract_times(lows, t, x, i, j, 6)
+            else:
+                subtract_times(lows, t, x, i, j, n)
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def subtract_times(lows, t, x, i, j, n):
+    """x_i -= L_ij x_j."""
+    for p in range(n):
+        total = x[i, p]
+        for q in range(n):
+            total -= lows[t, p, q] * x[j, q]
+        x[i, p] = total
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def subtract_turned(ups, t, x, i, j, n):
+    """x_j -= U_ji x_i, of a block that is transposed."""
+    for q in range(n):  # summed first: the next block of the column waits for one subtraction then
+        total = ups[t, 0, q] * x[i, 0]
+        for p in range(1, n):
+            total += ups[t, p, q] * x[i, p]
+        x[j, q] -= total
 
 
 @borrower(fastmath={"contract"})
@@ -209,6 +228,15 @@ def divide_node(symbolic, squares, j, x, y, size_n):
             y[p], x[j, p] = -x[j, p], 0.0
         subtract_rows_times(squares[j], y, n, n, x[j])
         return
+    if n == 6:
+        multiply_node(squares, j, x, y, 6)
+    else:
+        multiply_node(squares, j, x, y, n)
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def multiply_node(squares, j, x, y, n):
+    """x_j <- D_j^-1 x_j of a block of n rows."""
     for p in range(n):
         total = squares.dtype.type(0.0)
         for q in range(n):
@@ -237,8 +265,7 @@ def subtract_from_node(symbolic, ups, j, x, size_n):
         if is_wide(size_n):
             subtract_columns_times(ups[t], x[i], rows_of(symbolic, i, size_n), n, x[j])
             continue
-        for q in range(n):  # summed first: the next block of the column waits for one subtraction then
-            total = ups[t, 0, q] * x[i, 0]
-            for p in range(1, n):
-                total += ups[t, p, q] * x[i, p]
-            x[j, q] -= total
+        if n == 6:
+            subtract_turned(ups, t, x, i, j, 6)
+        else:
+            subtract_turned(ups, t, x, i, j, n)
