@@ -60,9 +60,10 @@ def subtract_block_product(c, at, a, i, b, shape, size_n):
 
 
 @borrower(forceinline=True)
-def load_column(matrix, symbolic, j, where, to, symmetric, size_n):
+def load_column(factor, j, where, to, symmetric):
     """Blocks of A in column j into ``to``: a square (n, n), the blocks of L and of (D U)^T; ``where`` (N,) numbers their rows."""
-    (diagonal, lower, upper), (square, lows, ups), row, below = matrix, to, symbolic.row, symbolic.below
+    symbolic, size_n, (square, lows, ups) = factor.symbolic, factor.size, to
+    row, below = symbolic.row, symbolic.below
     own = rows_of(symbolic, j, size_n)
     for t in range(symbolic.start[j], symbolic.start[j + 1]):
         where[below[t]] = t
@@ -70,10 +71,10 @@ def load_column(matrix, symbolic, j, where, to, symmetric, size_n):
         if not symmetric:
             clear_rows(rows_of(symbolic, below[t], size_n), own, ups[t])
     for t in range(symbolic.column[j], symbolic.column[j + 1]):
-        copy_rows(lower[t], rows_of(symbolic, row[t], size_n), own, lows[where[row[t]]])
+        copy_rows(factor.lower[t], rows_of(symbolic, row[t], size_n), own, lows[where[row[t]]])
         if not symmetric:
-            copy_rows(upper[t], rows_of(symbolic, row[t], size_n), own, ups[where[row[t]]])
-    copy_rows(diagonal[j], own, own, square)
+            copy_rows(factor.upper[t], rows_of(symbolic, row[t], size_n), own, ups[where[row[t]]])
+    copy_rows(factor.diagonal[j], own, own, square)
 
 
 class ColumnScratch(NamedTuple):
@@ -90,22 +91,22 @@ class ColumnScratch(NamedTuple):
 
 
 @kernel()
-def factorise_columns(matrix, factor, symmetric):
-    """:func:`factorise_ldu` where each supernode is one node: blocks of L and of (D U)^T one after another, all loops over them unrolled
+def factorise_columns(factor, symmetric):
+    """The factors where each supernode is one node: blocks of L and of (D U)^T one after another, all loops over them unrolled
     unless blocks are wide.
 
-    Of a symmetric matrix L is all.
+    Of a symmetric matrix L is all, and ``others`` has to be ``panels``. Returns the sign of det A, 0 when a block of D has no inverse.
     """
     n, count = len(factor.size), len(factor.symbolic.column) - 1
     scratch = ColumnScratch(
         np.full(count, -1), np.full(count, -1), np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64), np.empty((n, n)),
         np.empty((1, n, n)), np.empty((n, n)), np.empty((n, n)),
     )  # fmt: skip
-    return _eliminate_columns(matrix, factor, symmetric, scratch)
+    return _eliminate_columns(factor, symmetric, scratch)
 
 
 @borrower(fastmath={"contract"})
-def _eliminate_columns(matrix, factor, symmetric, scratch):
+def _eliminate_columns(factor, symmetric, scratch):
     """Column after column, each by those before it; the sign of the determinant, 0 when a diagonal block cannot be inverted."""
     symbolic, size = factor.symbolic, factor.size
     n, count, first, below, sign = len(size), len(symbolic.column) - 1, symbolic.start, symbolic.below, 1.0
@@ -114,7 +115,7 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
     head, following, at, where, work, square, turned, other = scratch
     for j in range(count):
         own = rows_of(symbolic, j, size)
-        load_column(matrix, symbolic, j, where, (square[0], lows, ups), symmetric, size)
+        load_column(factor, j, where, (square[0], lows, ups), symmetric)
         k = head[j]
         while k >= 0:  # all columns k < j with a block in row j
             coming, t0, end, inner = following[k], at[k], first[k + 1], rows_of(symbolic, k, size)

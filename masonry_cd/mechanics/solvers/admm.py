@@ -61,14 +61,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from masonry_cd.mechanics.friction.coupling import pattern_of
 from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
-from masonry_cd.mechanics.friction.solver_state import Factors, Learnt, SolverState
+from masonry_cd.mechanics.friction.solver_state import Learnt
 from masonry_cd.mechanics.linalg.threads import run_by_team
 from masonry_cd.mechanics.solvers.admm_kernels import admm_bodies
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, allocate_workspace
 from masonry_cd.mechanics.solvers.contact_groups import group_contacts, size_of_twist
 from masonry_cd.mechanics.solvers.options import Options
+from masonry_cd.mechanics.solvers.recall import recall
 
 LIMIT = 2000  # iterations
 OPEN, SLIDES = 0.1, 0.3  # shares of R of contacts that do not stick, where much slides
@@ -109,39 +109,13 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     given = problem.arrays()
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
-    state, factors, index, block = recall(problem, start)
+    state, factors, ordered = recall(problem, start)
     pattern, learnt, k = factors.pattern, state.learnt, next_k(state.learnt)
     settings = AdmmSettings(k, (OPEN, SLIDES), learnt.stale or k != learnt.k, moving, learnt.rate, options.tolerance, limit)
-    groups = group_contacts(given, index, block, pattern.symbolic, size_of_twist(given.geometry, problem.dimension))
-    work = allocate_workspace(given, pattern, groups, index, (factors.squares, factors.panels, factors.rho))
+    groups = group_contacts(ordered, pattern.symbolic, size_of_twist(given.geometry, problem.dimension))
+    work = allocate_workspace(ordered, pattern, groups, (factors.squares, factors.panels, factors.rho))
     threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
     iterations, error, k_end, _, rate = run_by_team(admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity)
     state = replace(state, learnt=learn(learnt, k, k_end, iterations, rate))
     end = "given up" if iterations < limit else "iteration limit reached"  # without hope, or without a definite matrix
     return Solution(impulse, velocity, iterations, options.reason("admm", error, end), state, error)
-
-
-def recall(problem: Problem, start: Solution | None) -> tuple[SolverState, Factors, np.ndarray, np.ndarray]:
-    """The state of the last step as far as it still fits, its factors, and the places (C, 2) and coupling blocks (C,) of the contacts."""
-    given, bodies = problem.arrays(), np.ascontiguousarray(problem.bodies, dtype=np.int64)
-    state, (count, n) = SolverState() if start is None else start.memory, given.free.shape
-    factors, stale = state.factors, state.learnt.stale
-    kind = np.float64 if len(given.coupling.indptr) else np.float32  # W may be singular, and R^-1 is small beside it
-    if factors is None or factors.pattern.nodes != count:  # other bodies
-        factors, stale = Factors.empty(pattern_of(count, bodies, given.coupling), bodies, n, kind), True
-    elif len(factors.squares) != n * n * int(factors.pattern.symbolic.square[-1]):  # other unknowns
-        factors, stale = Factors.empty(factors.pattern, factors.bodies, n, kind), True
-    found = factors.pattern.locate(bodies, factors.bodies)
-    if found is None:  # a new pair of bodies: those that were in touch may be again
-        factors = Factors.empty(pattern_of(count, bodies, given.coupling, factors.pattern.pairs), bodies, n, kind)
-        found = factors.pattern.locate(bodies, bodies)
-        assert found is not None
-        stale = True
-    index, block, same = found
-    if not same:
-        factors, stale = replace(factors, bodies=bodies.copy(), rho=np.empty(len(bodies))), True
-    if len(given.width):
-        factors = replace(factors, pattern=factors.pattern.with_width(given.width[:-1]))
-    if factors is not state.factors or stale != state.learnt.stale:
-        state = replace(state, factors=factors, learnt=replace(state.learnt, stale=stale))
-    return state, factors, index, block

@@ -12,7 +12,7 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import NARROWEST, tangent_length
 from masonry_cd.mechanics.friction.operators import add_impulse
 from masonry_cd.mechanics.linalg.threads import take, wait
-from masonry_cd.mechanics.solvers.linearised import contact_change, contact_velocity, keep_better, map_norm, solve_by_first
+from masonry_cd.mechanics.solvers.linearised import contact_velocity, keep_better, law_velocity, map_norm, solve_by_first
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
 
 LONGEST = 2.0  # step: more than one is not made
@@ -238,7 +238,7 @@ def soften(shares, problem, stiffness, linear):
 def missing_velocity(shares, problem, here, tau, linear):
     """What w misses, H v + b + C p - w - tau far."""
     compliance, miss, far, (first, end) = problem.compliance, linear.miss, linear.far, shares.contacts
-    contact_velocity(shares, problem, problem.offset, here.v, miss)
+    law_velocity(shares, problem, here.v, miss)
     for c in range(first, end):
         for i in range(len(problem.m)):
             own = compliance[c, i] if len(compliance) else 0.0
@@ -258,7 +258,7 @@ def interior_direction(shares, problem, work, cones, linear, way):
     wait(shares.team)
     add_impulse(problem, way.p, begin, stop, way.v)
     solve_by_first(shares, work.factor, way.v)
-    contact_change(shares, problem, way.v, way.w)
+    contact_velocity(shares, problem, way.v, way.w)
     change_contacts(shares, cones, linear, way)
 
 

@@ -44,10 +44,11 @@ import numpy as np
 
 from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution
-from masonry_cd.mechanics.solvers import admm, nlgs
-from masonry_cd.mechanics.solvers.linearised import Elimination, Settings
+from masonry_cd.mechanics.solvers import nlgs
+from masonry_cd.mechanics.solvers.linearised import Settings
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
 from masonry_cd.mechanics.solvers.options import Options
+from masonry_cd.mechanics.solvers.recall import recall
 
 DISTANCES = (1e-2, 1e-1, 1e-3)  # of the start from the walls of the cones, if there are impulses to start from
 FAR = 1.0  # without
@@ -74,13 +75,12 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return nlgs.solve(problem, options, start)
     arrays, velocity = problem.arrays(), np.empty(problem.v_free.shape)
     near = max(options.tolerance, min(LEAVE * options.tolerance, FAR_OFF))  # where the damped path is left
-    state, factors, index, block = admm.recall(problem, start)
-    elimination = Elimination(factors.pattern.order, factors.pattern.symbolic, index, block)
+    recalled = recall(problem, start)
 
     def method(by_team: Entry, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
             settings = Settings(distance, tolerance, allowed)
-            return over_bodies(by_team, arrays, elimination, settings, impulse, velocity, options.threads)
+            return over_bodies(by_team, arrays, recalled, settings, impulse, velocity, options.threads)
 
         return improve
 
@@ -92,7 +92,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     first, *others = [(*place, (damped, (proximal, TURN))) for place in (*starts, (nothing, FAR))]
     paths: list[Try] = [(nothing, distance, (path, (proximal, FINISH if distance == FAR else TURN))) for distance in FARTHER]
     best, iterations, error = _search([first, paths[0], *others, *paths[1:]], options)
-    return Solution(best, problem.body_velocity(best), iterations, options.reason("interior", error), state, error)
+    return Solution(best, problem.body_velocity(best), iterations, options.reason("interior", error), recalled.state, error)
 
 
 def _search(tries: list[Try], options: Options) -> tuple[np.ndarray, int, float]:

@@ -20,7 +20,7 @@ from masonry_cd.mechanics.solvers.central_path import (
     missing_velocity,
     soften,
 )
-from masonry_cd.mechanics.solvers.linearised import STIFFEST, body_velocity, contact_velocity, factorise, missing_momentum
+from masonry_cd.mechanics.solvers.linearised import STIFFEST, body_velocity, factorise, law_velocity, missing_momentum
 from masonry_cd.mechanics.solvers.shares import any_of, begin_sums, chunk_of, copy_share, sum_of_chunks
 
 STIFFNESS = 1e4  # K of the interior point method, to begin with
@@ -93,7 +93,7 @@ def predict_and_correct(shares, problem, work, cones, inside, means, step):
 def interior_point(shares, problem, work, inside, answer, settings):
     """Interior point method from near ``answer``, which gets better, in the memory of an :class:`Inside`; returns the iterations."""
     here, linear, cones, scratch = inside.here, inside.linear, cones_of(problem), work.scratch
-    contact_velocity(shares, problem, problem.offset, answer.velocity, linear.miss)
+    law_velocity(shares, problem, answer.velocity, linear.miss)
     begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
     step, stiffness, iterations, short = 1.0, STIFFNESS, 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and short < 6:
@@ -263,7 +263,7 @@ def path_by_length(shares, problem, work, inside, answer, settings):
     iterations."""
     here, linear, ways, cones, scratch = inside.here, inside.linear, inside.ways, cones_of(problem), work.scratch
     # a point on the path at tau = 1, where w is off by far
-    contact_velocity(shares, problem, problem.offset, answer.velocity, linear.miss)
+    law_velocity(shares, problem, answer.velocity, linear.miss)
     shift = begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
     level = shift * shift / problem.d
     body_velocity(shares, problem, here.p, scratch, here.v)

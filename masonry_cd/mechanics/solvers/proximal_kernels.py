@@ -15,7 +15,7 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
 from masonry_cd.mechanics.friction.operators import has_unit_masses
 from masonry_cd.mechanics.linalg.threads import take, wait
-from masonry_cd.mechanics.solvers.linearised import STIFFEST, contact_change, contact_velocity, keep_better, map_norm, missing_momentum
+from masonry_cd.mechanics.solvers.linearised import STIFFEST, contact_velocity, keep_better, law_velocity, map_norm, missing_momentum
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, copy_share, sum_of
 
 GOLDEN, TIGHT = 0.6180339887498949, 1e-8
@@ -114,13 +114,13 @@ def spring_residual(shares, problem, springs, stiffness, v, held, out):
     """
     m, compliance, d, x, p, centre = len(problem.m), problem.compliance, problem.d, springs.x, springs.p, springs.centre
     mu, status, (first, end) = problem.mu, springs.status, shares.contacts
-    contact_velocity(shares, problem, springs.offset, v, x)
+    contact_velocity(shares, problem, v, x)
     for c in range(first, end):
         soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
         for i in range(m):
             soft = soft_n if i == 0 else soft_t
             own = compliance[c, i] if len(compliance) else 0.0
-            x[c, i] = ((soft - own) * centre[c, i] - x[c, i]) / soft
+            x[c, i] = ((soft - own) * centre[c, i] - (x[c, i] + springs.offset[c, i])) / soft
         length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
         if not held:
             status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
@@ -152,8 +152,7 @@ def norm_of_momentum(shares, problem, momentum):
 def spring_changes(shares, problem, springs, stiffness, change):
     """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
     dx, m, (first, end) = springs.dx, len(problem.m), shares.contacts
-    wait(shares.team)
-    contact_change(shares, problem, change, dx)
+    contact_velocity(shares, problem, change, dx)
     for c in range(first, end):
         soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, m)
         for i in range(m):
@@ -179,7 +178,7 @@ def proximal_points(settle, shares, problem, work, inside, course, answer, setti
         goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
         most = min(settings.limit - iterations, course.iterations)
         add_share(shares.rows, problem.free, -1.0, springs.v, springs.free)
-        contact_velocity(shares, problem, problem.offset, springs.v, springs.offset)
+        law_velocity(shares, problem, springs.v, springs.offset)
         search.v[shares.rows[0] : shares.rows[1]] = 0.0
         if course.ties > 0.0:
             break_ties(springs.offset, course.ties * min(settings.tolerance, TIGHT) * answer.speed)
