@@ -19,7 +19,7 @@ def rows_of(symbolic, j, size_n):
 
 
 @borrower()
-def add_turned_product(a, b, inner, size, out):
+def add_transposed_product(a, b, inner, size, out):
     """out += a^T b, a and b with so many rows (inner), out of a size (rows, columns)."""
     add_squares(1.0, a, True, b, inner, size, out)
 

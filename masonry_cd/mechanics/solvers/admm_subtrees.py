@@ -12,7 +12,7 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.contact_geometry import IN_SPACE, fill_row
 from masonry_cd.mechanics.friction.coupling import add_coupled, add_symmetric_blocks, is_coupled
 from masonry_cd.mechanics.friction.natural_map import length_of, project_to_cone, squared_residual
-from masonry_cd.mechanics.friction.operators import add_product, form_of_problem, load_mass, missing_momentum_of
+from masonry_cd.mechanics.friction.operators import add_product, form_of_problem, load_mass, momentum_residual_of
 from masonry_cd.mechanics.linalg.factor import factorise_cholesky
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.mechanics.linalg.intrinsics import prefetch
@@ -217,11 +217,11 @@ def eliminate_subtree(work, q, coming, relaxation, p, new, line):
     if is_coupled(problem):
         momentum[first:last] = 0.0
     else:
-        missing_momentum_of(problem, problem.free, v, first, last, momentum)
+        momentum_residual_of(problem, problem.free, v, first, last, momentum)
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
     ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
-    change = meet_contacts(work, q, relaxation, p, new, ahead)
+    change = project_impulses(work, q, relaxation, p, new, ahead)
     if is_coupled(problem):
         missing_velocity(work, first, last)
     else:
@@ -277,7 +277,7 @@ def panels_of(symbolic, q, n):
 
 
 @borrower(fastmath={"contract"})
-def meet_contacts(work, q, relaxation, p, new, ahead):
+def project_impulses(work, q, relaxation, p, new, ahead):
     """p+ = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, new = p + relaxation (p+ - p), momentum += H^T (2 p+ - p), for subtree q.
 
     There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,

@@ -26,7 +26,7 @@ NUMBERS = 9  # of D^T B D
 
 
 @borrower(fastmath={"contract"})
-def turn_blocks(problem, blocks, first, end, world):
+def rotate_blocks(problem, blocks, first, end, world):
     """world (C, 9) = D^T B D of the contacts first to end of rigid blocks in space, B the first rows of ``blocks``."""
     if form_of_problem(problem) != IN_SPACE:
         return
@@ -44,7 +44,7 @@ def turn_blocks(problem, blocks, first, end, world):
 def augment_blocks(problem, blocks, world, share, factor):
     """The columns of a share (first, end) of M + G B H, the matrix of a :class:`BlockFactor`.
 
-    B has one (m, m) block per contact, the first rows of ``blocks`` (C, m or more, m); ``world`` is what :func:`turn_blocks` made of them.
+    B has one (m, m) block per contact, the first rows of ``blocks`` (C, m or more, m); ``world`` is from :func:`rotate_blocks`.
     A block off the diagonal is in the column of that of its bodies that is eliminated first.
     """
     (begin, stop), places, symbolic, c = share, problem.places, factor.symbolic, 0
@@ -88,13 +88,13 @@ def add_rigid_contact(problem, world, c, share, factor):
         own, other = arm_at(problem.geometry, c, side), arm_at(problem.geometry, c, 1 - side)
         if not begin <= b < stop:
             continue
-        lines = turn_lines(world[c], own, False)
+        lines = rotated_lines(world[c], own, False)
         add_turned(lines, own, 1.0, factor.diagonal[b])
         if k >= 0 and b < beyond:
             add_turned(lines, other, -1.0, factor.lower[k])
-            add_turned(turn_lines(world[c], own, True), other, -1.0, factor.upper[k])
+            add_turned(rotated_lines(world[c], own, True), other, -1.0, factor.upper[k])
         elif b == beyond:  # each side adds its product with the other one
-            add_turned(turn_lines(world[c], other, False), own, -1.0, factor.diagonal[b])
+            add_turned(rotated_lines(world[c], other, False), own, -1.0, factor.diagonal[b])
 
 
 @borrower(forceinline=True)
@@ -137,7 +137,7 @@ def longest_run(places):
 
 
 @borrower(forceinline=True)
-def turn_lines(turned, arm, transposed):
+def rotated_lines(turned, arm, transposed):
     """The three lines of D^T B D (I, -[c]x), six numbers each, for an arm c, with B^T if ``transposed``."""
     along, across = (1, 3) if transposed else (3, 1)
     x = (turned[0], turned[across], turned[2 * across])

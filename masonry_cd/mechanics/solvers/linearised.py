@@ -16,14 +16,14 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.operators import (
     add_impulse,
     body_velocity_of,
-    missing_momentum_of,
+    momentum_residual_of,
     squared_map_norm_of,
     velocity_of_contact,
 )
 from masonry_cd.mechanics.linalg.factor import BlockFactor, factorise_ldu
 from masonry_cd.mechanics.linalg.threads import take, wait
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
-from masonry_cd.mechanics.solvers.augmented import NUMBERS, augment_blocks, turn_blocks
+from masonry_cd.mechanics.solvers.augmented import NUMBERS, augment_blocks, rotate_blocks
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, sum_of_chunks
 
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
@@ -106,11 +106,11 @@ def law_velocity(shares, problem, v, u):
 
 
 @borrower()
-def missing_momentum(shares, problem, free, v, p, out):
+def momentum_residual(shares, problem, free, v, p, out):
     """out = M (v_free - v) + H^T p (B + 1, n), v_free = ``free``; its last row, of the supports, is left as it is."""
     first, end = shares.rows
     wait(shares.team)
-    missing_momentum_of(problem, free, v, first, end, out)
+    momentum_residual_of(problem, free, v, first, end, out)
     add_impulse(problem, p, first, end, out)
 
 
@@ -140,7 +140,7 @@ def map_norm(shares, problem, p, scratch, v):
 @kernel()
 def factorise(shares, problem, work, blocks):
     """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
-    turn_blocks(problem, blocks, shares.contacts[0], shares.contacts[1], work.world)
+    rotate_blocks(problem, blocks, shares.contacts[0], shares.contacts[1], work.world)
     wait(shares.team)
     augment_blocks(problem, blocks, work.world, shares.rows, work.factor)
     wait(shares.team)

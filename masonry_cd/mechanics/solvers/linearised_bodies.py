@@ -19,7 +19,7 @@ from masonry_cd.mechanics.friction.operators import (
 )
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.threads import SharedArena, ThreadTeam, own_arena, run_by_team, take, wait
-from masonry_cd.mechanics.solvers.central_path import allocate_inside
+from masonry_cd.mechanics.solvers.central_path import allocate_interior
 from masonry_cd.mechanics.solvers.interior_kernels import interior_point, path_by_length
 from masonry_cd.mechanics.solvers.linearised import (
     Answer,
@@ -72,7 +72,7 @@ def room_needed(problem: ProblemArrays, symbolic: SymbolicFactor) -> int:
     """Entries of the :class:`SharedArena` of a team, enough for each of these methods."""
     arena, shape = own_arena(), problem.offset.shape
     rows = allocate_common(arena, problem, symbolic).v.shape
-    allocate_inside(arena, shape, rows)
+    allocate_interior(arena, shape, rows)
     allocate_newton(arena, shape, rows)
     return int(arena.used[0])
 
@@ -100,8 +100,8 @@ def improve(method, allocate, team, given):
     put_in_order(problem, order, shares.rows[0], shares.rows[1], ordered)
     wait(team)
     answer = answer_of(shares, common, ordered, impulse)
-    inside = allocate(arena, impulse.shape, common.v.shape)
-    iterations = method(shares, ordered, common.work, inside, answer, settings)
+    workspace = allocate(arena, impulse.shape, common.v.shape)
+    iterations = method(shares, ordered, common.work, workspace, answer, settings)
     for b in range(shares.rows[0], shares.rows[1]):
         for i in range(len(ordered.n)):
             velocity[order[b], i] = answer.velocity[b, i]
@@ -123,13 +123,13 @@ def pivoting_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
 @entry()
 def interior_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
     """The interior point method."""
-    return improve(interior_point, allocate_inside, team, given)
+    return improve(interior_point, allocate_interior, team, given)
 
 
 @entry()
 def path_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
     """The path by its length."""
-    return improve(path_by_length, allocate_inside, team, given)
+    return improve(path_by_length, allocate_interior, team, given)
 
 
 def over_bodies(
