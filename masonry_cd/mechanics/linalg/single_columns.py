@@ -28,21 +28,11 @@ SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 def subtract_block_product(c, at, a, i, b, shape, size_n):
     """c[at] -= a[i] b for blocks; a[i] has so many rows and columns, and b so many columns, as ``shape`` says where they are wide.
 
-    For n = 6 a row of c is held in registers, for n = 3 all of b.
+    For n = 6 a row of c is held in registers.
     """
     n = len(size_n)
     if is_wide(size_n):
         add_squares(-1.0, a[i], False, b, shape[1], (shape[0], shape[2]), c[at])
-        return
-    if n == 3:
-        b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
-        b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
-        b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
-        for p in range(3):
-            x, y, z = a[i, p, 0], a[i, p, 1], a[i, p, 2]
-            c[at, p, 0] -= x * b00 + y * b10 + z * b20
-            c[at, p, 1] -= x * b01 + y * b11 + z * b21
-            c[at, p, 2] -= x * b02 + y * b12 + z * b22
         return
     out, left = c[at], a[i]
     for p in range(n):
@@ -164,14 +154,6 @@ def forward_columns(symbolic, low, x, size_n):
             nothing = nothing and x[j, q] == 0.0
         if nothing:
             continue
-        if n == 3:
-            y0, y1, y2 = x[j, 0], x[j, 1], x[j, 2]
-            for t in range(symbolic.start[j], symbolic.start[j + 1]):
-                i = below[t]
-                x[i, 0] -= lows[t, 0, 0] * y0 + lows[t, 0, 1] * y1 + lows[t, 0, 2] * y2
-                x[i, 1] -= lows[t, 1, 0] * y0 + lows[t, 1, 1] * y1 + lows[t, 1, 2] * y2
-                x[i, 2] -= lows[t, 2, 0] * y0 + lows[t, 2, 1] * y1 + lows[t, 2, 2] * y2
-            continue
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
             if is_wide(size_n):
@@ -251,16 +233,6 @@ def multiply_node(squares, j, x, y, n):
 def subtract_from_node(symbolic, ups, j, x, size_n):
     """Subtract from x_j what the rows below have in column j, whose blocks are transposed."""
     n, below = rows_of(symbolic, j, size_n), symbolic.below
-    if len(size_n) == 3:  # the sums stay in registers: no block of the column waits for the one before it
-        s0, s1, s2 = x[j, 0], x[j, 1], x[j, 2]
-        for t in range(symbolic.start[j], symbolic.start[j + 1]):
-            i = below[t]
-            y0, y1, y2 = x[i, 0], x[i, 1], x[i, 2]
-            s0 -= ups[t, 0, 0] * y0 + ups[t, 1, 0] * y1 + ups[t, 2, 0] * y2
-            s1 -= ups[t, 0, 1] * y0 + ups[t, 1, 1] * y1 + ups[t, 2, 1] * y2
-            s2 -= ups[t, 0, 2] * y0 + ups[t, 1, 2] * y1 + ups[t, 2, 2] * y2
-        x[j, 0], x[j, 1], x[j, 2] = s0, s1, s2
-        return
     for t in range(symbolic.start[j], symbolic.start[j + 1]):
         i = below[t]
         if is_wide(size_n):

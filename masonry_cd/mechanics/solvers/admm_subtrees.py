@@ -15,7 +15,6 @@ from masonry_cd.mechanics.friction.natural_map import length_of, project_to_cone
 from masonry_cd.mechanics.friction.operators import add_product, form_of_problem, load_mass, momentum_residual_of
 from masonry_cd.mechanics.linalg.factor import factorise_cholesky
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
-from masonry_cd.mechanics.linalg.intrinsics import prefetch
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.threads import wait
 from masonry_cd.mechanics.linalg.triangular import backward_substitution, forward_substitution
@@ -206,10 +205,10 @@ def add_contact(work, g, lane, rows, turned):
 
 
 @borrower()
-def eliminate_subtree(work, q, coming, relaxation, p, new, line):
+def eliminate_subtree(work, q, relaxation, p, new, line):
     """The contacts of subtree q, p to new (L, 12), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
 
-    ``coming`` is the subtree of the next backward substitution, or -1; ``line`` is memory for :func:`longest_line` numbers.
+    ``line`` is memory for :func:`longest_line` numbers.
     """
     problem, symbolic = work.problem, work.factor.symbolic
     v, momentum, x = work.iterates.v, work.iterates.momentum, work.iterates.correction
@@ -220,8 +219,7 @@ def eliminate_subtree(work, q, coming, relaxation, p, new, line):
         momentum_residual_of(problem, problem.free, v, first, last, momentum)
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
-    ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
-    change = project_impulses(work, q, relaxation, p, new, ahead)
+    change = project_impulses(work, q, relaxation, p, new)
     if is_coupled(problem):
         missing_velocity(work, first, last)
     else:
@@ -268,30 +266,14 @@ def update_subtree(work, q, relaxation, line):
         v[i] += relaxation * x[i]
 
 
-@borrower()
-def panels_of(symbolic, q, n):
-    """First entry and end of the panels of subtree q, one of several: they are stored from its last supernode to its first."""
-    s = symbolic.subtree[q]
-    end = symbolic.panel[s] + (symbolic.first[s + 1] - symbolic.first[s]) * (symbolic.start[s + 1] - symbolic.start[s])
-    return n * n * symbolic.panel[symbolic.subtree[q + 1] - 1], n * n * end
-
-
 @borrower(fastmath={"contract"})
-def project_impulses(work, q, relaxation, p, new, ahead):
+def project_impulses(work, q, relaxation, p, new):
     """p+ = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, new = p + relaxation (p+ - p), momentum += H^T (2 p+ - p), for subtree q.
 
-    There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,
-    are fetched on the way. Returns the squared scaled change of p.
+    Returns the squared scaled change of p.
     """
-    problem, groups, panels, table = work.problem, work.groups, work.factor.panels, work.groups.table
-    begin, stop = groups.subtree[q], groups.subtree[q + 1]
-    line, end = ahead
-    change, count = fill_four(0.0), max(stop - begin, 1)
-    share = (end - line + count - 1) // count
-    for g in range(begin, stop):
-        for entry in range(line, min(line + share, end), 16):
-            prefetch(panels, entry)
-        line += share
+    problem, groups, table, change = work.problem, work.groups, work.groups.table, fill_four(0.0)
+    for g in range(groups.subtree[q], groups.subtree[q + 1]):
         twist, wrench = twist_of(groups, g, work.iterates.v, problem), no_wrench()
         for row in range(groups.start[g], groups.start[g + 1]):
             old, mu, tangent = three(p, row, 0), field(table, row, MU), field(table, row, TANGENT)
