@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 
 from masonry_cd.foundation.units import Unit
-from structures.plans.keys import PlanKeys
+from structures.plans.keys import PlanKeys, StoreyTable
 from structures.schema import ArealMass, Density, Height, Length, Place, Table, Thickness, WallHeight
 
 
@@ -230,6 +230,8 @@ class BuildingTable(PlanKeys):
 
     plan: str | None = None
     """file with the plan, .json or .dxf, relative to the scene; keys beside it add to it"""
+    storeys: tuple[StoreyTable, ...] = Field((), strict=False)
+    """or a drawing for each storey, [[structure.storeys]] each; names of walls end with its number, wall_1"""
     block_length: Length = 0.6
     """of a block"""
     course_height: WallHeight = 0.3
