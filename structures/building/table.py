@@ -134,12 +134,12 @@ class BuildingVaultTable(Table):
 
 
 class BuildingRoofTable(Table):
-    """One entry ``[[structure.roofs]]``: a pitched roof between two walls of one height, in pairs of rafters that thrust or are tied."""
+    """One entry ``[[structure.roofs]]``: a pitched roof on walls of one height, in pairs of rafters that thrust or are tied."""
 
     name: Name | None = None
     """of its blocks; by default roof1, roof2 ...; their group is roof"""
-    walls: tuple[str, str] = Field(strict=False)
-    """that carry it, which are parallel and of one height"""
+    walls: tuple[str, ...] = Field(strict=False, min_length=2, max_length=4)
+    """two that carry it, up to 10 degrees out of parallel, or the four of a hipped roof; all of one height"""
     rise: Length
     """of the underside at the ridge, over the tops of the walls"""
     thickness: Thickness = 0.25
