@@ -117,7 +117,10 @@ def _drawing(path: Path, keys: PlanKeys, origin: tuple[float, float] | None) -> 
     if keys.units and stated and keys.units != stated:
         notes.append(f'{path.name}: units "{keys.units}" as the scene says, where the file has "{stated}"')
     scaled = [e.scaled(METRES[unit]) for e in entities]
-    origin = origin or _corner([e.points[:, :2] for e in scaled if keys.layers.role(e.layer) in ("walls", "axes")])
+    drawn = [e.points[:, :2] for e in scaled if keys.layers.role(e.layer) in ("walls", "axes")]
+    if keys.units is None:
+        _doubt_unit(drawn, unit, path.name)
+    origin = origin or _corner(drawn)
     if any(origin):
         notes.append(f"{path.name}: its place ({origin[0]:.0f}, {origin[1]:.0f}) m is the origin of the structure")
         scaled = [e.scaled(1.0, origin) for e in scaled]
@@ -128,6 +131,26 @@ def _drawing(path: Path, keys: PlanKeys, origin: tuple[float, float] | None) -> 
         notes.append(f"{path.name}: {len(found.left)} entities are not understood:")
         notes += [f"  {line}" for line in counted(found.left)]
     return Plan.of(path.name, found.tables)._replace(notes=notes, left=found.left, faults=found.faults, origin=origin)
+
+
+def _doubt_unit(places: Sequence[np.ndarray], unit: str, name: str) -> None:
+    """Ask for the unit of a drawing whose walls (n, 2) are too small or too large for a building [m].
+
+    Raises:
+        InputError: they are.
+    """
+    import numpy as np
+
+    from masonry_cd.foundation.errors import InputError
+
+    every = np.concatenate([np.zeros((0, 2)), *places])
+    extent = float(np.ptp(every, axis=0).max()) if len(every) else 0.0
+    if extent and not SMALL <= extent <= LARGE:
+        fit = [f'"{other}" ({extent * size / METRES[unit]:.3g} m)' for other, size in METRES.items()]
+        fit = [one for one, size in zip(fit, METRES.values(), strict=True) if SMALL <= extent * size / METRES[unit] <= LARGE]
+        likely = f"; likely {' or '.join(fit)}" if fit else ""
+        wide = f'walls of {name} are {extent:.4g} m across in its unit, "{unit}", buildings are {SMALL:g} to {LARGE:g} m'
+        raise InputError("structure.units", f"{wide}: say the unit{likely}")
 
 
 def _corner(places: Sequence[np.ndarray]) -> tuple[float, float]:
