@@ -31,7 +31,7 @@ class Plan(NamedTuple):
     left: list[Left]  # entities of a drawing that are not understood
     faults: dict[str, Fault]  # what walls lack that the drawing should say, by wall
     origin: tuple[float, float]  # of the structure, in the coordinates of the drawing [m]
-    entries: dict[str, list[tuple[str, int]]]  # by list of the tables, the file of each entry and its number in that
+    entries: dict[str, list[tuple[str, int]]]  # by list of the tables, the file, and storey, of each entry and its number there
     floors: list[tuple[str, dict[str, Any]]]  # of storeys: key that asks for each, and its keys
 
     @classmethod

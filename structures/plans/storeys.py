@@ -35,17 +35,21 @@ def stacked(storeys: Sequence[StoreyTable], folder: Path, keys: Mapping[str, Any
     """
     faults, plans = Faults(), list[Plan]()
     for k, storey in enumerate(storeys):
-        with faults.of():
+        try:
             if Path(storey.plan).suffix.lower() != ".dxf":
-                raise InputError(f"structure.storeys[{k}].plan", f'"{storey.plan}" is no drawing in DXF')
+                raise InputError("structure.plan", f'"{storey.plan}" is no drawing in DXF')
             plans.append(open_plan(folder / storey.plan, {**keys, "wall_height": storey.height}, plans[0].origin if plans else None))
+        except InputError as error:
+            own = f"structure.storeys[{k}].plan"
+            faults.found += [fault._replace(place=own) if fault.place == "structure.plan" else fault for fault in error.faults]
     faults.refuse()
     whole, foot = Plan.of("", {})._replace(origin=plans[0].origin), 0.0
     for number, (storey, plan) in enumerate(zip(storeys, plans, strict=True), start=1):
         raised = {key: [_raised(entry, key, number, foot) for entry in entries] for key, entries in plan.tables.items()}
         for key, entries in raised.items():
             whole.tables.setdefault(key, []).extend(entries)
-            whole.entries.setdefault(key, []).extend(plan.entries[key])
+            where = f"{Path(storey.plan).name}, storey {number}"
+            whole.entries.setdefault(key, []).extend((where, i) for i in range(len(entries)))
         whole.notes.extend(plan.notes)
         whole.left.extend(one._replace(why=f"{Path(storey.plan).name}: {one.why}") for one in plan.left)
         whole.faults.update({f"{wall}_{number}": fault for wall, fault in plan.faults.items()})

@@ -58,7 +58,7 @@ def test_a_fault_is_in_the_drawing_of_its_storey(tmp_path: Path) -> None:
     keys = two(tmp_path, door=0.2)
     with pytest.raises(InputError) as failure:
         structures.make(keys, 2000.0, tmp_path)
-    assert [fault.place for fault in failure.value.faults] == ["first.dxf: walls[1].openings[0]"]
+    assert [fault.place for fault in failure.value.faults] == ["first.dxf, storey 2: walls[1].openings[0]"]
     plan = plan_of({key: value for key, value in keys.items() if key != "kind"}, tmp_path, failure.value.faults)
     assert plan.wrong == {"w2_2"} and {wall.storey for wall in plan.walls} == {0, 1}
 
@@ -68,6 +68,7 @@ def test_a_fault_is_in_the_drawing_of_its_storey(tmp_path: Path) -> None:
     [
         ({"plan": "ground.dxf"}, "structure.storeys"),
         ({"storeys": [{"plan": "plan.json", "height": 3.0}]}, "structure.storeys[0].plan"),
+        ({"storeys": [{"plan": "ground.dxf", "height": 3.0}, {"plan": "none.dxf", "height": 3.0}]}, "structure.storeys[1].plan"),
         ({"storeys": [{"plan": "ground.dxf", "height": 3.0, "floor": {"mass": 400.0}}]}, "structure.storeys[0].floor.thickness"),
         ({"storeys": [{"plan": "ground.dxf", "height": 3.0, "floor": SLAB | {"bearing": 0.6}}]}, "structure.storeys[0].floor.bearing"),
     ],
@@ -76,6 +77,14 @@ def test_what_is_wrong_with_storeys_names_their_key(tmp_path: Path, change: dict
     with pytest.raises(InputError) as failure:
         structures.make(two(tmp_path) | change, 2000.0, tmp_path)
     assert failure.value.place == place
+
+
+def test_one_drawing_may_serve_several_storeys(tmp_path: Path) -> None:
+    house(tmp_path / "ground.dxf")
+    table = {"storeys": 3 * [{"plan": "ground.dxf", "height": 3.0}]}
+    walls = plan_of(table, tmp_path).walls
+    assert [wall.storey for wall in walls] == 5 * [0] + 5 * [1] + 5 * [2]
+    assert [wall.base for wall in walls] == 5 * [0.0] + 5 * [3.0] + 5 * [6.0]
 
 
 def test_a_room_that_is_not_convex_is_named_and_gets_no_floor(tmp_path: Path) -> None:
