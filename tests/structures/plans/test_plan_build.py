@@ -104,6 +104,19 @@ def test_faults_of_a_drawing_far_from_the_origin_are_at_its_own_places(tmp_path:
         build({"plan": "hut.dxf", "wall_height": 3.0}, 2000.0, tmp_path)
 
 
+@pytest.mark.parametrize(("code", "fits"), [(6, '"cm" (9 m)'), (4, '"cm" (9 m)')])
+def test_the_unit_is_asked_for_where_walls_are_too_large_or_too_small_for_a_building(tmp_path: Path, code: int, fits: str):
+    drawing = Drawing()
+    drawing.box((0.0, 0.0), (900.0, 600.0))
+    drawing.box((50.0, 50.0), (850.0, 550.0))
+    drawing.document.header["$INSUNITS"] = code
+    drawing.document.saveas(tmp_path / "hut.dxf")
+    with pytest.raises(InputError, match=r"^structure\.units: ") as failure:
+        build({"plan": "hut.dxf", "wall_height": 3.0}, 2000.0, tmp_path)
+    assert fits in str(failure.value)
+    assert len(open_plan(tmp_path / "hut.dxf", {"units": "cm"}).tables["walls"]) == 4
+
+
 def test_the_schema_of_plans_takes_what_build_writes_and_no_more(hut: Path):
     built(hut, "scene.toml", "first")
     schema = json.loads(plan_schema_text())
