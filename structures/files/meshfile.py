@@ -36,7 +36,7 @@ from structures.geometry.compound_block import compound_block
 
 MET = 100  # corners within the tolerance of one: a solid has a few
 MARK = "masonry-cd: "  # before what the formats themselves have no place for: unit, axis, and names, groups and supports
-MARKED = ("obj", "vtu", "vtm", "vtkhdf")
+MARKED = ("obj", "vtu", "vtm", "vtkhdf", "msh")
 DEFAULT = "block"  # group of a block for which the file states none
 
 
@@ -300,6 +300,9 @@ def _write(path: Path, suffix: str, blocks: Sequence[Block]) -> None:
             file["VTKHDF"].attrs[MARK.strip(" :")] = marks_of(blocks).removeprefix(MARK)
     else:
         solidfile.write(path, blocks)
+    if suffix == ".msh":
+        with path.open("a", encoding="utf-8") as file:
+            file.write(f"$Comments\n{marks_of(blocks)}\n$EndComments\n")
 
 
 def _marked(path: Path, blocks: Sequence[Block]) -> str:
