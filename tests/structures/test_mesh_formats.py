@@ -54,6 +54,8 @@ def boxes(folder: Path, name: str, content: str | bytes = "", **keys: Any) -> li
         ("a.json", files.compas()),
         ("a.compas", files.compas(assembly=False)),
         ("a.3ddat", files.threedec()),
+        ("a.wrl", files.vrml()),
+        ("a.msh", files.msh()),
         ("a.dat", files.PRISM),
         ("unknown", files.off()),
         ("unknown.txt", files.ply()),
