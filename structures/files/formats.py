@@ -34,27 +34,33 @@ FORMATS = {
     "off": Format((".off",), "a closed shell a block", f"{PACKAGE}surface_readers:read_off"),
     "gltf": Format((".gltf", ".glb"), "a mesh of a node a block; metres, y up", f"{PACKAGE}gltf:read"),
     "3mf": Format((".3mf",), "an object of the build a block; states its unit, z up", f"{PACKAGE}threemf:read"),
+    "vrml": Format((".wrl", ".vrml", ".wrz"), "a face set a block, as often as it is placed; metres, y up", f"{PACKAGE}vrml:read"),
     "vtu": Format(
         (".vtu",), "a volume cell a block, or those of one number in the array block", f"{PACKAGE}mesh_readers:read_vtu", written=True
     ),
     "vtp": Format((".vtp",), "a closed shell a block", f"{PACKAGE}mesh_readers:read_vtp"),
     "vtm": Format((".vtm",), "a data set a block", f"{PACKAGE}mesh_readers:read_vtm", written=True),
     "vtkhdf": Format((".vtkhdf",), "as VTU", f"{PACKAGE}mesh_readers:read_vtkhdf", written=True),
+    "msh": Format((".msh",), "a volume of gmsh; its physical group is its group", f"{PACKAGE}mesh_readers:read_msh", written=True),
     "dxf": Format(
         (".dxf",),
-        "3DFACEs: a closed shell of a layer; polyface mesh, mesh: each a block, as often as inserted; layers are groups",
+        "3DFACEs: a closed shell of a layer; polyface mesh, mesh, closed polyline of a thickness: each a block; layers are groups",
         f"{PACKAGE}dxf_blocks:read",
     ),
     "compas": Format(
         (".compas",), "JSON of COMPAS: each mesh or polyhedron a block, is_support a support", f"{PACKAGE}program_readers:read_compas"
     ),
     "lmgc90": Format(
-        (), "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR and PLANx", f"{PACKAGE}program_readers:read_lmgc90"
+        (),
+        "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR, PLANx; POLYG, JONCx of a thickness",
+        f"{PACKAGE}program_readers:read_lmgc90",
     ),
     "step": Format((".step", ".stp"), "a solid a block, by its label; states its unit", f"{PACKAGE}cad_solids:read"),
     "brep": Format((".brep",), "a solid a block", f"{PACKAGE}cad_solids:read"),
-    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{PACKAGE}decks_3dec:read"),
+    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; joint sets; block fix range", f"{PACKAGE}decks_3dec:read"),
 }
+FOLDER = "folder"  # of meshes
+FORMATS[FOLDER] = Format((), "a folder of meshes without a unit: a file a stone, by its name", f"{PACKAGE}stone_folder:read")
 CAD = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # marks by which their content is known
 
 
@@ -64,6 +70,8 @@ def format_of(path: Path) -> str | None:
     Raises:
         InputError: not readable.
     """
+    if path.is_dir():
+        return FOLDER
     known = next((name for name, format_ in FORMATS.items() if path.suffix.lower() in format_.endings), None)
     if known not in (None, "json"):
         return known
@@ -101,6 +109,10 @@ def _by_content(head: bytes, size: int) -> str | None:
     if lower.startswith((b"<?xml", b"<vtkfile")):
         kinds = ((b"unstructuredgrid", "vtu"), (b"polydata", "vtp"), (b"vtkmultiblockdataset", "vtm"))
         return next((name for mark, name in kinds if b'type="' + mark in lower), None)
+    if text.startswith(b"#VRML"):
+        return "vrml"
+    if text.startswith(b"$MeshFormat"):
+        return "msh"
     if b"$bdyty" in head:
         return "lmgc90"
     if lines[:1] and lines[0].split()[:1] in ([b"off"], [b"coff"], [b"noff"]):
@@ -109,7 +121,7 @@ def _by_content(head: bytes, size: int) -> str | None:
         return "dxf"
     if lower.startswith(b"solid") and b"facet" in lower:
         return "stl"
-    if any(line.startswith((b"block create", b"poly brick", b"poly prism", b"poly face")) for line in lines):
+    if any(line.startswith((b"block create", b"poly brick", b"poly prism", b"poly face", b"poly reg")) for line in lines):
         return "3dec"
     if sum(line.startswith(b"v ") for line in lines) >= 3:
         return "obj"
@@ -121,11 +133,10 @@ def listed() -> list[str]:
     """A line for each format: name, endings, what is a block in it, whether it is written, too."""
     rows = []
     for name, format_ in FORMATS.items():
-        endings = ", ".join(format_.endings) or "by content"
+        endings = ", ".join(format_.endings) or ("a folder" if name == FOLDER else "by content")
         rows.append(f"{name:7} {endings:14} {'read, written' if format_.written else 'read':13} {format_.about}")
     rows.append(f'{"solid":7} {".step .brep .geo":14} {"read":13} kind = "solid": a CAD model, cut into stones')
     rows.append(f"{'step':7} {'.step .brep':14} {'written':13} a solid a block, for CAD programs; .step keeps names and groups")
-    rows.append(f"{'msh':7} {'.msh':14} {'written':13} tetrahedra of gmsh, block by block; its groups are those of the blocks")
     return rows
 
 
