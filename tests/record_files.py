@@ -97,6 +97,17 @@ def smc(first: str = "2 CORRECTED ACCELEROGRAM", precise: bool = False) -> str:
     return "\n".join([*text, *rows(integers, 8, "{:10d}"), *rows(reals, 5, "{:15.7E}"), "| made", "|", *body, ""])
 
 
+def film() -> str:
+    """SMC of values at uneven times, one of which repeats, and a line left behind them."""
+    integers, reals = np.full(48, -32768), np.full(50, 1.7e38)
+    integers[15], integers[16] = 0, 2 * COUNT + 2
+    times = np.insert(np.round(TIME + 0.2 * STEP * np.sin(np.arange(COUNT)), 4), 7, 0.0)
+    times[7] = times[6]
+    pairs = np.column_stack([times, 100.0 * np.insert(WAVE, 7, WAVE[6])]).ravel()
+    head = ["1 UNCORRECTED ACCELEROGRAM", *["*"] * 4, "station = A place                        component=    133", *["*"] * 5]
+    return "\n".join([*head, *rows(integers, 8, "{:10d}"), *rows(reals, 5, "{:15.7E}"), *rows(pairs, 5, "{:14.7E}"), " 0.0 0.0", ""])
+
+
 def afad() -> str:
     heading = ["STRONG GROUND MOTION RECORDS OF TURKIYE", "PLACE                   : K\u00fctahya",
                "STATION ID              : 4304", f"NUMBER OF DATA          : {COUNT}",

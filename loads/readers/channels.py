@@ -18,6 +18,7 @@ from loads.readers.source import RawRecord, Request, Source
 from masonry_cd.foundation.errors import InputError, suggest
 
 IRREGULAR = 0.2  # of a step: times with three digits at 200 Hz stay below
+REPEATED = 0.01  # of uneven times at most: where the digits of film's times do not tell neighbours apart
 DEGREES = re.compile(r"\s*\bDEG(?:REES)?\b\.?", re.IGNORECASE)
 LONGEST_NAME = 30  # characters
 
@@ -101,13 +102,21 @@ def evenly(source: Source, times: np.ndarray, values: np.ndarray, index: int) ->
         InputError: the times do not advance.
     """
     steps = np.diff(times)
-    if (steps <= 0.0).any():
+    uneven = np.ptp(steps) > IRREGULAR * np.mean(steps)
+    if (steps < 0.0).any() or np.mean(steps == 0.0) > (REPEATED if uneven else 0.0):
         worst = int(np.argmax(steps <= 0.0))
         raise source.error(f"the time does not advance: {times[worst]:g} then {times[worst + 1]:g}", index)
+    repeats = int((steps == 0.0).sum())
+    if repeats:
+        first = np.flatnonzero(np.concatenate([[True], steps > 0.0]))
+        values = np.add.reduceat(values, first) / np.diff([*first, len(times)])
+        times = times[first]
+        steps = np.diff(times)
     mean = float(times[-1] - times[0]) / len(steps)
     if np.abs(times - times[0] - mean * np.arange(len(times))).max() <= IRREGULAR * mean:
         return values, mean, ()
     step = float(np.median(steps))
     grid = times[0] + step * np.arange(int((times[-1] - times[0]) / step + 1e-6) + 1)
     note = f"uneven times, {steps.min():.3g} to {steps.max():.3g} s apart: interpolated linearly to a step of {step:.4g} s"
-    return np.interp(grid, times, values), step, (note,)
+    more = f"{repeats} times that repeat, written with too few digits: the mean of their values taken"
+    return np.interp(grid, times, values), step, (note, *([more] if repeats else []))

@@ -35,6 +35,7 @@ class _Found(NamedTuple):
     first: int  # index of the first line of numbers
     origin: float  # time of the first value [s]
     values: np.ndarray
+    end: int = 0  # index of the line behind the values
 
 
 def recognises(source: Source) -> bool:
@@ -52,7 +53,9 @@ def read(source: Source, request: Request) -> RawRecord:
     if any(float(line[slice(*stated.place)]) == len(found.values) for line in heading for stated in spacings(line)):
         said = f"{len(found.values)} as the number of values and as their rate: correct the file, or leave one out"
         raise source.error(f"the heading gives {said}", found.first - 1)
-    return RawRecord(found.values, step, found.origin, one_unit(heading), stated=of_comments(heading))
+    left = len(source.lines) - found.end
+    notes = (f"{left} lines from line {source.skipped + found.end + 1} on, behind the first series, not read",) if left else ()
+    return RawRecord(found.values, step, found.origin, one_unit(heading), stated=of_comments(heading), notes=notes)
 
 
 def _found(source: Source) -> _Found | None:
@@ -60,18 +63,26 @@ def _found(source: Source) -> _Found | None:
     if sum(1 for line in source.lines if line.strip() and not line.lstrip().startswith(COMMENTS)) < 2:
         return None
     words = [line.split() for line in source.lines]
-    text = max((i for i, line in enumerate(words[:HEADING]) if _numbers([line]) is None), default=-1)
-    held = _numbers(words[text + 1 :])
+    numbers = [_numbers([line]) is not None for line in words]
+    texts = [-1, *(i for i, alone in enumerate(numbers[:HEADING]) if not alone)]
+    series = (_below(source, words, numbers, text) for text in texts if text + 1 < len(words) and numbers[text + 1])
+    return next((found for found in series if found is not None), None)
+
+
+def _below(source: Source, words: list[list[str]], numbers: list[bool], text: int) -> _Found | None:
+    """The series below one of the lines of text, up to the next one."""
+    end = next((i for i in range(text + 1, len(words)) if not numbers[i]), len(words))
+    held = _numbers(words[text + 1 : end])
     if held is None:
         return None
-    before = 0  # values between the last text and the line that is looked at
-    for index in range(min(HEADING, len(words) - 1)):
+    before = 0  # values between the text and the line that is looked at
+    for index in range(min(HEADING, end - 1)):
         before += len(words[index]) if index > text else 0
-        values, first = held[before:], next((i for i in range(max(index, text) + 1, len(words)) if words[i]), index + 1)
+        values, first = held[before:], next((i for i in range(max(index, text) + 1, end) if words[i]), index + 1)
         leads = index <= text or before == len(words[index])  # no numbers above it
         found = _counted(source.lines, index, values, leads) if len(values) >= FEWEST else None
         if found is not None:
-            return _Found(found[0], first, *found[1:])
+            return _Found(found[0], first, *found[1:], end)
     return None
 
 

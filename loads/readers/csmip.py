@@ -15,7 +15,7 @@ from __future__ import annotations
 import re
 
 from loads.readers.channels import Channel, component, read_channel
-from loads.readers.fixed import Fields, fields_of
+from loads.readers.fixed import Fields, fields_of, full_line
 from loads.readers.quantity import Stated
 from loads.readers.source import RawRecord, Reader, Request, Source
 from loads.readers.usc import read_volume
@@ -53,7 +53,10 @@ def _series(source: Source) -> list[Channel]:
             if match := pattern.match(line):
                 count = source.whole(match[1], index, "the number of points")
                 step, unit = source.positive(match[2].rstrip(",."), index, "the sampling"), UNIT.search(match[3])
-                stated, fields = Stated("acceleration", f"line {index + 1}", firm=True), fields_of(match[3], USUAL[raw])
+                stated, fields = (
+                    Stated("acceleration", f"line {index + 1}", firm=True),
+                    fields_of(match[3], full_line(source, index + 1, USUAL[raw])),
+                )
                 found.append(Channel(name, index + 1, count, 1.0 / step if raw else step, unit[1] if unit else None, stated, fields))
     return found
 

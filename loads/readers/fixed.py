@@ -11,6 +11,7 @@ that gives the format and the step; what stands behind the fields, such as numbe
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +37,12 @@ def fields_of(text: str, default: Fields) -> Fields:
     found = FORMAT.search(text)
     each, width = (int(found[1][:4]), int(found[2][:4])) if found else (0, 0)
     return Fields(each, width) if each and width else default
+
+
+def full_line(source: Source, index: int, usual: Fields) -> Fields:
+    """The usual fields, or as many of another width where a line is as long as these."""
+    length = len(source.lines[index].rstrip()) if index < len(source.lines) else 0
+    return usual if length % usual.each else usual._replace(width=length // usual.each or usual.width)
 
 
 def fixed(source: Source, first: int, count: int, fields: Fields, last: bool = False) -> tuple[np.ndarray, int]:
@@ -103,7 +110,7 @@ def read(source: Source, request: Request) -> RawRecord:
     each, width, _ = found.fields
     last = max(index for index, line in enumerate(source.lines) if line.strip())
     here = sum(bool(source.lines[last][k * width : (k + 1) * width].strip()) for k in range(each))
-    whole = Source(source.label, tuple(line[: each * width] for line in source.lines[: last + 1]))
+    whole = replace(source, lines=tuple(line[: each * width] for line in source.lines[: last + 1]))
     values, _ = fixed(whole, found.first, each * (last - found.first) + here, found.fields)
     heading = [line for line in source.lines[: found.first] if line.strip()]
     return RawRecord(values, step, 0.0, one_unit(heading), stated=of_comments(heading))

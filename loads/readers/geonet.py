@@ -21,6 +21,7 @@ TEXT, INTEGERS, REALS = 16, 40, 60
 FIELDS = Fields(10, 8)
 NAME_LINE = 12  # counted from 0, like the places below
 COUNTS, INTERVAL = slice(33, 36), 25
+AXIS = re.compile(r"(?<=\S)\s{2,}.*")  # of the instrument, behind the name: "Up    Vertical Accelerometer Axis"
 UNIT = "mm/s2"  # of all files, by the description of the format
 MOST = 12  # components looked for: a file has three
 
@@ -47,7 +48,7 @@ def _components(source: Source) -> list[Channel]:
             raise source.error(f"{counts[0]} accelerations are announced, which is no record", at + TEXT + 3)
         if step <= 0.0:
             raise source.error(f"the interval of the samples must be above zero, got {step:g}", after + 2)
-        name = component(source.lines[at + NAME_LINE].partition("omponent")[2])
+        name = component(AXIS.sub("", source.lines[at + NAME_LINE].partition("omponent")[2]))
         found.append(Channel(name, first, int(counts[0]), step, UNIT, of_format("GeoNet"), FIELDS, last=False))
         at = first + int(sum(-(-int(count) // FIELDS.each) for count in counts))
     return found

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from loads.readers.fields import is_number
 from loads.readers.source import Source
 
 
@@ -63,6 +64,12 @@ class Heading(NamedTuple):
         if (place or 0) >= len(words):
             raise self.source.error(f"{len(words)} entries, and channel {(place or 0) + 1} is asked for", index)
         return index, words[place or 0]
+
+
+def first_of_numbers(source: Source, index: int) -> int:
+    """The index of the first line from one on that begins with a number; of the one itself where there is none."""
+    lines = ((k, source.lines[k].split()) for k in range(index, len(source.lines)))
+    return next((k for k, words in lines if words and is_number(words[0])), index)
 
 
 def columns(source: Source, first: int, wanted: Sequence[int], width: int) -> np.ndarray:

@@ -32,6 +32,7 @@ STEP = re.compile(
 )
 RATES = (
     re.compile(rf"(?<![\d.]-)(?<!\bTO )(?<!- )(?<![\w.]){_VALUE}\s*(?:HZ\b|HERTZ\b|SPS\b|{_SAMPLES}\s*(?:/|PER|A|AL|POR)\s*{_S})", re.I),
+    re.compile(rf"\b{_SAMPLES}\s*/\s*{_S}\s*[=:]\s*{_VALUE}", re.IGNORECASE),
     re.compile(rf"\b(?:RATE|FREQ\w*|FS)\b[^\d.]{{0,40}}\(\s*(?:HZ|SPS|{_SAMPLES}\s*/\s*{_S})\s*\)[^\d.]{{0,20}}{_VALUE}", re.IGNORECASE),
 )
 FILTERS = re.compile(r"FILT|BAND|PASS\b|CORNER|CUT|NYQUIST|TAPER|NATURAL|RESONAN|INSTR", re.IGNORECASE)  # whose Hz are no rate

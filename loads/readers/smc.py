@@ -2,13 +2,15 @@
 """SMC, the format of the U.S. Geological Survey's strong-motion CD: one component.
 
 Eleven lines of text, of which the first says what the series is; 48 integers (8I10), 50 reals (5E15.7), comments, values (8E10.4E1, or
-5E14.7 in the higher precision). Integer 16 counts the comments, 17 the values; real 2 is the number of samples a second. Values are in
-cm/s2, cm/s or cm. Source: USGS National Strong-Motion Project, "SMC-format data files".
+5E14.7 in the higher precision). Integer 16 counts the comments, 17 the values; real 2 is the number of samples a second. Of film it is
+1.7e38, not known: then each value stands behind its time, and both are counted. Values are in cm/s2, cm/s or cm.
+Source: USGS National Strong-Motion Project, "SMC-format data files".
 """
 
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from loads.readers.channels import Channel, component, read_channel
 from loads.readers.fixed import Fields, fixed
@@ -22,7 +24,7 @@ NAME = re.compile(r"component\s*=\s*(\S+)", re.IGNORECASE)
 TEXT, INTEGERS, REALS = 11, (48, Fields(8, 10)), (50, Fields(5, 15))
 COMMENTS, COUNT, RATE = 15, 16, 1  # places, counted from 0
 USUAL, PRECISE = Fields(8, 10), Fields(5, 14)
-FASTEST = 1e5  # samples a second: beyond it the header means that it does not know
+FASTEST, UNKNOWN = 1e5, 1.6e38  # samples a second; what is larger means that the header does not know
 
 
 def recognises(source: Source) -> bool:
@@ -38,14 +40,21 @@ def read(source: Source, request: Request) -> RawRecord:
     integers, after = fixed(source, TEXT, *INTEGERS)
     reals, first = fixed(source, after, *REALS)
     comments, count, rate = int(integers[COMMENTS]), int(integers[COUNT]), float(reals[RATE])
-    if not 0.0 < rate < FASTEST:
+    timed = rate > UNKNOWN
+    if not timed and not 0.0 < rate < FASTEST:
         raise source.error(f"{rate:g} samples a second are not possible", after)
+    if timed and count % 2:
+        raise source.error(f"{count} numbers are announced, where times and values alternate", TEXT)
     if count < 2 or comments < 0:
         raise source.error(f"{count} values and {comments} comments are announced, which is no record", TEXT)
     name = next((component(found[1]) for line in source.lines[:TEXT] if (found := NAME.search(line))), "")
     first, stated = first + comments, Stated(quantity, "line 1", firm=True)
-    one = Channel(name, first, count, 1.0 / rate, UNITS[quantity], stated, _fields(source, first, count))
-    return read_channel(source, request, [one])
+    fields = _fields(source, first, count)
+    one = Channel(name, first, count // 2 if timed else count, 1.0 / rate, UNITS[quantity], stated, fields, timed, last=not timed)
+    record = read_channel(source, request, [one])
+    more = sum(1 for line in source.lines[first + -(-count // fields.each) :] if line.strip())
+    note = f"{more} line{'s' if more > 1 else ''} behind the {count} numbers announced left out"
+    return replace(record, notes=(*record.notes, *([note] if more else [])))
 
 
 def _kind(source: Source) -> str | None:
@@ -55,9 +64,10 @@ def _kind(source: Source) -> str | None:
 
 
 def _fields(source: Source, first: int, count: int) -> Fields:
-    """Eight a line, or five in the higher precision: the one whose number of lines the file has."""
+    """Eight a line, or five in the higher precision: the one whose number of lines the file has, or one less than it has."""
     lines = sum(1 for line in source.lines[first:] if line.strip())
-    return PRECISE if lines == -(-count // PRECISE.each) != -(-count // USUAL.each) else USUAL
+    usual, precise = (-(-count // fields.each) for fields in (USUAL, PRECISE))
+    return PRECISE if precise <= lines <= precise + 1 and precise != usual else USUAL
 
 
 ABOUT = "accelerations, velocities or displacements, one component"

@@ -30,13 +30,14 @@ class Source:
     label: str
     lines: tuple[str, ...]
     data: bytes = field(default=b"", repr=False)
+    skipped: int = 0  # lines of the file before the first of these
 
     @classmethod
-    def open(cls, path: Path, label: str) -> Source:
-        """Read a file.
+    def open(cls, path: Path, label: str, skip: int = 0) -> Source:
+        """Read a file without its first ``skip`` lines.
 
         Raises:
-            InputError: no such file, not readable, or an empty one.
+            InputError: no such file, not readable, an empty one, or one without lines to skip.
         """
         try:
             data = read_bytes(path, label)
@@ -49,15 +50,17 @@ class Source:
             raise InputError(label, f"cannot be read ({failure.strerror})") from None
         text = _decoded(data)
         if text is None:
+            if skip:
+                raise InputError(label, "the key skip does not apply to a file that is no text")
             return cls(label, (), data)
         lines = tuple(FORTRAN.sub(r"\1E\2", text).splitlines())
-        if not any(line.strip() for line in lines):
-            raise InputError(label, "the file is empty")
-        return cls(label, lines, data)
+        if not any(line.strip() for line in lines[skip:]):
+            raise InputError(label, f"nothing is left of its {len(lines)} lines after the {skip} to skip" if skip else "the file is empty")
+        return cls(label, lines[skip:], data, skip)
 
     def error(self, message: str, index: int | None = None) -> InputError:
         """The error to raise; it names the file and, given the index of a line, its number counted from 1."""
-        return InputError(self.label if index is None else f"{self.label}, line {index + 1}", message)
+        return InputError(self.label if index is None else f"{self.label}, line {self.skipped + index + 1}", message)
 
     def number(self, word: str, index: int) -> float:
         """The finite number that a word on a line stands for."""

@@ -3,7 +3,8 @@
 
 The heading names the columns and their units (``time_s,ns_m_s2`` or ``# time [s]  acc [g]``); it may be a comment. The time column is
 the one called time or t, of several the nearest to the left of the values; without a heading it is the first of several. A single column
-needs the key time_step. A table that could be one series in reading order is refused, until the key layout decides.
+needs the key time_step, which wins over printed times, too. A table that could be one series in reading order is refused, until the key
+layout decides.
 """
 
 from __future__ import annotations
@@ -105,12 +106,30 @@ def _read(source: Source, request: Request, delimiter: str | None) -> RawRecord:
         step = _step_above(source, layout) if request.time_step is None else request.time_step
         return RawRecord(table[:, 0], step, 0.0, unit, layout.name(column), column, stated)
     factor = _time_factor(source, layout, time)
-    rounded = unrounded(factor * table[:, 1])
-    if request.time_step is not None and (rounded is None or not agree([rounded, request.time_step])):
-        raise source.error(f'the key time_step is given, but the file has a column "{layout.headings[time]}"')
-    step = factor * _even_step(source, table[:, 1], places) if rounded is None else rounded
-    notes = () if rounded is None else (f"times with too few digits for it: taken as {1.0 / rounded:g} samples a second",)
+    step, notes = _step_of_times(source, factor * table[:, 1], places, request.time_step)
     return RawRecord(table[:, 0], step, factor * float(table[0, 1]), unit, layout.name(column), column, stated, notes=notes)
+
+
+def _step_of_times(source: Source, times: np.ndarray, places: list[int], asked: float | None) -> tuple[float, tuple[str, ...]]:
+    """The step of the times (n,) of a column [s], and how it was found.
+
+    Raises:
+        InputError: times that do not advance evenly, and no key time_step.
+    """
+    if asked is not None:
+        return _asked_step(asked, times)
+    rounded = unrounded(times)
+    if rounded is not None:
+        return rounded, (f"times with too few digits for it: taken as {1.0 / rounded:g} samples a second",)
+    return _even_step(source, times, places), ()
+
+
+def _asked_step(asked: float | None, times: np.ndarray) -> tuple[float, tuple[str, ...]]:
+    """The step that the key time_step gives, or the mean one of times (n,), and a note where they differ [s]."""
+    mean = float(times[-1] - times[0]) / (len(times) - 1)
+    if asked is None or (mean > 0.0 and agree([asked, mean])):
+        return asked or mean, ()
+    return asked, (f"time_step {asked:g} s, as the scene says; the times of the file are {mean:.4g} s apart in the mean",)
 
 
 def _stated(source: Source, layout: Layout, column: int) -> Stated | None:
@@ -144,8 +163,6 @@ def _read_wrapped(source: Source, request: Request, delimiter: str | None) -> Ra
         if request.time_step is None:
             raise source.error("no times in the series; give the key time_step, in seconds")
         return RawRecord(np.array([value for row in rows for value in row]), request.time_step, 0.0, None, stated=stated)
-    if request.time_step is not None:
-        raise source.error("the key time_step is given, but the pairs hold times")
     odd = next((place for row, place in zip(rows, places, strict=True) if len(row) % 2), None)
     if odd is not None:
         raise source.error("an odd number of values, where (time, value) pairs belong", odd)
@@ -153,8 +170,8 @@ def _read_wrapped(source: Source, request: Request, delimiter: str | None) -> Ra
     found = flat if advances(flat[:, 0]) else paired(filled(rows))
     if found is None:
         raise source.error("the times of the pairs do not advance evenly, neither along the lines nor down the columns")
-    step = float(found[-1, 0] - found[0, 0]) / (len(found) - 1)
-    return RawRecord(found[:, 1], step, float(found[0, 0]), None, stated=stated)
+    step, notes = _asked_step(request.time_step, found[:, 0])
+    return RawRecord(found[:, 1], step, float(found[0, 0]), None, stated=stated, notes=notes)
 
 
 def _fields(source: Source, delimiter: str | None, first: int = 0) -> Iterator[tuple[int, list[str]]]:
@@ -269,9 +286,7 @@ def _time_columns(source: Source, layout: Layout, request: Request) -> list[int]
     even = times_of(table)
     _refuse_two_ways(source, layout, table, even, request)
     if request.time_step is not None and not headed:
-        if even and not layout.headings and request.column in (None, *even):
-            raise source.error(f"the key time_step is given, but column {even[0]} advances evenly, as times do")
-        return []
+        return even if not layout.headings and len(even) < layout.width else []
     if headed:
         return headed
     if layout.headings or layout.width == 1:

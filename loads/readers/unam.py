@@ -7,7 +7,7 @@ from __future__ import annotations
 import re
 
 from loads.readers.channels import component, pick
-from loads.readers.heading import Heading, columns
+from loads.readers.heading import Heading, columns, first_of_numbers
 from loads.readers.quantity import of_format
 from loads.readers.source import RawRecord, Reader, Request, Source, begins
 
@@ -25,9 +25,12 @@ def read(source: Source, request: Request) -> RawRecord:
     column = pick(names, request.column, source.error)
     step = heading.positive("INTERVALO DE MUESTREO, C1", column)
     unit = heading.find("UNIDADES DE LOS DATOS")[1].partition("(")[0].strip()
-    values = columns(source, rules[-1] + 1, [column], len(names))[:, 0]
-    heading.check_count("NUM. TOTAL DE MUESTRAS, C1", values, place=column)
-    return RawRecord(values, step, 0.0, unit or None, names[column], column, of_format("UNAM"))
+    values = columns(source, first_of_numbers(source, rules[-1] + 1), [column], len(names))[:, 0]
+    count = int(heading.positive("NUM. TOTAL DE MUESTRAS, C1", column))
+    heading.check_count("NUM. TOTAL DE MUESTRAS, C1", values[:count], place=column)
+    more = len(values) - count
+    notes = (f"{more} row{'s' if more > 1 else ''} behind the {count} samples announced left out",) if more else ()
+    return RawRecord(values[:count], step, 0.0, unit or None, names[column], column, of_format("UNAM"), notes=notes)
 
 
 MARK = begins("ARCHIVO ESTANDAR DE ACELERACION", 15)

@@ -75,7 +75,7 @@ def measured_by(unit: str) -> tuple[str, float] | None:
 
 def units_in(text: str) -> list[str]:
     """The units of motion that a line of text names, those of one quantity over time: ``cm/s`` or ``gal``, not ``m`` or ``g``."""
-    words = (word.strip(".,;:()[]#%=\"'") for word in text.split())
+    words = (word.strip(".,;:()[]#%=\"'") for word in re.split(r"[\s=]+", text))
     return [word for word in words if len(plain(word)) > 2 and measured_by(word)]
 
 

@@ -89,7 +89,9 @@ class Accelerogram(BaseModel):
     calibration: Annotated[float, Field(gt=0.0)] | None = None
     """What one count means, in units; of files that hold counts, such as miniSEED."""
     time_step: Annotated[Positive, Unit("s")] | None = None
-    """Where the file has no times."""
+    """Where the file has no times, or instead of those of a table."""
+    skip: Annotated[int, Field(ge=0)] = 0
+    """Lines at the head of the file to pass over."""
     window: Annotated[tuple[float, float] | None, Unit("s"), between("seconds of the record")] = None
     """Part of the record to use, [from, to], in its own time."""
     taper: Instant = 0.0
@@ -188,7 +190,7 @@ def process(table: Accelerogram, folder: Path, dt: float, where: str) -> Process
         InputError: a file that cannot be read, named with its line; unknown units; a window outside the record; keys that do not fit it.
     """
     label = f"{where}.path: {table.path}"
-    source = Source.open(folder / table.path, label)
+    source = Source.open(folder / table.path, label, table.skip)
     name, raw = read(source, table.format, Request(table.column, table.time_step, table.calibration, table.layout))
     whole, quantity = accelerations(raw, Keys(table.quantity, table.units, table.calibration), where, table.path)
     values, begin = _cut(whole, raw, table, where)

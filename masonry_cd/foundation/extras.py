@@ -27,6 +27,7 @@ EXTRA_OF = {
     "pandas": "tables",
     "xarray": "tables",
     "obspy": "records",
+    "ifcopenshell": "ifc",
     "dask_jobqueue": "slurm",
 }
 SOLD_AS = {

@@ -229,7 +229,7 @@ class BuildingTable(PlanKeys):
     """The [structure] table of a building."""
 
     plan: str | None = None
-    """file with the plan, .json or .dxf, relative to the scene; keys beside it add to it"""
+    """file with the plan, .json, .dxf or .ifc, relative to the scene; keys beside it add to it"""
     block_length: Length = 0.6
     """of a block"""
     course_height: WallHeight = 0.3

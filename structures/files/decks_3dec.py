@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks of 3DEC decks, of version 5 or 7, in a child process (:mod:`structures.files.foreign`).
 
-    block create brick | prism | polyhedron [group]    poly brick | prism | face ...     a block
+    block create brick | prism | polyhedron [group]    poly [region n] brick | prism ... a block
+    block cut joint-set                                jset                              blocks cut by planes
     block fix | free | group [range group | position]  fix | free                        supports and groups
     model new                                          new                               no blocks any more
 
 Commands that leave blocks as they are, loads, materials, cycles, pictures, are passed over. A deck is a program: whatever else it says
-of blocks, cuts, deletes, turns, hides or joins, would change what stands there, and is refused by its line, as is a range that is not
+of blocks, deletes, turns, hides or joins, would change what stands there, and is refused by its line, as is a range that is not
 read. Functions in FISH are not executed, and what is unknown is named. Source: 3DEC 5 and 7 command reference.
 """
 
@@ -19,18 +20,19 @@ from typing import Any
 
 import numpy as np
 
+from structures.files.cuts_3dec import cut_by_set
 from structures.files.foreign import Answer, Faces, Piece, Refused
 from structures.files.program_readers import BOX, NUMBER
 
-READ = ("create", "fix", "free", "group")  # of block
+READ = ("create", "fix", "free", "group", "cut")  # of block
 HARMLESS = (  # of block: none changes corners, groups or supports
     "constitutive", "contact", "damping", "dynamic", "fluid", "gravity", "history", "insitu", "list", "mechanical",
     "mechanical-damping", "property", "results", "table", "thermal", "zone",
 )  # fmt: skip
 NAMED = ("gridpoint", "face", "initialize", "name", "rigid")  # of block: may hold or load blocks, and is named
 ENDS = ("exit", "quit", "stop", "return", "ret")  # of the deck, also of program
-OLD_READ = ("poly", "fix", "free", "new")  # commands of version 5 on blocks
-OLD_CHANGES = ("jset", "cut", "delete", "hide", "seek", "find", "join", "tunnel", "tube", "rotate", "move", "copy", "dice", "dismember",
+OLD_READ = ("poly", "fix", "free", "new", "jset")  # commands of version 5 on blocks
+OLD_CHANGES = ("cut", "delete", "hide", "seek", "find", "join", "tunnel", "tube", "rotate", "move", "copy", "dice", "dismember",
                "mark", "octree", "sphere", "excavate", "remove", "call", "restore", "rest")  # fmt: skip
 OTHER = (  # that say nothing of blocks
     "change", "contact", "cycle", "damp", "dfn", "echo", "fluid", "flow", "fracture", "gen", "generate",
@@ -39,6 +41,7 @@ OTHER = (  # that say nothing of blocks
     "thermal", "trace", "zone", "model", "fish", "config", "geometry", "data", "ucs", "rigid", "def", "define", "end", "loop",
 )  # fmt: skip
 RUNS = ("call", "call-file", "restore")  # of program, model and fish: what is in another file
+NUMBERED = ("reg", "mat", "con")  # of poly: region, material and constitutive law, by number
 FISH_BEGINS, FISH_ENDS = ("def", "define"), ("end",)
 
 
@@ -129,13 +132,21 @@ def _done(where: str, pieces: list[Piece], words: Sequence[str], lower: Sequence
     if "new" in (lower[0], *lower[1:2]):
         return []
     if lower[0] == "poly":
-        return [*pieces, _created(where, lower[1] if len(lower) > 1 else "", words[2:], len(pieces))]
+        at = 1
+        while lower[at : at + 1] and lower[at][:3] in NUMBERED and re.fullmatch(r"\d+", " ".join(lower[at + 1 : at + 2])):
+            at += 2
+        return [*pieces, _created(where, lower[at] if len(lower) > at else "", words[at + 1 :], len(pieces))]
+    is_set = lower[:1] == ["jset"] or (lower[1:3] == ["cut", "joint-set"] and _is_block(lower[0]))
+    if is_set:
+        first, end = (1 if lower[0] == "jset" else 3), _range_at(lower)
+        everywhere = lower[0] != "jset"
+        return cut_by_set(where, pieces, words[first:end], everywhere, lambda piece: _in_range(where, piece, lower, words))
     verb, at = (lower[0], 1) if lower[0] in OLD_READ else (_meant(lower[1] if len(lower) > 1 else ""), 2)
     if verb == "create":
         return [*pieces, _created(where, lower[at] if len(lower) > at else "", words[at + 1 :], len(pieces))]
     if verb in HARMLESS:
         return pieces
-    if verb not in READ:
+    if verb not in READ or verb == "cut":
         raise _changing(where, words)
     name = words[at].strip("'\"") if verb == "group" and len(words) > at else ""
     changes: dict[str, dict[str, Any]] = {"fix": {"fixed": True}, "free": {"fixed": False}, "group": {"group": name}}
@@ -152,7 +163,7 @@ def _meant(word: str) -> str:
 def _created(where: str, kind: str, words: Sequence[str], count: int) -> Piece:
     """The block of one command."""
     group = ""
-    if kind not in ("brick", "prism", "polyhedron", "face", "reg"):
+    if kind not in ("brick", "prism", "polyhedron", "face"):
         raise Refused(where, f"a block {kind or 'of no kind'} that is not read; brick, prism and polyhedron are")
     if "group" in [word.lower() for word in words]:
         at = [word.lower() for word in words].index("group")

@@ -34,6 +34,7 @@ FORMATS = {
     "off": Format((".off",), "a closed shell a block", f"{PACKAGE}surface_readers:read_off"),
     "gltf": Format((".gltf", ".glb"), "a mesh of a node a block; metres, y up", f"{PACKAGE}gltf:read"),
     "3mf": Format((".3mf",), "an object of the build a block; states its unit, z up", f"{PACKAGE}threemf:read"),
+    "vrml": Format((".wrl", ".vrml", ".wrz"), "a face set a block, as often as it is placed; metres, y up", f"{PACKAGE}vrml:read"),
     "vtu": Format(
         (".vtu",), "a volume cell a block, or those of one number in the array block", f"{PACKAGE}mesh_readers:read_vtu", written=True
     ),
@@ -42,18 +43,20 @@ FORMATS = {
     "vtkhdf": Format((".vtkhdf",), "as VTU", f"{PACKAGE}mesh_readers:read_vtkhdf", written=True),
     "dxf": Format(
         (".dxf",),
-        "3DFACEs: a closed shell of a layer; polyface mesh, mesh: each a block, as often as inserted; layers are groups",
+        "3DFACEs: a closed shell of a layer; polyface mesh, mesh, closed polyline of a thickness: each a block; layers are groups",
         f"{PACKAGE}dxf_blocks:read",
     ),
     "compas": Format(
         (".compas",), "JSON of COMPAS: each mesh or polyhedron a block, is_support a support", f"{PACKAGE}program_readers:read_compas"
     ),
     "lmgc90": Format(
-        (), "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR and PLANx", f"{PACKAGE}program_readers:read_lmgc90"
+        (),
+        "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR, PLANx; POLYG, JONCx of a thickness",
+        f"{PACKAGE}program_readers:read_lmgc90",
     ),
     "step": Format((".step", ".stp"), "a solid a block, by its label; states its unit", f"{PACKAGE}cad_solids:read"),
     "brep": Format((".brep",), "a solid a block", f"{PACKAGE}cad_solids:read"),
-    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; block fix range", f"{PACKAGE}decks_3dec:read"),
+    "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; joint sets; block fix range", f"{PACKAGE}decks_3dec:read"),
 }
 CAD = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # marks by which their content is known
 
@@ -101,6 +104,8 @@ def _by_content(head: bytes, size: int) -> str | None:
     if lower.startswith((b"<?xml", b"<vtkfile")):
         kinds = ((b"unstructuredgrid", "vtu"), (b"polydata", "vtp"), (b"vtkmultiblockdataset", "vtm"))
         return next((name for mark, name in kinds if b'type="' + mark in lower), None)
+    if text.startswith(b"#VRML"):
+        return "vrml"
     if b"$bdyty" in head:
         return "lmgc90"
     if lines[:1] and lines[0].split()[:1] in ([b"off"], [b"coff"], [b"noff"]):
@@ -109,7 +114,7 @@ def _by_content(head: bytes, size: int) -> str | None:
         return "dxf"
     if lower.startswith(b"solid") and b"facet" in lower:
         return "stl"
-    if any(line.startswith((b"block create", b"poly brick", b"poly prism", b"poly face")) for line in lines):
+    if any(line.startswith((b"block create", b"poly brick", b"poly prism", b"poly face", b"poly reg")) for line in lines):
         return "3dec"
     if sum(line.startswith(b"v ") for line in lines) >= 3:
         return "obj"

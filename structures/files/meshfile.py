@@ -74,7 +74,7 @@ def load(path: Path, format_: str, **asked: Any) -> Loaded:
         for entry in entries:
             entry.shells = [mended(vertices, faces, figures[0]) for vertices, faces in entry.shells]
         return Loaded(entries, 1.0 if format_ == "step" else None, notes=notes)
-    if format_ == "gltf":
+    if format_ in ("gltf", "vrml"):
         return Loaded(entries, 1.0, "y", firm=False, notes=notes)
     if format_ in ("3mf", "dxf") and figures and figures[0] > 0.0:
         return Loaded(entries, float(figures[0]), "z" if format_ == "3mf" else None, notes=notes)

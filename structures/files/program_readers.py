@@ -3,8 +3,9 @@
 
     COMPAS    every mesh or polyhedron within the file, by name; ``is_support`` of it or of the node around it. Elements with features,
               which cut their geometry, are refused; frames of their own and shapes that are no meshes are counted
-    LMGC90    BODIES.DAT: a RBDY3 with one POLYR or PLANx each; colour is the group. Beside it DRV_DOF.DAT (all six velocities driven: a
-              support) and BULK_BEHAV.DAT (densities). Bodies of other kinds, or turned or moved from where they are written, are refused
+    LMGC90    BODIES.DAT: a RBDY3 with one POLYR or PLANx each, or a RBDY2 with one POLYG or JONCx, drawn out by a thickness; colour is the
+              group. Beside it DRV_DOF.DAT (all velocities driven: a support) and BULK_BEHAV.DAT (densities). Bodies of other kinds, or
+              moved from where they are written, are refused; so are turned ones in space
 
 Sources: COMPAS 1 and 2 documentation; LMGC90 user guide.
 """
@@ -12,19 +13,22 @@ Sources: COMPAS 1 and 2 documentation; LMGC90 user guide.
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from structures.files.foreign import Answer, Faces, Piece, Refused
+from structures.files.outlines import KEY, drawn_out, refuse_without_thickness
 from structures.files.shells import shells
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?"
-DRIVEN = 6  # velocities of a rigid body
+DRIVEN = {"RBDY3": 6, "RBDY2": 3}  # velocities of a rigid body
+PLANAR = ("RBDY2",)
 MOVED = 1e-9  # in units of the file, or radians: less is none
 BOX = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))  # faces of corners x, y, z by bits 4, 2, 1
 DEEPEST = 60
@@ -158,67 +162,120 @@ def _of_mesh(mesh: Any) -> tuple[np.ndarray, list[list[int]]]:
 # --- LMGC90 ---------------------------------------------------------------------------------------------------------------------------
 
 
-def read_lmgc90(path: Path) -> Answer:
+def read_lmgc90(path: Path, up: str = "z", metres: float = 0.0, thickness: float = 0.0) -> Answer:
     """The rigid bodies of a BODIES.DAT.
 
+    Args:
+        path: of the file.
+        up: axis of the file that points upwards.
+        metres: per unit of the file; 0 where the scene does not say it.
+        thickness: of bodies in a plane [m]; 0 where the scene gives none.
+
     Raises:
-        Refused: no rigid body in space, one without a node or of another contactor, numbers that do not fit.
+        Refused: no rigid body, one without a node or of another contactor, numbers that do not fit; bodies in a plane without thickness.
     """
     density = _densities(path.parent / "BULK_BEHAV.DAT")
     driven = _driven(path.parent / "DRV_DOF.DAT")
     _refuse_moved(path.parent / "DOF.INI")
     whole = _text(path)
-    if other := re.search(r"\$bdyty\s+(?!RBDY3\b)(\w+)\s+(\d+)", whole):
-        raise Refused(path.name, f"{other[1]} {other[2]}: RBDY3, the rigid body of LMGC90 in space, is read alone")
+    if other := re.search(r"\$bdyty\s+(?!RBDY[23]\b)(\w+)\s+(\d+)", whole):
+        raise Refused(path.name, f"{other[1]} {other[2]}: RBDY3 and RBDY2, the rigid bodies of LMGC90, are read alone")
+    bodies = [*_bodies(whole)]
+    planar = sum(body.kind in PLANAR for body in bodies)
+    if planar and not thickness:
+        refuse_without_thickness(path.name, planar, "RBDY2")
+    if thickness and not planar:
+        raise Refused(KEY, f"{path.name} has no RBDY2 that it would apply to; leave it out")
     pieces: list[Piece] = []
-    for number, text in _bodies(whole):
-        where = f"{path.name}: RBDY3 {number}"
+    for kind, number, text in bodies:
+        where = f"{path.name}: {kind} {number}"
         node = re.search(r"\$nodty(.*?)\$tacty", text, re.DOTALL)
         shape = re.search(r"\$tacty\s+(\w+)\s+\d+\s+color\s+(\S+)(.*)", text, re.DOTALL)
         if node is None or shape is None:
             raise Refused(where, "no node or no contactor")
-        coordinates, angles = _values(node[1], "coo")[:3], _values(node[1], "coo")[3:6]
+        coordinates = _values(node[1], "coo")
         if len(coordinates) < 3:
             raise Refused(where, "no three coordinates of its node")
-        if any(angles):
-            raise Refused(where, "its node is turned by coo4 to coo6, which is not read; write its corners as they stand")
+        if kind in PLANAR:
+            points, faces = drawn_out(_outline(where, shape[1], shape[3], coordinates), thickness / (metres or 1.0), up)
+        else:
+            points, faces = _in_space(where, shape[1], shape[3], coordinates)
         behaviour = re.search(r"\bbehav\s+(\S+)", text)
-        points, faces = _contactor(where, shape[1], shape[3])
         law = density.get(behaviour[1] if behaviour else "", 0.0)
-        pieces.append(Piece(len(pieces), f"RBDY3_{number}", points + np.array(coordinates), faces, shape[2], number in driven.wholly, law))
+        pieces.append(Piece(len(pieces), f"{kind}_{number}", points, faces, shape[2], (kind, number) in driven.wholly, law))
     if not pieces:
-        raise Refused(path.name, "no RBDY3, the rigid body of LMGC90 in space")
+        raise Refused(path.name, "no RBDY3 and no RBDY2, the rigid bodies of LMGC90")
     partly = [f"{path.name}: {len(driven.partly)} bodies are driven in some directions only, which is not read: they are free"]
     return Answer(pieces, (), partly if driven.partly else [])
 
 
-class _Driven(NamedTuple):
-    """Numbers of the bodies whose velocities are driven."""
+class _Body(NamedTuple):
+    """A rigid body of a deck."""
 
-    wholly: frozenset[int] = frozenset()
-    partly: frozenset[int] = frozenset()
+    kind: str  # RBDY3 or RBDY2
+    number: int
+    text: str
+
+
+class _Driven(NamedTuple):
+    """Kinds and numbers of the bodies whose velocities are driven."""
+
+    wholly: frozenset[tuple[str, int]] = frozenset()
+    partly: frozenset[tuple[str, int]] = frozenset()
 
 
 def _refuse_moved(path: Path) -> None:
     """Refuse bodies that a file of their degrees of freedom has away from where BODIES.DAT has them."""
-    for number, text in _bodies(_text(path)) if path.is_file() else ():
+    for kind, number, text in _bodies(_text(path)) if path.is_file() else ():
         moved = [float(value.upper().replace("D", "E")) for value in re.findall(rf"\bX\(\d\)\s*=\s*({NUMBER})", text)]
         if any(abs(value) > MOVED for value in moved):
             raise Refused(
-                path.name, f"RBDY3 {number}: is moved from where BODIES.DAT has it, which is not read; write the bodies as they stand"
+                path.name, f"{kind} {number}: is moved from where BODIES.DAT has it, which is not read; write the bodies as they stand"
             )
 
 
-def _bodies(text: str) -> Iterator[tuple[int, str]]:
-    """Number and text of each rigid body in space."""
+def _bodies(text: str) -> Iterator[_Body]:
+    """The rigid bodies of a text."""
     for part in text.split("$bdyty")[1:]:
-        if match := re.match(r"\s+RBDY3\s+(\d+)(.*)", part, re.DOTALL):
-            yield int(match[1]), match[2]
+        if match := re.match(r"\s+(RBDY[23])\s+(\d+)(.*)", part, re.DOTALL):
+            yield _Body(match[1], int(match[2]), match[3])
 
 
 def _values(text: str, key: str) -> list[float]:
     """The numbers ``coo1= 1.0D+00 coo2= ...`` of a text."""
     return [float(value.upper().replace("D", "E")) for value in re.findall(rf"\b{key}\d\s*=\s*({NUMBER})", text)]
+
+
+def _refuse_several(where: str, text: str, kinds: str) -> None:
+    if re.search(r"\bcolor\b", text):
+        raise Refused(where, f"several contactors; one {kinds} is read")
+
+
+def _outline(where: str, kind: str, text: str, node: Sequence[float]) -> np.ndarray:
+    """Corners (n, 2) of a POLYG or of a JONCx, turned and placed by the node of its body."""
+    _refuse_several(where, text, "POLYG or JONCx")
+    axes = _values(text, "axe")[:2]
+    if kind == "JONCx" and len(axes) == 2:
+        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * np.array(axes)
+    elif kind == "POLYG":
+        values = _values(text, "coo")
+        corners = np.array(values).reshape(-1, 2) if len(values) % 2 == 0 else np.zeros((0, 2))
+        announced = re.search(r"nb_vertex\s*=\s*(\d+)", text)
+        if announced is None or int(announced[1]) != len(corners) or len(corners) < 3:
+            raise Refused(where, "not as many corners as it announces")
+    else:
+        raise Refused(where, f"a contactor {kind}; POLYG and JONCx with two axes are read")
+    cos, sin = math.cos(node[2]), math.sin(node[2])
+    return np.asarray(corners @ np.array([[cos, sin], [-sin, cos]]) + np.array(node[:2]))
+
+
+def _in_space(where: str, kind: str, text: str, node: Sequence[float]) -> tuple[np.ndarray, Faces]:
+    """Corners and triangles of a POLYR, or the box of a PLANx, placed by the node of its body."""
+    if any(node[3:6]):
+        raise Refused(where, "its node is turned by coo4 to coo6, which is not read; write its corners as they stand")
+    _refuse_several(where, text, "POLYR or PLANx")
+    points, faces = _contactor(where, kind, text)
+    return points + np.array(node[:3]), faces
 
 
 def _contactor(where: str, kind: str, text: str) -> tuple[np.ndarray, Faces]:
@@ -231,8 +288,6 @@ def _contactor(where: str, kind: str, text: str) -> tuple[np.ndarray, Faces]:
         return signs * np.array(axes), BOX
     if kind != "POLYR":
         raise Refused(where, f"a contactor {kind}; POLYR and PLANx are read")
-    if re.search(r"\bcolor\b", text):
-        raise Refused(where, "several contactors; one POLYR or PLANx is read")
     points = np.array(_values(text, "coo")).reshape(-1, 3) if len(_values(text, "coo")) % 3 == 0 else np.zeros((0, 3))
     corners = [int(value) - 1 for value in _values(text, "ver")]
     announced = [int(value) for value in re.findall(r"nb_(?:vertex|faces)\s*=\s*(\d+)", text)]
@@ -247,9 +302,9 @@ def _driven(path: Path) -> _Driven:
     """Bodies all of whose velocities are driven, and those some of whose are."""
     if not path.is_file():
         return _Driven()
-    count = {number: len(set(re.findall(r"\bvlocy\s+(\d)", text))) for number, text in _bodies(_text(path))}
-    wholly = frozenset(number for number, own in count.items() if own >= DRIVEN)
-    return _Driven(wholly, frozenset(number for number, own in count.items() if 0 < own < DRIVEN))
+    driven = [(body.kind, body.number, len(set(re.findall(r"\bvlocy\s+(\d)", body.text)))) for body in _bodies(_text(path))]
+    wholly = frozenset((kind, number) for kind, number, count in driven if count >= DRIVEN[kind])
+    return _Driven(wholly, frozenset((kind, number) for kind, number, count in driven if 0 < count < DRIVEN[kind]))
 
 
 def _densities(path: Path) -> dict[str, float]:

@@ -25,7 +25,9 @@ from structures.geometry.prism import box
 from structures.geometry.warped_faces import in_triangles
 from structures.kind import StructureKind
 from structures.kinds.solid import SUFFIXES
-from structures.schema import Height, Length, Table
+from structures.schema import Height, Length, Table, Thickness
+
+OUTLINED = ("dxf", "lmgc90")  # formats that may hold outlines of blocks
 
 
 class FileTable(Table):
@@ -44,7 +46,9 @@ class FileTable(Table):
     flatness: Height | None = None
     """faces this near to a plane are made flat; a thousandth of the block when not given"""
     chord: Length | None = None
-    """how far flat facets may be off the curved faces of a STEP or BREP file"""
+    """how far flat facets may be off the curved faces of a STEP or BREP file, and straight sides off the arcs of outlines"""
+    thickness: Thickness | None = None
+    """of the blocks of an elevation, drawn as closed polylines of a DXF or as bodies of LMGC90 in a plane"""
     overlap: Length | None = None
     """blocks of any file may be this deep in each other; the depth is reported"""
     gaps: Length | None = None
@@ -123,11 +127,11 @@ def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], l
 
 def _from_mesh(keys: FileTable, path: Path, density: float, format_: str) -> tuple[list[Block], list[str]]:
     """Read a mesh file whose unit and axes it states itself, or the table; not checked yet."""
-    if keys.chord is not None and format_ not in CAD:
-        raise InputError("structure.chord", f"belongs to .step and .brep files, whose faces may be curved; {path.name} is none")
-    scale = METRES[keys.units or "m"]
-    asked = {"chord": None if keys.chord is None else keys.chord / scale} if format_ in CAD else {}
-    loaded = meshfile.load(path, format_, **asked)
+    if keys.chord is not None and format_ not in (*CAD, "dxf"):
+        raise InputError("structure.chord", f"belongs to files with curved faces or arcs, .step, .brep and .dxf; {path.name} is none")
+    if keys.thickness is not None and format_ not in OUTLINED:
+        raise InputError("structure.thickness", f"belongs to outlines, of .dxf files and of LMGC90 in a plane; {path.name} is none")
+    loaded = meshfile.load(path, format_, **_asked_of_reader(keys, format_))
     stated = {"units": next((name for name, size in METRES.items() if size == loaded.metres), None), "up": loaded.up}
     notes = [*loaded.notes]
     for key, known in (("units", METRES), ("up", ("y", "z"))):
@@ -141,6 +145,20 @@ def _from_mesh(keys: FileTable, path: Path, density: float, format_: str) -> tup
             notes.append(f'{path.name}: {key} "{asked}" as the scene says, where the file has "{own}"')
     scale = METRES[keys.units] if keys.units else loaded.metres or 1.0
     return meshfile.blocks_of(loaded, path.name, density, scale, keys.up or loaded.up or "z", keys.repair), notes
+
+
+def _asked_of_reader(keys: FileTable, format_: str) -> dict[str, Any]:
+    """What the reader of a format has to know."""
+    if format_ in CAD:
+        return {"chord": None if keys.chord is None else keys.chord / METRES[keys.units or "m"]}
+    if format_ not in OUTLINED:
+        return {}
+    return {
+        "up": keys.up or "z",
+        "metres": METRES[keys.units] if keys.units else 0.0,
+        "thickness": keys.thickness or 0.0,
+        **({"chord": keys.chord or 0.0} if format_ == "dxf" else {}),
+    }
 
 
 def _first_blocks() -> dict[str, str]:

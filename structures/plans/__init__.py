@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plans of buildings from files: drawings in DXF, and tables in JSON, as tables of ``kind = "building"``.
+"""Plans of buildings from files: drawings in DXF, models in IFC, and tables in JSON, as tables of ``kind = "building"``.
 
 :func:`open_plan` says what a file holds and what of it was not understood; :func:`read` is its tables alone.
 """
@@ -43,7 +43,7 @@ def open_plan(path: Path, keys: Mapping[str, Any]) -> Plan:
     """Read a plan.
 
     Args:
-        path: of a .dxf or .json file.
+        path: of a .dxf, .ifc or .json file.
         keys: of the scene's [structure]; those of :class:`.keys.PlanKeys` say how to read a drawing.
 
     Raises:
@@ -56,9 +56,9 @@ def open_plan(path: Path, keys: Mapping[str, Any]) -> Plan:
 
     asked = parse_table(PlanKeys, {key: keys[key] for key in PlanKeys.model_fields if key in keys}, "structure")
     suffix = path.suffix.lower()
-    if suffix not in (".dxf", ".json"):
+    if suffix not in (".dxf", ".ifc", ".json"):
         hint = "; save it as DXF" if suffix == ".dwg" else ""
-        raise InputError("structure.plan", f"{path.name} is no plan; plans are read from .dxf and .json{hint}")
+        raise InputError("structure.plan", f"{path.name} is no plan; plans are read from .dxf, .ifc and .json{hint}")
     if not is_file(path):
         raise InputError("structure.plan", f'no file "{path.name}" in {path.parent}')
     if suffix == ".dxf":
@@ -66,7 +66,26 @@ def open_plan(path: Path, keys: Mapping[str, Any]) -> Plan:
     for key in ("units", "layers"):
         if key in asked.model_fields_set:
             raise InputError(f"structure.{key}", f"belongs to a drawing; {path.name} is in metres and has no layers")
-    return Plan(read_json(path), [], [])
+    return _model(path) if suffix == ".ifc" else Plan(read_json(path), [], [])
+
+
+def _model(path: Path) -> Plan:
+    """The plan of an IFC."""
+    from masonry_cd.foundation.errors import InputError
+    from structures.files import foreign
+    from structures.plans.ifc_model import elements_of, read_model
+    from structures.plans.recognised import counted
+
+    pieces, _, unread = foreign.read("structures.plans.ifc_file:read", path)
+    try:
+        elements = elements_of(pieces)
+    except ValueError as failure:
+        raise InputError(path.name, str(failure)) from None
+    found = read_model(elements, path.name)
+    notes = [*unread, *found.notes]
+    if found.left:
+        notes += [f"{path.name}: {len(found.left)} elements are not understood:", *(f"  {line}" for line in counted(found.left))]
+    return Plan(found.tables, notes, found.left)
 
 
 def _drawing(path: Path, keys: PlanKeys) -> Plan:

@@ -24,6 +24,7 @@ from masonry_cd.studies.study.clusters import SlurmTable
 from masonry_cd.studies.study.study_file import StudyTables
 from structures.building.table import BuildingRoofTable, JunctionTable
 from structures.floors import FloorTable
+from structures.kinds.file import FileTable
 
 COMMANDS = typer.main.get_command(app).commands
 FIRST_HOUR = DOCS / "tutorials" / "first_hour.md"
@@ -123,6 +124,11 @@ def test_a_mistake_on_the_command_line_ends_in_the_line_of_the_page(words, said,
 
 def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
     checks = {
+        "docs/howto/blocks.md": [
+            lambda tables: parse_table(
+                FileTable, {key: tables["structure"][key] for key in FileTable.model_fields if key in tables["structure"]}, "structure"
+            )
+        ],
         "docs/howto/buildings.md": [
             lambda tables: [parse_table(JunctionTable, each, "structure.junctions") for each in tables["structure"]["junctions"]],
             lambda tables: [

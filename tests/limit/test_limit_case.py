@@ -17,7 +17,7 @@ from pictures import pixels
 from typer.testing import CliRunner
 
 from benchmarks.dry_walls import ASSOCIATED, dry_wall
-from masonry_cd.analysis.limit import programme, search
+from masonry_cd.analysis.limit import descent, programme
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import Wanted, limit_case
@@ -222,7 +222,7 @@ def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
 
 
 def test_a_search_without_an_end_differs_from_none(tmp_path, monkeypatch):
-    monkeypatch.setattr(search, "EXACT", -1.0)  # no pair counts
+    monkeypatch.setattr(descent, "EXACT", -1.0)  # no pair counts
     ended = limit_case(scene(tmp_path, pillar(), PUSH))
     assert any("of 4 starts none came to an end" in line for line in said(ended))
     assert (facts(ended)["least"], facts(ended)["starts"]) == (None, 4)

@@ -163,8 +163,8 @@ def test_times_with_too_few_digits_are_those_of_a_whole_rate(tmp_path: Path) -> 
     assert (record.step, record.values) == (STEP, pytest.approx(values, abs=1e-6))
     assert "200 samples a second" in record.notes[0]
     assert load(tmp_path, "t,a [m/s2]\n" + table(times, values), time_step=STEP)[1].step == STEP
-    with pytest.raises(InputError, match="the key time_step is given, but the file has a column"):
-        load(tmp_path, "t,a [m/s2]\n" + table(times, values), time_step=0.01)
+    name, other = load(tmp_path, "t,a [m/s2]\n" + table(times, values), time_step=0.01)
+    assert (name, other.step, len(other.notes)) == ("csv", 0.01, 1) and other.values == pytest.approx(values, abs=1e-6)
     for gone in (200, 50, 380):
         with pytest.raises(InputError, match="the time does not advance"):
             load(tmp_path, "t,a [m/s2]\n" + table(np.delete(times, range(gone, gone + 4)), np.delete(values, range(gone, gone + 4))))
@@ -324,8 +324,22 @@ def test_components_with_times_of_their_own_take_the_times_beside_them(tmp_path:
 
 
 def test_a_time_column_is_not_taken_for_values(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="the key time_step is given, but column 0 advances evenly, as times do"):
+    with pytest.raises(InputError, match="column 0 is the time"):
         load_wrapped(tmp_path, side_by_side(TIME, QUAKE), column=0, time_step=STEP_WRAPPED)
+
+
+def test_time_step_wins_over_times_of_columns_and_of_pairs(tmp_path: Path) -> None:
+    """Two columns, uneven ones among them, and pairs: a note says what the times of the file are, where they differ."""
+    uneven = np.sort(np.round(TIME + 0.3 * STEP_WRAPPED * np.sin(np.arange(len(TIME))), 6))
+    for text, keys in (
+        (side_by_side(TIME, QUAKE), {}),
+        ("time,acc\n" + side_by_side(uneven, QUAKE, between=","), {}),
+        (side_by_side(TIME, QUAKE), {"layout": "pairs"}),
+    ):
+        record = load_wrapped(tmp_path, text, time_step=2.0 * STEP_WRAPPED, **keys)
+        assert record.step == 2.0 * STEP_WRAPPED and record.values == pytest.approx(QUAKE, abs=1e-6)
+        assert len(record.notes) == 1 and "time_step" in record.notes[0]
+    assert load_wrapped(tmp_path, side_by_side(TIME, QUAKE), time_step=STEP_WRAPPED).notes == ()
 
 
 def test_noise_and_short_tables_show_nothing() -> None:

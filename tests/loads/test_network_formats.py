@@ -132,3 +132,35 @@ def test_formats_are_listed_with_what_is_read_and_who_publishes_them() -> None:
     shown = done("record", "--formats")
     assert [line.split()[0] for line in shown.output.splitlines()] == sorted(READERS)
     assert masonry_cd("record").exit_code == 2
+
+
+def test_times_of_film_in_smc(tmp_path: Path) -> None:
+    """The rate is unknown: values stand behind their times, which are uneven; what was done to them is said."""
+    record = load(tmp_path, files.film())
+    assert record.name == "133" and len(record.notes) == 3
+    times = record.origin + record.step * np.arange(len(record.values))
+    assert record.values == pytest.approx(100.0 * np.interp(times, files.TIME, files.WAVE), abs=0.1 * 100.0 * PEAK)
+
+
+def test_rows_behind_those_announced_and_text_below_the_rule_of_unam(tmp_path: Path) -> None:
+    last = files.unam().splitlines()[-1]
+    text = files.unam() + last + "\n" + last + "\n"
+    record = load(tmp_path, text, column="N00E")
+    assert (len(record.values), len(record.notes)) == (files.COUNT, 1)
+    lines = files.unam().splitlines()
+    below = next(k for k in range(len(lines) - 1, 0, -1) if lines[k].startswith("---")) + 1
+    text = "\n".join([*lines[:below], "   (Gal)     (Gal)     (Gal)", *lines[below:], ""])
+    assert len(load(tmp_path, text, column="N00E").values) == files.COUNT
+
+
+def test_fields_of_csmip_by_the_length_of_a_line(tmp_path: Path) -> None:
+    """No format is given; the values touch."""
+    text = files.csmip2().replace("(8f10.6)", "")
+    assert load(tmp_path, text).values == pytest.approx(load(tmp_path, files.csmip2()).values)
+
+
+def test_the_first_of_several_series_below_headings_that_count_them(tmp_path: Path) -> None:
+    head = f"A PLACE\nSAMPLES/SEC=100 DATA TYPE=AC\nNO OF POINTS=  {files.COUNT}, UNITS=CM/SEC**2, CM/SEC, AND CM\n"
+    one = head + "\n".join(files.rows(files.WAVE, 8, "{:9.5f}")) + "\n"
+    record = load(tmp_path, one + one.replace("AC", "VL"))
+    assert (record.step, record.unit, len(record.values), len(record.notes)) == (0.01, None, files.COUNT, 1)

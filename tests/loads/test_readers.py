@@ -177,6 +177,42 @@ def test_broken_miniseed_is_refused(samples: Path, name: str, message: str) -> N
     assert "\n" not in str(failure.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "file", "channel", "step", "count", "peak"),
+    [
+        ("gse2", "gse2/tests/data/loc_RJOB20050831023349.z", ".RJOB..Z", 0.005, 12000, 103.0),
+        ("gse1", "gse2/tests/data/loc_STAU20031119011659.z", ".LE0083..  Z", 0.008, 3000, 2912.0),
+        ("evt", "kinemetrics/tests/data/BI008_MEMA-04823.evt", ".MEMA..0", 0.004, 5750, 0.0258849674),
+        ("evt", "kinemetrics/tests/data/BX456_MOLA-02351.evt", ".MOLA..0", 0.004, 9750, None),
+    ],
+)
+def test_other_archives_are_read_by_obspy(samples: Path, name: str, file: str, channel: str, step: float, count: int, peak: float) -> None:
+    """GSE holds counts, EVT its own calibration: m/s2 by 9.80665."""
+    found, record = read(Source.open(samples / file, "p"), "auto", Request(column=0))
+    assert (found, record.name, len(record.values), record.counts) == (name, channel, count, name != "evt")
+    assert record.step == pytest.approx(step, rel=1e-6) and (record.unit == "m/s2") == (name == "evt")
+    assert peak is None or abs(record.values).max() == pytest.approx(peak, rel=1e-8)
+
+
+@pytest.mark.parametrize("name", ["broken_head.gse2", "GRF_031102_0225.GSE.wrong_chksum"])
+def test_broken_gse_is_refused(samples: Path, name: str) -> None:
+    with pytest.raises(InputError, match="not readable as GSE"):
+        read(Source.open(samples / "gse2" / "tests" / "data" / name, "p"), "auto", Request())
+
+
+def test_lines_to_skip_keep_their_numbers(tmp_path: Path) -> None:
+    """What stands above a record goes; a fault below is named by the line of the whole file."""
+    (tmp_path / "a.AT2").write_text("Downloaded\nyesterday\n" + at2(), encoding="utf-8")
+    assert read(Source.open(tmp_path / "a.AT2", "p", skip=2), "auto", Request())[0] == "at2"
+    (tmp_path / "b.AT2").write_text("Downloaded\nyesterday\n" + at2(count="45"), encoding="utf-8")
+    with refused_at("p, line 6"):
+        read(Source.open(tmp_path / "b.AT2", "p", skip=2), "auto", Request())
+    for path, skip in ((tmp_path / "a.AT2", 100), (tmp_path / "c.bin", 1)):
+        (tmp_path / "c.bin").write_bytes(b"000001D " + bytes(504))
+        with refused_at("p"):
+            Source.open(path, "p", skip=skip)
+
+
 def test_without_obspy_miniseed_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "obspy", None)
     with pytest.raises(InputError, match=r'miniSEED needs obspy, which is not installed: pip install "masonry-cd\[records\]"'):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import record_files as files
-from records import STEP, TIME, WAVE, at2, columns, esm, knet, side_by_side, table, wrapped
+from records import STEP, TIME, WAVE, at2, columns, esm, knet, table, wrapped
 
 from loads.readers import Request, Source, read
 from masonry_cd.foundation.errors import InputError
@@ -50,7 +50,6 @@ BAD: list[tuple[str | bytes, dict[str, Any], int | str]] = [  # file, keys, and 
     (table(), {"column": "ns_m_s"}, "ns_m_s"),
     (table(), {"column": 0}, "column 0"),
     (table(), {"column": 7}, "column 7"),
-    (table(), NS | {"time_step": 0.01}, "time_step"),
     (table("time_s,ns_m_s2,ns_m_s2"), NS, "ns"),
     (table("when,ns_m_s2,up_m_s2"), NS, "time_step"),
     (table("time_h,ns_m_s2,up_m_s2"), NS, "time_h"),
@@ -77,7 +76,6 @@ BAD: list[tuple[str | bytes, dict[str, Any], int | str]] = [  # file, keys, and 
     (wrapped(WAVE, 8).partition("  ")[2], SERIES, 2),
     (wrapped(WAVE, 8), PAIRS, ""),
     (wrapped(WAVE, 3), PAIRS, 1),
-    (side_by_side(TIME[::2], WAVE[::2], TIME[1::2], WAVE[1::2]), PAIRS | {"time_step": STEP}, "time_step"),
     (knet(**{"Duration Time(s)": "0.5"}), {}, 5),
     (knet(**{"Duration Time(s)": "inf"}), {}, 5),
     (knet(**{"Duration Time(s)": None}), {}, "Duration Time(s)"),

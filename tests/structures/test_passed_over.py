@@ -250,7 +250,7 @@ def test_nodes_of_another_scene_are_counted_and_copies_get_names(tmp_path: Path)
         ("a.obj", "v 0 0 0\ncstype bezier\nsurf 0 1 0 1 1\n", "line 3: surf"),
         ("a.off", files.off().replace("OFF", "COFF", 1), "COFF"),
         ("a.off", files.off() + "1 1 1\n", "not the counts"),
-        ("BODIES.DAT", "$bdyty\n RBDY2      1\n", "RBDY2 1"),
+        ("BODIES.DAT", "$bdyty\n MAILx      1\n", "MAILx 1"),
     ],
 )  # fmt: skip
 def test_lines_that_bring_or_change_faces_are_refused(tmp_path: Path, name: str, content: str, words: str) -> None:
@@ -303,3 +303,64 @@ def test_faces_of_a_cad_model_that_bound_no_solid_are_counted(tmp_path: Path) ->
     blocks, notes = made(tmp_path, "a.brep", units="m")
     assert len(blocks) == 1
     assert "1 faces that bound no solid" in notes
+
+
+SETS = """model new
+block create brick 0 1 0 0.5 -0.5 0 group 'base'
+block create brick 0 1 0 0.5 0 1 group 'stone'
+block cut joint-set {}
+block fix range group 'base'
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "volumes"),
+    [
+        ("dip 0 dip-direction 0 spacing 0.25 number 3 origin 0 0 0.25", [0.25, *[0.125] * 4]),
+        ("dip 0 spacing 0.25 origin (0,0,0.125) range group 'stone'", [0.25, 0.0625, 0.125, 0.125, 0.125, 0.0625]),
+        ("dip 90 dip-direction 90 number 1 origin 0.4 0 0 jointset-id 2", [0.1, 0.15, 0.2, 0.3]),
+        ("dip 45 dip-direction 90 number 1 origin 0 0 1 range group 'stone'", [0.25, 0.25, 0.25]),
+        ("dip 0 origin 0 0 5 number 1", [0.25, 0.5]),
+    ],
+)
+def test_joint_sets_of_3dec_cut_blocks(tmp_path: Path, words: str, volumes: list[float]) -> None:
+    (tmp_path / "a.3ddat").write_text(SETS.format(words))
+    blocks, _ = made(tmp_path, "a.3ddat", **METRES)
+    assert [block.mass_properties.volume for block in blocks] == pytest.approx(volumes)
+    assert [block.fixed for block in blocks] == [block.vertices[:, 2].mean() < 0.0 for block in blocks]
+    assert len({block.name for block in blocks}) == len(blocks)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "dip 30 dip-direction 90 spacing 0.2 number 3 origin 0 0 0.5",  # to which side is not known
+        "dip 0 5 spacing 0.25 origin 0 0 0",
+        "dip 0 spacing 0.25 persistence 0.5 origin 0 0 0",
+        "dip 0 number 3 origin 0 0 0",
+        "dip 0 spacing 1e-9 origin 0 0 0",
+        "dip 0 spacing 0.25",
+        "dip 0 spacing 0.25 origin 0 0 0 join",
+    ],
+)
+def test_joint_sets_that_are_not_read_are_refused_by_their_line(tmp_path: Path, words: str) -> None:
+    (tmp_path / "a.3ddat").write_text(SETS.format(words))
+    with pytest.raises(InputError, match=r"a\.3ddat: line 4"):
+        made(tmp_path, "a.3ddat", **METRES)
+
+
+def test_regions_and_joint_sets_of_older_decks(tmp_path: Path) -> None:
+    """A prism and a brick of numbered regions, a vertical joint, and three level ones upwards from their origin."""
+    deck = """new
+poly region 1 prism &
+a ( 0, 0, 0) ( 1, 0, 0) ( 1, 1, 0)&
+( 0, 1, 0) b ( 0, 0, 1) ( 1, 0, 1) ( 1, 1, 1) ( 0, 1, 1)
+poly reg 2 mat 3 brick 0 1 0 1 -1 0
+jset dip 90 dd 90 org 0.5 0 0
+jset dip 0 dd 0 spac 0.25 num 3 org 0 0 0.25
+fix range z -1 0
+"""
+    (tmp_path / "a.3ddat").write_text(deck)
+    blocks, _ = made(tmp_path, "a.3ddat", **METRES)
+    assert [block.mass_properties.volume for block in blocks] == pytest.approx([0.125] * 8 + [0.5] * 2)
+    assert [block.fixed for block in blocks] == [False] * 8 + [True] * 2

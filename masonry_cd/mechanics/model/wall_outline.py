@@ -17,3 +17,4 @@ class WallOutline(NamedTuple):
     top: np.ndarray  # (T, 2) distance along the axis, z [m]
     base: float  # z [m]
     openings: tuple[tuple[str, np.ndarray], ...]  # name, and corners (Q, 2): distance along the axis, z [m]
+    reach: tuple[float, float] = (0.0, 0.0)  # by how much it goes on beyond the start and the end of its axis, to far faces [m]

@@ -16,7 +16,8 @@ from typer.testing import CliRunner
 from masonry_cd.app.scene_schema import PLAN_FILE, plan_schema_text
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
-from structures.kinds.building import build, plan_tables
+from reports.drawing.palette import FAULTY
+from structures.kinds.building import WALLS, build, plan_of
 from structures.plans import open_plan
 
 SCENE = """title = "Hut"
@@ -76,7 +77,7 @@ def test_keys_of_the_scene_win_over_the_plan_and_lists_add_to_it(hut: Path):
         "course_height": 0.25,
         "walls": [{"name": "x", "axis": [[9, 0], [9, 3]], "thickness": 0.5, "height": 1.0}],
     }
-    keys, _ = plan_tables(own, hut)
+    keys = plan_of(own, hut).tables
     assert keys["course_height"] == 0.25
     assert keys["block_length"] == 1.0
     assert [wall["name"] for wall in keys["walls"]] == ["w1", "w2", "w3", "w4", "x"]
@@ -128,3 +129,41 @@ def test_the_plans_of_the_examples_stand_as_they_are_drawn(name: str, walls: set
     keys = tomllib.loads((EXAMPLES / "plans" / f"{name}.toml").read_text())["structure"]
     blocks = build({"plan": f"{name}.dxf", **{k: keys[k] for k in ("block_length", "course_height")}}, 2000.0, EXAMPLES / "plans").blocks
     assert {block.group for block in blocks} >= walls
+
+
+def test_a_plan_that_is_refused_is_written_with_its_faults_in_red(tmp_path: Path):
+    walls = [
+        {"name": "south", "axis": [[0, 0], [6, 0]], "thickness": 0.6, "height": 3.0, "openings": [{"at": 5.7, "width": 1.0}]},
+        {"name": "east", "axis": [[6, 0], [6, 4]], "thickness": 0.5, "height": 3.0},
+        {"name": "west", "axis": [[0, 3.4], [0, 0.9]], "thickness": 0.5, "height": 3.0},
+    ]
+    (tmp_path / "own.json").write_text(json.dumps({"walls": walls}))
+    (tmp_path / "scene.toml").write_text(SCENE.format(plan="own.json", more=""))
+    result = CliRunner().invoke(app, ["build", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out")])
+    assert (result.exit_code, "walls[0].openings[0]" in result.stderr) == (2, True)
+    assert {path.name for path in (tmp_path / "out").glob("[!.]*")} == {"plan.json", "plan.svg", "plan_junctions.csv"}
+    assert [wall["name"] for wall in json.loads((tmp_path / "out" / "plan.json").read_text())["walls"]] == ["south", "east", "west"]
+    assert (tmp_path / "out" / "plan.svg").read_text().count(FAULTY) >= 3  # the wall in plan and elevation, and the line
+    rows = (tmp_path / "out" / "plan_junctions.csv").read_text().splitlines()
+    assert rows[1] == "corner,6.0,0.0,south; east,0.6; 0.5,90.0,,"
+    assert rows[2:] == [
+        "free end,0.0,0.0,south,0.6,,west,0.6",
+        "free end,6.0,4.0,east,0.5,,south,3.7",
+        "free end,0.0,3.4,west,0.5,,south,3.1",
+        "free end,0.0,0.9,west,0.5,,south,0.6",
+    ]
+
+
+def test_measures_of_a_plan_are_those_of_faces(tmp_path: Path):
+    reach = {outline.name: outline.reach for outline in plan_of({"walls": WALLS}, tmp_path).walls}
+    assert reach == {"south": (0.25, 0.25), "east": (0.25, 0.25), "north": (0.25, 0.25), "west": (0.25, 0.25)}
+
+
+def test_single_lines_are_drawn_all_in_red(tmp_path: Path):
+    drawing = Drawing()
+    for k in range(4):
+        drawing.lines((2.0 * k, 0), (2.0 * k, 4.0))
+    drawing.text("CAMERA", (2.6, 2.0), "TEXT")
+    drawing.document.saveas(tmp_path / "hut.dxf")
+    plan = plan_of({"plan": "hut.dxf"}, tmp_path)
+    assert plan.wrong == {wall.name for wall in plan.walls} and plan.walls

@@ -79,7 +79,7 @@ def test_json_comes_back_as_it_was_written(tmp_path: Path):
         ("a.json", '{"walls": [\n{"name": "a",}]}', "line 2, column 14"),
         ("a.json", b"\xff\xfe", "no text in UTF-8"),
         ("a.json", "[" * 100_000, "too deep"),
-        ("a.dwg", "", "plans are read from .dxf and .json; save it as DXF"),
+        ("a.dwg", "", "plans are read from .dxf, .ifc and .json; save it as DXF"),
         ("a.dxf", "nothing\n", "is no DXF file"),
         ("a.dxf", "  0\nSECTION\n  2\nENTITIES\n  0\nLINE\n 10\nx\n", "a.dxf does not state"),
     ],
