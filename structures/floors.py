@@ -71,18 +71,12 @@ class AnchorTable(Table):
     """that it is tied to; on the others it rests; by default all in which it has seats"""
 
 
-class FloorTable(Table):
-    """One entry ``[[structure.floors]]``."""
+class SlabTable(Table):
+    """What a floor is, wherever it lies."""
 
-    height: Annotated[Place, HIGH]
-    """z of its top"""
     thickness: Thickness = Field()
     mass: ArealMass
     """with what it carries, over its own plan"""
-    walls: tuple[str, ...] = Field(strict=False, min_length=1)
-    """groups or blocks in which it has seats; * stands for anything"""
-    inside: tuple[Place, Place] | None = Field(None, strict=False)
-    """a point [x, y] between its walls; by default the middle of the walls"""
     span: Annotated[float, Unit("degrees")] | None = Field(None, ge=-360.0, le=360.0)
     """direction in which it spans, from the x axis; of the walls named only those across it then bear it"""
     strips: int = Field(1, ge=1, le=100)
@@ -93,6 +87,17 @@ class FloorTable(Table):
     """to walls that are not named"""
     anchors: AnchorTable | None = None
     """which tie it to the walls, { spacing = 1.5, diameter = 0.016 }"""
+
+
+class FloorTable(SlabTable):
+    """One entry ``[[structure.floors]]``."""
+
+    height: Annotated[Place, HIGH]
+    """z of its top"""
+    walls: tuple[str, ...] = Field(strict=False, min_length=1)
+    """groups or blocks in which it has seats; * stands for anything"""
+    inside: tuple[Place, Place] | None = Field(None, strict=False)
+    """a point [x, y] between its walls; by default the middle of the walls"""
     name: str | None = Field(None, max_length=80)
     """of its block and group; by default floor1, floor2 ..."""
 
@@ -147,12 +152,15 @@ class _Floor:
         return between(*(np.column_stack([plan, np.full(len(plan), z)]) for z in (bottom, top)))
 
 
-def with_floors(blocks: Sequence[Block], tables: Sequence[FloorTable]) -> tuple[list[Block], list[Bar], list[str]]:
+def with_floors(
+    blocks: Sequence[Block], tables: Sequence[FloorTable], places: Sequence[str] = ()
+) -> tuple[list[Block], list[Bar], list[str]]:
     """The blocks of a structure with its floors and the seats cut for them, the anchors, and a line on each floor.
 
     Args:
         blocks: sound ones.
         tables: of ``structure.floors``.
+        places: keys that ask for each; by default those of ``structure.floors``.
 
     Raises:
         InputError: no wall where a floor is to bear, a seat deeper than its wall, slivers beside a seat: the first fault of each floor;
@@ -161,7 +169,7 @@ def with_floors(blocks: Sequence[Block], tables: Sequence[FloorTable]) -> tuple[
     faults, made, floors = Faults(), list(blocks), list[_Floor]()
     for i, keys in enumerate(tables):
         with faults.of():
-            floor = _placed(made, keys, f"structure.{KEY}[{i}]", keys.name or f"floor{i + 1}")
+            floor = _placed(made, keys, places[i] if places else f"structure.{KEY}[{i}]", keys.name or f"floor{i + 1}")
             made = [*_with_seats(made, floor), *floor.blocks]
             floors.append(floor)
     solids, bars = Solids.of(made), list[Bar]()

@@ -44,14 +44,18 @@ def plan_picture(
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()
     axes.set_aspect("equal")
-    grounds = [_ground_of(wall) for wall in walls]
+    grounds = [wall.ground for wall in walls]
     bounds = np.array([ground.bounds for ground in grounds])
     low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
-    width = 1.6 * max(float(high[0] - low[0]), *(_length(wall) for wall in walls))
-    _fill(axes, grounds, low, STONE)
-    _fill(axes, [ground for wall, ground in zip(walls, grounds, strict=True) if wall.name in wrong], low, FAULTY)
-    for wall in walls:
-        _in_plan(axes, wall, low)
+    storeys = sorted({wall.storey for wall in walls})
+    beside = np.array([float(high[0] - low[0]) + 2.0 * GAP, 0.0])  # from the plan of a storey to the next
+    width = max(len(storeys) * beside[0], 1.6 * max(float(high[0] - low[0]), *(_length(wall) for wall in walls)))
+    for k, storey in enumerate(storeys):
+        own, corner = [(wall, ground) for wall, ground in zip(walls, grounds, strict=True) if wall.storey == storey], low - k * beside
+        _fill(axes, [ground for _, ground in own], corner, STONE)
+        _fill(axes, [ground for wall, ground in own if wall.name in wrong], corner, FAULTY)
+        for wall, _ in own:
+            _in_plan(axes, wall, corner)
     for name, ring in others:
         axes.fill(*(ring - low).T, facecolor="none", edgecolor=OPENED, linewidth=0.7, linestyle="--")
         _words(axes, ring.mean(axis=0) - low, name, 7)
@@ -73,20 +77,6 @@ def _length(wall: WallOutline) -> float:
     return float(wall.top[-1, 0]) + sum(wall.reach)
 
 
-def _drawn_out(wall: WallOutline) -> np.ndarray:
-    """The axis (P, 2) of a wall from end to end."""
-    (a, b), (y, z) = wall.line[:2], wall.line[-2:]
-    start, end = (wall.reach[k] * (q - p) / np.hypot(*(q - p)) for k, (p, q) in enumerate(((a, b), (y, z))))
-    return np.concatenate([[a - start], wall.line[1:-1], [z + end]])
-
-
-def _ground_of(wall: WallOutline) -> Any:
-    """The polygon of shapely that a wall covers, to the far faces of those that it ends at."""
-    import shapely
-
-    return shapely.LineString(_drawn_out(wall)).buffer(0.5 * wall.thickness, cap_style="flat", join_style="mitre")
-
-
 def _fill(axes: Any, grounds: Sequence[Any], low: np.ndarray, colour: str) -> None:
     """Polygons of shapely as one."""
     import shapely
@@ -100,7 +90,7 @@ def _fill(axes: Any, grounds: Sequence[Any], low: np.ndarray, colour: str) -> No
 
 def _in_plan(axes: Any, wall: WallOutline, low: np.ndarray) -> None:
     """What is in a wall in plan: its openings, white, and its name."""
-    line = _drawn_out(wall) - low
+    line = wall.drawn_out - low
     for _, outline in wall.openings:
         start, end = np.clip([outline[:, 0].min() + wall.reach[0], outline[:, 0].max() + wall.reach[0]], 0.0, _length(wall)).tolist()
         if end - start < HAIR:

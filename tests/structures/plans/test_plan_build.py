@@ -8,13 +8,12 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from command_line import masonry_cd
 from drawings import Drawing
 from json_schema import faults
 from places import EXAMPLES
-from typer.testing import CliRunner
 
 from masonry_cd.app.scene_schema import PLAN_FILE, plan_schema_text
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from reports.drawing.palette import FAULTY
 from structures.kinds.building import WALLS, build, plan_of
@@ -51,7 +50,7 @@ def hut(tmp_path: Path) -> Path:
 
 
 def built(folder: Path, scene: str, out: str) -> str:
-    result = CliRunner().invoke(app, ["build", str(folder / scene), "-o", str(folder / out), "--no-picture"])
+    result = masonry_cd("build", folder / scene, "-o", folder / out, "--no-picture")
     assert result.exit_code == 0, result.output
     return result.output
 
@@ -87,7 +86,7 @@ def test_a_wrong_key_in_a_plan_is_named(hut: Path):
     (hut / "first").mkdir()
     (hut / "first" / "plan.json").write_text('{"walls": [{"name": "a", "axis": [[0, 0], [3, 0]], "thicknes": 0.5, "height": 3.0}]}')
     (hut / "again.toml").write_text(SCENE.format(plan="first/plan.json", more=""))
-    result = CliRunner().invoke(app, ["build", str(hut / "again.toml"), "-o", str(hut / "out"), "--no-picture"])
+    result = masonry_cd("build", hut / "again.toml", "-o", hut / "out", "--no-picture")
     assert result.exit_code == 2
     assert 'walls[0].thicknes: unknown key (did you mean "thickness"?)' in result.stderr
     assert not (hut / "out").exists()
@@ -102,6 +101,19 @@ def test_faults_of_a_drawing_far_from_the_origin_are_at_its_own_places(tmp_path:
         build({"plan": "hut.dxf"}, 2000.0, tmp_path)
     with pytest.raises(InputError, match=r"^hut\.dxf: walls\[0\]\.openings\[0\]: .* at x = 450000\.00 m, y = 90000\.25 m"):
         build({"plan": "hut.dxf", "wall_height": 3.0}, 2000.0, tmp_path)
+
+
+@pytest.mark.parametrize(("code", "fits"), [(6, '"cm" (9 m)'), (4, '"cm" (9 m)')])
+def test_the_unit_is_asked_for_where_walls_are_too_large_or_too_small_for_a_building(tmp_path: Path, code: int, fits: str):
+    drawing = Drawing()
+    drawing.box((0.0, 0.0), (900.0, 600.0))
+    drawing.box((50.0, 50.0), (850.0, 550.0))
+    drawing.document.header["$INSUNITS"] = code
+    drawing.document.saveas(tmp_path / "hut.dxf")
+    with pytest.raises(InputError, match=r"^structure\.units: ") as failure:
+        build({"plan": "hut.dxf", "wall_height": 3.0}, 2000.0, tmp_path)
+    assert fits in str(failure.value)
+    assert len(open_plan(tmp_path / "hut.dxf", {"units": "cm"}).tables["walls"]) == 4
 
 
 def test_the_schema_of_plans_takes_what_build_writes_and_no_more(hut: Path):
