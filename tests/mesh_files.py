@@ -171,3 +171,53 @@ PRISM = """block create brick 0 2 0 1 0 1
 block create prism face-1 (0,0,1) (1,0,1) (1,0,2) (0,0,2) face-2 (0,1,1) (1,1,1) (1,1,2) (0,1,2)
 block fix range position-z 0 1
 """
+
+
+def vrml() -> str:
+    """The upper box moved up to the lower one by a transformation."""
+    shapes = []
+    for (vertices, faces), name, up in zip(SHAPES, ("lower", "upper"), (0.0, 0.5), strict=True):
+        points = ", ".join(" ".join(map(str, (x, y, z - up))) for x, y, z in vertices)
+        index = ", ".join(f"{', '.join(map(str, face))}, -1" for face in faces)
+        solid = f"Shape {{ geometry IndexedFaceSet {{ coord Coordinate {{ point [ {points} ] }} coordIndex [ {index} ] }} }}"
+        shapes.append(f"DEF {name} Transform {{ translation 0 0 {up} children [ {solid} ] }}")
+    return "#VRML V2.0 utf8\n" + "\n".join(shapes) + "\n"
+
+
+def msh() -> str:
+    """A hexahedron of gmsh (2.2) each, in two physical groups; the boxes share corners."""
+    order = (0, 1, 3, 2, 4, 5, 7, 6)
+    corners = [sorted(range(8), key=lambda k, own=vertices: (own[k][2], own[k][1], own[k][0])) for vertices, _ in SHAPES]
+    nodes = [vertices[k] for (vertices, _), own in zip(SHAPES, corners, strict=True) for k in own]
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2", '3 1 "lower"', '3 2 "upper"', "$EndPhysicalNames"]
+    lines += ["$Nodes", str(len(nodes)), *(f"{k + 1} {x} {y} {z}" for k, (x, y, z) in enumerate(nodes)), "$EndNodes", "$Elements", "2"]
+    lines += [f"{k + 1} 5 2 {k + 1} {k + 1} " + " ".join(str(8 * k + i + 1) for i in order) for k in range(2)]
+    return "\n".join([*lines, "$EndElements", ""])
+
+
+def elevation() -> str:
+    """Both boxes as closed polylines of a DXF."""
+    pairs: list[tuple[int, object]] = [
+        (0, "SECTION"),
+        (2, "HEADER"),
+        (9, "$ACADVER"),
+        (1, "AC1015"),
+        (9, "$INSUNITS"),
+        (70, 6),
+        (0, "ENDSEC"),
+    ]
+    pairs += [(0, "SECTION"), (2, "ENTITIES")]
+    for k, (low, high) in enumerate((((0, 0), (2, 1)), ((0, 1), (1, 2)))):
+        pairs += [(0, "LWPOLYLINE"), (5, f"A{k}"), (100, "AcDbEntity"), (8, ("lower", "upper")[k]), (100, "AcDbPolyline"), (90, 4), (70, 1)]
+        for x, y in (low, (high[0], low[1]), high, (low[0], high[1])):
+            pairs += [(10, float(x)), (20, float(y))]
+    return "".join(f"{code}\n{value}\n" for code, value in [*pairs, (0, "ENDSEC"), (0, "EOF")])
+
+
+SETS = """new
+poly region 1 prism &
+a (0,0,0) (2,0,0) (2,0,2) (0,0,2) b (0,1,0) (2,1,0) (2,1,2) (0,1,2)
+jset dip 0 dd 0 spac 0.5 num 3 org 0 0 0.5
+jset dip 90 dd 90 org 1 0 0
+fix range z 0 0.5
+"""

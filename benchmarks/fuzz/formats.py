@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import io
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -39,6 +40,9 @@ RECORDS: dict[str, tuple[str | bytes, str]] = {  # and the key that they need
     "above": ("SITE,,\nSAMPLING RATE=200Hz,,\nUNIT=gal,,\nNS,EW\n" + "".join(f"{v:.6f},{-v:.6f}\n" for v in record_files.WAVE), "column=0"),
     "slist": (record_files.slist(), ""),
     "tspair": (record_files.tspair(), ""),
+    "film": (record_files.film(), ""),
+    "skip": ("Downloaded\nyesterday\n" + record_files.counted(), "skip=2 units=m/s2"),
+    "step": ("time,acc [g]\n" + "".join(f"{0.005 * k:.2f},{v:.6f}\n" for k, v in enumerate(record_files.WAVE)), "time_step=0.005"),
 }
 
 
@@ -52,11 +56,26 @@ def miniseed() -> bytes:
     return out.getvalue()
 
 
+def gse() -> bytes:
+    """Counts in GSE 2, which obspy writes into files alone."""
+    from obspy import Trace
+
+    header = {"station": "FUZZ", "channel": "HNE", "delta": record_files.STEP}
+    with tempfile.TemporaryDirectory() as folder:
+        Trace((1000.0 * record_files.WAVE).astype(np.int32), header).write(f"{folder}/a.gse", format="GSE2")
+        return Path(folder, "a.gse").read_bytes()
+
+
 def records() -> Iterator[tuple[str, tuple[str, ...], str, bytes]]:
     """Kind, command, name and content of a record in each format."""
-    for kind, (content, key) in {**RECORDS, "miniseed": (miniseed(), "units=cm/s2")}.items():
+    for kind, (content, key) in {
+        **RECORDS,
+        "miniseed": (miniseed(), "units=cm/s2"),
+        "gse": (gse(), "calibration=1e-3 units=cm/s2"),
+    }.items():
         data = content.encode() if isinstance(content, str) else content
-        yield f"record {kind}", ("record", "quake.dat", *(("--set", key) if key else ())), "quake.dat", data
+        sets = [word for one in key.split() for word in ("--set", one)]
+        yield f"record {kind}", ("record", "quake.dat", *sets), "quake.dat", data
 
 
 def blocks(nursery: Path) -> Iterator[tuple[str, str, dict[str, bytes]]]:
@@ -70,7 +89,8 @@ def blocks(nursery: Path) -> Iterator[tuple[str, str, dict[str, bytes]]]:
     made: dict[str, str | bytes] = {
         "boxes.off": mesh_files.off(), "boxes.ply": mesh_files.ply(), "binary.ply": mesh_files.ply("binary_little_endian"),
         "boxes.dxf": mesh_files.dxf(), "polyface.dxf": mesh_files.dxf(polyface=True), "boxes.compas": mesh_files.compas(),
-        "boxes.3dec": mesh_files.threedec(), "prism.3dec": mesh_files.PRISM,
+        "boxes.3dec": mesh_files.threedec(), "prism.3dec": mesh_files.PRISM, "sets.3dec": mesh_files.SETS,
+        "boxes.wrl": mesh_files.vrml(), "boxes.msh": mesh_files.msh(), "elevation.dxf": mesh_files.elevation(),
     }  # fmt: skip
     for name, content in made.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
@@ -78,5 +98,6 @@ def blocks(nursery: Path) -> Iterator[tuple[str, str, dict[str, bytes]]]:
     for name in (*made, "boxes.gltf", "boxes.glb", "boxes.3mf", "BODIES.DAT"):
         files = {own: (folder / own).read_bytes() for own in (name, *beside.get(name, ()))}
         stated = "" if name.endswith(("3mf", "gltf", "glb")) else 'units = "m"\nup = "z"\n'
+        stated += "thickness = 0.5\n" if name == "elevation.dxf" else ""
         scene = texts.scene(structure=f'kind = "file"\npath = "{name}"\n{stated}fixed = {{ below = 0.9 }}\nrepair = true')
         yield f"block file {name.rpartition('.')[2].upper()}", name, {"scene.toml": scene.encode(), **files}

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of seismic networks and instruments through obspy (the optional extra ``records``): miniSEED, GSE 1 and 2, Kinemetrics EVT.
+"""Files of seismic networks and instruments through obspy (the optional extra ``records``): miniSEED and Kinemetrics EVT.
 
-A file of miniSEED or GSE holds channels of counts, or of physical values, and names neither unit nor the whole calibration: those stand in
-the metadata of the station. So the key ``units`` is needed, and ``calibration`` where the values are counts: motion = count * calibration,
-in ``units``. obspy keeps a factor of its own (``calib``) and does not apply it; a calibration is applied once, here. An EVT gives volts of
-full scale and volts per g of each channel, by which obspy makes m/s2 of the counts, with a g of 9.81.
+A file of miniSEED holds channels of counts, or of physical values, and names neither unit nor calibration: those stand in the metadata of
+the station. So the key ``units`` is needed, and ``calibration`` where the values are counts: motion = count * calibration, in ``units``.
+obspy keeps a factor of its own (``calib``) and does not apply it; a calibration is applied once, here. An EVT gives volts of full scale and
+volts per g of each channel, by which obspy makes m/s2 of the counts, with a g of 9.81.
 """
 
 from __future__ import annotations
@@ -39,8 +39,6 @@ class Archive(NamedTuple):
 
 ARCHIVES = {
     "mseed": Archive("miniSEED", re.compile(rb"\d{6}[DRQM][ \0]|MS\x03"), "obspy.io.mseed.core:_read_mseed"),
-    "gse2": Archive("GSE 2", re.compile(rb"\s*WID2 "), "obspy.io.gse2.core:_read_gse2"),
-    "gse1": Archive("GSE 1", re.compile(rb"\s*(?:WID1|XW01)\s"), "obspy.io.gse2.core:_read_gse1"),
     "evt": Archive(
         "Kinemetrics EVT",
         re.compile(rb"K(?:\x01..\0\0\0\x01(?:\x07\xf8|\x0a\xb0)|\0..\x01\0\0\0(?:\xf8\x07|\xb0\x0a))", re.DOTALL),
@@ -94,7 +92,5 @@ def _reader(name: str, about: str, by: str) -> Reader:
 
 FORMATS = {
     "mseed": _reader("mseed", "miniSEED 2 and 3, by channel (extra records)", "networks of the FDSN"),
-    "gse2": _reader("gse2", "GSE 2.0 and 2.1, by channel (extra records)", "CTBTO, AutoDRM services"),
-    "gse1": _reader("gse1", "GSE 1.0, by channel (extra records)", "older AutoDRM services"),
     "evt": _reader("evt", "EVT, m/s2 by its own calibration (extra records)", "Kinemetrics Altus instruments"),
 }

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a run depends on beside the text of its scene, so that no run continues with other inputs than it began with.
 
-Files are known by their names in the scene: those under a key ``path``, and those that a VTM file lists. Beside their bytes, what was made
-of them and of the scene counts, in case a newer version of the program makes something else of it.
+Files are known by their names in the scene: those under a key ``path``, in a folder there, and those that a VTM file lists. Beside their
+bytes, what was made of them and of the scene counts, in case a newer version of the program makes something else of it.
 """
 
 from __future__ import annotations
@@ -46,13 +46,19 @@ def file_digests(tables: Sequence[Mapping[str, Any]], folder: Path) -> dict[str,
         InputError: a file that cannot be read.
     """
     found: dict[str, str] = {}
-    for name in paths_of(tables):
+    for name in (file for path in paths_of(tables) for file in _files_of(path, folder)):
         data = _read(folder / name)
         found[name] = hashlib.sha256(data).hexdigest()
         if name.lower().endswith(".vtm"):
             for part in sorted({match.decode("utf-8", "replace") for match in LISTED.findall(data)}):
                 found[str(Path(name).parent / part)] = hashlib.sha256(_read((folder / name).parent / part)).hexdigest()
     return found
+
+
+def _files_of(name: str, folder: Path) -> list[str]:
+    """A file itself; of a folder of meshes the names of its files."""
+    path = folder / name
+    return sorted(str(Path(name) / one.name) for one in path.iterdir() if one.is_file()) if path.is_dir() else [name]
 
 
 def require_same(now: Mapping[str, str], then: Mapping[str, str], file: Path) -> None:

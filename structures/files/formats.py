@@ -41,6 +41,7 @@ FORMATS = {
     "vtp": Format((".vtp",), "a closed shell a block", f"{PACKAGE}mesh_readers:read_vtp"),
     "vtm": Format((".vtm",), "a data set a block", f"{PACKAGE}mesh_readers:read_vtm", written=True),
     "vtkhdf": Format((".vtkhdf",), "as VTU", f"{PACKAGE}mesh_readers:read_vtkhdf", written=True),
+    "msh": Format((".msh",), "a volume of gmsh; its physical group is its group", f"{PACKAGE}mesh_readers:read_msh", written=True),
     "dxf": Format(
         (".dxf",),
         "3DFACEs: a closed shell of a layer; polyface mesh, mesh, closed polyline of a thickness: each a block; layers are groups",
@@ -58,6 +59,8 @@ FORMATS = {
     "brep": Format((".brep",), "a solid a block", f"{PACKAGE}cad_solids:read"),
     "3dec": Format((".3ddat", ".3dec"), "block create brick, prism, polyhedron; joint sets; block fix range", f"{PACKAGE}decks_3dec:read"),
 }
+FOLDER = "folder"  # of meshes
+FORMATS[FOLDER] = Format((), "a folder of meshes without a unit: a file a stone, by its name", f"{PACKAGE}stone_folder:read")
 CAD = {"step": b"ISO-10303-21", "brep": b"DBRep_DrawableShape"}  # marks by which their content is known
 
 
@@ -67,6 +70,8 @@ def format_of(path: Path) -> str | None:
     Raises:
         InputError: not readable.
     """
+    if path.is_dir():
+        return FOLDER
     known = next((name for name, format_ in FORMATS.items() if path.suffix.lower() in format_.endings), None)
     if known not in (None, "json"):
         return known
@@ -106,6 +111,8 @@ def _by_content(head: bytes, size: int) -> str | None:
         return next((name for mark, name in kinds if b'type="' + mark in lower), None)
     if text.startswith(b"#VRML"):
         return "vrml"
+    if text.startswith(b"$MeshFormat"):
+        return "msh"
     if b"$bdyty" in head:
         return "lmgc90"
     if lines[:1] and lines[0].split()[:1] in ([b"off"], [b"coff"], [b"noff"]):
@@ -126,11 +133,10 @@ def listed() -> list[str]:
     """A line for each format: name, endings, what is a block in it, whether it is written, too."""
     rows = []
     for name, format_ in FORMATS.items():
-        endings = ", ".join(format_.endings) or "by content"
+        endings = ", ".join(format_.endings) or ("a folder" if name == FOLDER else "by content")
         rows.append(f"{name:7} {endings:14} {'read, written' if format_.written else 'read':13} {format_.about}")
     rows.append(f'{"solid":7} {".step .brep .geo":14} {"read":13} kind = "solid": a CAD model, cut into stones')
     rows.append(f"{'step':7} {'.step .brep':14} {'written':13} a solid a block, for CAD programs; .step keeps names and groups")
-    rows.append(f"{'msh':7} {'.msh':14} {'written':13} tetrahedra of gmsh, block by block; its groups are those of the blocks")
     return rows
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh formats that a library reads: STL by trimesh, VTU by meshio, VTP, VTM and VTKHDF by VTK. Each runs in a child, see
+"""The mesh formats that a library reads: STL by trimesh, VTU and MSH by meshio, VTP, VTM and VTKHDF by VTK. Each runs in a child, see
 :mod:`structures.files.foreign`.
 
 Every reader returns the shells of a file with the number and the name of the block that each belongs to; shells of one number are the
@@ -29,6 +29,7 @@ CELLS: dict[str, tuple[tuple[int, ...], ...]] = {  # faces of the volume cells o
     "wedge": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
     "hexahedron": ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
 }
+SURFACES = {"triangle": 3, "quad": 4}  # cells of surfaces, and their corners
 
 
 def read_stl(path: Path) -> Answer:
@@ -115,6 +116,44 @@ def _marks(data: Any, kind: int, place: int) -> tuple[str, bool]:
         words.append(int(values[place]) if values.ndim == 1 and values.dtype.kind in "iub" and place < len(values) else None)
     group, fixed = words
     return "" if group is None else f"group{group}", bool(fixed)
+
+
+def read_msh(path: Path) -> Answer:
+    """The volumes of a mesh of gmsh, each by the faces that one of its cells has alone; its physical group is its group.
+
+    Raises:
+        Refused: no volume cells, or cells that name points that there are not.
+    """
+    require("this format", "meshio")
+    import meshio
+
+    with warnings.catch_warnings(action="ignore", category=UserWarning):
+        mesh = meshio.read(path, file_format="gmsh")
+    points = np.asarray(mesh.points, dtype=float)
+    names = {int(tag): str(name) for name, (tag, dimension) in mesh.field_data.items() if dimension == 3}
+    outer: dict[tuple[int, int], dict[tuple[int, ...], tuple[int, ...]]] = {}  # faces of a volume and physical group, by their corners
+    flat, bounding = set[tuple[int, ...]](), set[tuple[int, ...]]()
+    for k, cells in enumerate(mesh.cells):
+        kind = cells.type.rstrip("0123456789")
+        if kind in SURFACES:
+            flat |= {tuple(sorted(map(int, cell[: SURFACES[kind]]))) for cell in cells.data}
+        none = np.zeros(len(cells.data))
+        tags = [mesh.cell_data[f"gmsh:{key}"][k] if f"gmsh:{key}" in mesh.cell_data else none for key in ("geometrical", "physical")]
+        for cell, volume, group in zip(cells.data if kind in CELLS else (), *tags, strict=False):
+            faces = outer.setdefault((int(volume), int(group)), {})
+            for loop in (tuple(int(cell[i]) for i in face) for face in CELLS[kind]):
+                key = tuple(sorted(loop))
+                bounding.add(key)
+                if faces.pop(key, None) is None:
+                    faces[key] = loop
+    if not outer:
+        raise Refused(path.name, "no volume cells in it; a block is a volume of gmsh")
+    found: list[Piece] = []
+    for (_, group), faces in sorted(outer.items()):
+        for corners_of, loops in shells(points, list(faces.values())):
+            found.append(Piece(len(found), f"b{len(found)}", corners_of, loops, names.get(group, f"group{group}" if group else "")))
+    bare = len(flat - bounding)
+    return Answer(found, (), [f"{path.name}: {bare} faces that bound no volume not read"] if bare else [])
 
 
 def read_vtp(path: Path) -> Answer:

@@ -6,8 +6,9 @@ triangles closed shells are different blocks, ``b0``, ``b1`` ... in the order of
 volume cell is convex and a block by itself, unless a cell array ``block`` of whole numbers joins several cells into one block with parts.
 What this program writes holds one line more, a comment or an attribute, with names, groups, supports and densities, which it reads back.
 
-Repair mends what can be mended without a guess: corners closer than the tolerance become one, faces that have lost all their
-area go, and so do faces given twice; loops are turned to agree with each other, and the shell outwards.
+Repair mends what can be mended without a guess: corners closer than the tolerance become one, faces that have lost all their area go, and
+so do faces given twice, fins and walls inside; edges of more than two faces are taken apart (:mod:`structures.files.manifold`); loops are
+turned to agree with each other, and the shell outwards.
 """
 
 from __future__ import annotations
@@ -32,11 +33,12 @@ from masonry_cd.mechanics.model.geometry import Faces, triangles
 from structures.files import foreign, objfile, solidfile, vtkfile
 from structures.files.entries import Entry, Read, Shell, lines_of
 from structures.files.formats import CAD, FORMATS, format_of
+from structures.files.manifold import apart_at_edges, outwards, without_fins
 from structures.geometry.compound_block import compound_block
 
 MET = 100  # corners within the tolerance of one: a solid has a few
 MARK = "masonry-cd: "  # before what the formats themselves have no place for: unit, axis, and names, groups and supports
-MARKED = ("obj", "vtu", "vtm", "vtkhdf")
+MARKED = ("obj", "vtu", "vtm", "vtkhdf", "msh")
 DEFAULT = "block"  # group of a block for which the file states none
 
 
@@ -208,11 +210,13 @@ def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:
         loop = [i for i, before in zip(loop, loop[-1:] + loop[:-1], strict=True) if i != before]
         if len(set(loop)) >= 3:
             loops.append(loop)
-    loops = _agreeing(list({frozenset(loop): loop for loop in reversed(loops)}.values())[::-1])
+    points = vertices[used]
+    loops = _agreeing(without_fins(points, list({frozenset(loop): loop for loop in reversed(loops)}.values())[::-1]))
+    points, loops = apart_at_edges(points, outwards(points, loops))
     shell = tuple(tuple(loop) for loop in loops)
-    if shell and _volume(vertices[used], shell) < 0:
+    if shell and _volume(points, shell) < 0:
         shell = tuple(tuple(reversed(loop)) for loop in shell)
-    return vertices[used], shell
+    return points, shell
 
 
 def _agreeing(loops: list[list[int]]) -> list[list[int]]:
@@ -229,7 +233,8 @@ def _agreeing(loops: list[list[int]]) -> list[list[int]]:
             number = queue.pop()
             loop = loops[number]
             for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
-                for other in at_edge.pop(frozenset((a, b)), ()):  # whoever comes first sees all
+                others = at_edge.pop(frozenset((a, b)), [])  # whoever comes first sees all
+                for other in others if len(others) == 2 else ():
                     if other in seen:
                         continue
                     seen.add(other)
@@ -300,6 +305,9 @@ def _write(path: Path, suffix: str, blocks: Sequence[Block]) -> None:
             file["VTKHDF"].attrs[MARK.strip(" :")] = marks_of(blocks).removeprefix(MARK)
     else:
         solidfile.write(path, blocks)
+    if suffix == ".msh":
+        with path.open("a", encoding="utf-8") as file:
+            file.write(f"$Comments\n{marks_of(blocks)}\n$EndComments\n")
 
 
 def _marked(path: Path, blocks: Sequence[Block]) -> str:

@@ -62,11 +62,25 @@ def _in_order(label: np.ndarray) -> list[np.ndarray]:
     return sorted(parts, key=lambda part: int(part[0]))
 
 
+def neighbours(vertices: np.ndarray, loops: Sequence[Sequence[int]]) -> np.ndarray:
+    """Pairs of faces that belong together at an edge, (n, 4): the ends of the edge and the two faces; corners are one by their number."""
+    starts = np.concatenate([[0], np.cumsum([len(loop) for loop in loops])])
+    return _joined(vertices, np.array([i for loop in loops for i in loop]), starts, np.repeat(np.arange(len(loops)), np.diff(starts)))
+
+
 def _labels(points: np.ndarray, welded: np.ndarray, starts: np.ndarray, owner: np.ndarray) -> np.ndarray:
     """(F,) which shell each face belongs to."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
+    joined = _joined(points, welded, starts, owner)[:, 2:]
+    faces = len(starts) - 1
+    graph = coo_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(faces, faces))
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _joined(points: np.ndarray, welded: np.ndarray, starts: np.ndarray, owner: np.ndarray) -> np.ndarray:
+    """Ends of an edge and two faces that belong together there, (n, 4)."""
     after = np.arange(len(welded)) + 1
     after[starts[1:] - 1] = starts[:-1]
     begin, end = welded, welded[after]
@@ -76,12 +90,11 @@ def _labels(points: np.ndarray, welded: np.ndarray, starts: np.ndarray, owner: n
     order = np.argsort(edge, kind="stable")
     places = np.split(order, np.cumsum(count)[:-1])
     plain = np.array([place for place in places if len(place) == 2], dtype=np.int64).reshape(-1, 2)
-    pairs = [owner[plain]]
-    pairs += [_around(points, welded, starts, owner, place, begin < end) for place in places if len(place) > 2]
-    joined = np.concatenate(pairs).reshape(-1, 2)
-    faces = len(starts) - 1
-    graph = coo_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(faces, faces))
-    return np.asarray(connected_components(graph, directed=False)[1])
+    found = [np.column_stack([low[plain[:, 0]], high[plain[:, 0]], owner[plain]])]
+    for place in (place for place in places if len(place) > 2):
+        pairs = _around(points, welded, starts, owner, place, begin < end)
+        found.append(np.column_stack([np.tile([low[place[0]], high[place[0]]], (len(pairs), 1)), pairs]))
+    return np.concatenate(found)
 
 
 def _around(

@@ -220,10 +220,11 @@ def _check_closed(blocks: Sequence[Block], shells: Shells) -> None:
     shell, faulty = int(shell_of[entry]), _names(blocks, owner[shell_of[bad]])
     name, face = blocks[owner[shell]].name, int(face_of[entry] - flat.face_start[shell])
     start = flat.vertex_start[shell]
-    ends = f"{flat.loops[entry] - start}-{after[entry] - start}"
+    middle = 0.5 * (flat.vertices[flat.loops[entry]] + flat.vertices[after[entry]])
+    ends = f"{flat.loops[entry] - start}-{after[entry] - start} at ({', '.join(f'{x:.4g}' for x in middle)})"
     if (counts > 1).any():
         raise Unsound(f'block "{name}"', f"{_twice(shells, face_of[edge == edge[entry]], face_of[reverse == edge[entry]], ends)}", faulty)
-    raise Unsound(f'block "{name}"', f"open shell, edge {ends} of face {face} has no face on its other side", faulty)
+    raise Unsound(f'block "{name}"', f"open shell, edge {ends}, of face {face}, has no face on its other side", faulty)
 
 
 def _twice(shells: Shells, along: np.ndarray, against: np.ndarray, ends: str) -> str:

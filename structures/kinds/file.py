@@ -34,7 +34,7 @@ class FileTable(Table):
     """The [structure] table of a block file."""
 
     path: str
-    """of the block file, relative to the scene file"""
+    """of the file of blocks, or of a folder of meshes, relative to the scene file"""
     units: Literal["m", "cm", "mm"] | None = None
     """of a mesh that does not say it, such as OBJ, STL or VTU"""
     up: Literal["y", "z"] | None = None
@@ -82,7 +82,7 @@ def _fill_of(keys: FileTable, folder: Path) -> tuple[Mapping[str, Any], str]:
 def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], list[str]]:
     """The blocks, and lines on what was changed in them."""
     path = Path(keys.path)
-    if not is_file(folder / path):
+    if not is_file(folder / path) and not (folder / path).is_dir():
         raise InputError("structure.path", f'no file "{path}"' + ("" if path.is_absolute() else f" in {folder}"))
     path = folder / path
     format_ = format_of(path)

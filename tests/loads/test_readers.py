@@ -94,6 +94,11 @@ def test_headings(heading: str, name: str, unit: str | None) -> None:
     assert split_heading(heading) == (name, unit)
 
 
+@pytest.mark.parametrize(("ends", "name"), [("A STATION, 090", "090"), ("A STATION, UP", "UP"), ("NS COMPONENT", "NS"), ("A STATION", "")])
+def test_the_second_line_of_peer_ends_with_the_component(tmp_path: Path, ends: str, name: str) -> None:
+    assert load(tmp_path, at2().replace("05/19/40", f"05/19/40, {ends}"))[1].name == name
+
+
 def test_exponents_of_fortran_are_numbers(tmp_path: Path) -> None:
     _, plain = load(tmp_path, at2())
     _, double = load(tmp_path, re.sub(r"(\.\d+)E([+-])", r"\1D\2", at2()))
@@ -181,12 +186,11 @@ def test_broken_miniseed_is_refused(samples: Path, name: str, message: str) -> N
     ("name", "file", "channel", "step", "count", "peak"),
     [
         ("gse2", "gse2/tests/data/loc_RJOB20050831023349.z", ".RJOB..Z", 0.005, 12000, 103.0),
-        ("gse1", "gse2/tests/data/loc_STAU20031119011659.z", ".LE0083..  Z", 0.008, 3000, 2912.0),
         ("evt", "kinemetrics/tests/data/BI008_MEMA-04823.evt", ".MEMA..0", 0.004, 5750, 0.0258849674),
         ("evt", "kinemetrics/tests/data/BX456_MOLA-02351.evt", ".MOLA..0", 0.004, 9750, None),
     ],
 )
-def test_other_archives_are_read_by_obspy(samples: Path, name: str, file: str, channel: str, step: float, count: int, peak: float) -> None:
+def test_other_archives_of_networks(samples: Path, name: str, file: str, channel: str, step: float, count: int, peak: float) -> None:
     """GSE holds counts, EVT its own calibration: m/s2 by 9.80665."""
     found, record = read(Source.open(samples / file, "p"), "auto", Request(column=0))
     assert (found, record.name, len(record.values), record.counts) == (name, channel, count, name != "evt")
@@ -194,10 +198,22 @@ def test_other_archives_are_read_by_obspy(samples: Path, name: str, file: str, c
     assert peak is None or abs(record.values).max() == pytest.approx(peak, rel=1e-8)
 
 
-@pytest.mark.parametrize("name", ["broken_head.gse2", "GRF_031102_0225.GSE.wrong_chksum"])
-def test_broken_gse_is_refused(samples: Path, name: str) -> None:
-    with pytest.raises(InputError, match="not readable as GSE"):
-        read(Source.open(samples / "gse2" / "tests" / "data" / name, "p"), "auto", Request())
+@pytest.mark.parametrize(
+    "name", ["boa___00_07a.gse", "loc_RNON20040609200559.z", "sta2.gse2", "twiceCHK2.gse2", "loc_RJOB20050831023349.z"]
+)
+def test_samples_of_gse_are_those_of_obspy(samples: Path, name: str) -> None:
+    from obspy import read as read_by_obspy
+
+    source = Source.open(samples / "gse2" / "tests" / "data" / name, "p")
+    for k, trace in enumerate(read_by_obspy(samples / "gse2" / "tests" / "data" / name)):
+        record = read(source, "gse2", Request(column=k))[1]
+        assert record.values.tolist() == trace.data.tolist() and record.step == pytest.approx(trace.stats.delta)
+
+
+@pytest.mark.parametrize("name", ["broken_head.gse2", "loc_RJOB20050831023349.z.wrong_chksum"])
+def test_broken_gse_is_refused_by_its_line(samples: Path, name: str) -> None:
+    with pytest.raises(InputError, match=r"p[,:]"):
+        read(Source.open(samples / "gse2" / "tests" / "data" / name, "p"), "gse2", Request())
 
 
 def test_lines_to_skip_keep_their_numbers(tmp_path: Path) -> None:

@@ -10,12 +10,11 @@ from typing import Any
 import mesh_files as files
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from models import tower
 from solids import build as built
-from typer.testing import CliRunner
 
 import structures
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties, triangles
@@ -54,6 +53,8 @@ def boxes(folder: Path, name: str, content: str | bytes = "", **keys: Any) -> li
         ("a.json", files.compas()),
         ("a.compas", files.compas(assembly=False)),
         ("a.3ddat", files.threedec()),
+        ("a.wrl", files.vrml()),
+        ("a.msh", files.msh()),
         ("a.dat", files.PRISM),
         ("unknown", files.off()),
         ("unknown.txt", files.ply()),
@@ -187,9 +188,9 @@ def test_what_is_no_such_file_is_named(tmp_path: Path, name: str, content: str, 
 
 
 def test_formats_are_listed(tmp_path: Path) -> None:
-    shown = CliRunner().invoke(app, ["build", "--formats"])
+    shown = masonry_cd("build", "--formats")
     assert shown.exit_code == 0
-    assert [line.split()[0] for line in shown.output.splitlines()] == [*FORMATS, "solid", "step", "msh"]
+    assert [line.split()[0] for line in shown.output.splitlines()] == [*FORMATS, "solid", "step"]
     (tmp_path / "x.bin").write_bytes(b"\x00\x01")
     assert format_of(tmp_path / "x.bin") is None
 
@@ -252,3 +253,46 @@ def test_a_density_that_another_program_has_spoilt_is_no_traceback(tmp_path: Pat
     assert '"little"' in text
     (tmp_path / "a.obj").write_text(text)
     assert len(meshfile.load(tmp_path / "a.obj", "obj").entries) == 1
+
+
+def test_meshes_of_gmsh_come_back_with_their_groups(tmp_path: Path) -> None:
+    """Nodes within plane faces go; volumes are those of the blocks."""
+    from structures.files.solidfile import write
+
+    given = structures.build({"kind": "arch", "radius": 5.0, "thickness": 1.0, "width": 1.0, "voussoirs": 5}, 2000.0, tmp_path)
+    write(tmp_path / "a.msh", given)
+    (tmp_path / "a.dat").write_text((tmp_path / "a.msh").read_text(encoding="utf-8").partition("$Comments")[0], encoding="utf-8")
+    for name in ("a.msh", "a.dat"):
+        blocks = build(tmp_path, name, fixed="ground", **METRES)
+        assert [block.mass_properties.volume for block in blocks] == pytest.approx([b.mass_properties.volume for b in given], rel=1e-12)
+        assert [len(block.vertices) for block in blocks] == [8] * len(given)
+        assert [block.group for block in blocks] == [b.group for b in given]
+
+
+def test_a_mesh_of_gmsh_without_volumes_is_refused(tmp_path: Path) -> None:
+    import meshio
+
+    meshio.write(tmp_path / "a.msh", meshio.Mesh(np.eye(3), [("triangle", np.array([[0, 1, 2]]))]), file_format="gmsh22", binary=False)
+    with pytest.raises(InputError, match=r"a\.msh: no volume cells"):
+        build(tmp_path, "a.msh", **METRES)
+
+
+def test_a_folder_of_meshes_is_a_stone_a_file(tmp_path: Path) -> None:
+    """By name, numbers by their size; what is no mesh is counted; a run depends on each file."""
+    from masonry_cd.app.inputs import file_digests
+
+    (tmp_path / "stones").mkdir()
+    for k in (2, 10, 1):
+        vertices, faces = box_part((0.0, 0.0, float(k)), (1.0, 1.0, k + 1.0))
+        meshfile.write(tmp_path / "stones" / f"s{k}.{'stl' if k == 1 else 'obj'}", [Block("x", vertices, faces, 2000.0, "g")])
+    (tmp_path / "stones" / "note.txt").write_text("found on a shelf")
+    blocks, notes, *_ = structures.make({"kind": "file", "path": "stones", **METRES}, 2000.0, tmp_path)
+    assert [block.name for block in blocks] == ["s1", "s2", "s10"] and "1 .txt" in notes[0]
+    assert [block.vertices[:, 2].min() for block in blocks] == [1.0, 2.0, 10.0]
+    assert len(file_digests([{"path": "stones"}], tmp_path)) == 4
+    (tmp_path / "stones" / "s3.3mf").write_bytes(b"PK")
+    with pytest.raises(InputError, match=r"s3\.3mf"):
+        build(tmp_path, "stones", **METRES)
+    (tmp_path / "none").mkdir()
+    with pytest.raises(InputError, match="none: no mesh"):
+        build(tmp_path, "none", **METRES)

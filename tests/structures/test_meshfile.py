@@ -211,3 +211,61 @@ def test_a_face_without_corners_is_named(tmp_path: Path) -> None:
     (tmp_path / "a.ply").write_text(text + "0\n")
     with pytest.raises(InputError, match=r"a\.ply: a face without corners"):
         file(tmp_path, "a.ply", fixed={"below": 0.9})
+
+
+def _cells(*cells: tuple[int, int, int]) -> tuple[list[tuple[int, int, int]], list[list[int]]]:
+    """Corners and outward squares of the surface of some unit cubes, whose corners are one where they meet."""
+    number: dict[tuple[int, int, int], int] = {}
+    faces = []
+    for cell in cells:
+        for axis in range(3):
+            for side in (0, 1):
+                beside = tuple(c + (2 * side - 1) * (k == axis) for k, c in enumerate(cell))
+                if beside in cells:
+                    continue
+                u, w = (k for k in range(3) if k != axis)
+                loop = []
+                for du, dw in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                    corner = tuple(c + side * (k == axis) + du * (k == u) + dw * (k == w) for k, c in enumerate(cell))
+                    loop.append(number.setdefault(corner, len(number)))
+                faces.append(loop if (side == 1) != (axis == 1) else loop[::-1])
+    return list(number), faces
+
+
+PINCHED = ((0, 0, 0), (1, 1, 0), (0, 0, 1), (1, 1, 1), (0, 1, 1), (1, 0, 1))
+UNSOUND = {
+    "a fin": (((0, 0, 0),), [[0, 1, 8]], 1.0),
+    "a wall inside": (((0, 0, 0), (0, 0, 1)), "between", 2.0),
+    "cubes that share an edge": (((0, 0, 0), (1, 1, 0)), [], 2.0),
+    "a surface that touches itself": (PINCHED, [], 6.0),
+}
+
+
+@pytest.mark.parametrize("what", UNSOUND)
+@pytest.mark.parametrize("turned", [False, True])
+def test_edges_of_more_than_two_faces_are_mended(tmp_path: Path, what: str, turned: bool) -> None:
+    """Also where some faces are turned inwards; volumes are those of the cubes. Without repair the edge is named by its place."""
+    cells, more, volume = UNSOUND[what]
+    corners, faces = _cells(*cells)
+    if more == "between":
+        more = [[corners.index((x, y, 1)) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]]
+    faces = [loop[::-1] if turned and k % 3 == 0 else loop for k, loop in enumerate([*faces, *more])]
+    lines = ["o a", *(f"v {x} {y} {z}" for x, y, z in [*corners, (3, 3, 3)][: max(map(max, faces)) + 1])]
+    (tmp_path / "a.obj").write_text("\n".join([*lines, *("f " + " ".join(str(i + 1) for i in loop) for loop in faces), ""]))
+    (block,) = meshfile_blocks(tmp_path, repair=True)
+    assert block.mass_properties.volume == pytest.approx(volume)
+    if what == "a surface that touches itself" and not turned:
+        with pytest.raises(InputError, match=r"4 faces meet in edge \d+-\d+ at \("):
+            meshfile_blocks(tmp_path)
+
+
+def meshfile_blocks(folder: Path, **keys: Any) -> list[Block]:
+    return structures.build({"kind": "file", "path": "a.obj", "units": "m", "up": "z", **keys}, 2000.0, folder)
+
+
+def test_a_hole_is_not_mended_and_named_by_its_place(tmp_path: Path) -> None:
+    corners, faces = _cells((0, 0, 0))
+    lines = ["o a", *(f"v {x} {y} {z}" for x, y, z in corners), *("f " + " ".join(str(i + 1) for i in loop) for loop in faces[1:]), ""]
+    (tmp_path / "a.obj").write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"open shell, edge \d-\d at \("):
+        meshfile_blocks(tmp_path, repair=True)

@@ -31,7 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -57,7 +57,7 @@ IDLE = 1e-5  # power of the loads, over that of the largest factor that is looke
 EXACT, NEARLY = 1e-7, 1e-3  # g of a pair, over the power of the loads: in a plane, and in space
 NO_POWER = 0.5  # w_1 . v of a programme of strips below which its factor is the cap: it is 1 elsewhere
 BEYOND = 0.25  # share of the least factor known by which a descent lies above it that is given up: their e* seldom differ as much
-SETTLED = 0.1  # g from which on the blocks that move and their neighbours are looked at alone
+SETTLED = 1e-2  # g from which on the blocks that move and their neighbours are looked at alone
 LARGE = 1_000  # contact points from which on descents go on in several threads
 
 Pair = tuple[Optimum, float]  # forces and velocities, and g over the power of the loads
@@ -234,22 +234,14 @@ class Search:
         return search
 
     def _of_neighbours(self, near: Neighbours, normal: np.ndarray, penalty: np.ndarray, spread: float) -> Pair | None:
-        """The pair to which rounds among some blocks lead, None where they lead to none, or forces in all others do not go with it.
-
-        Raises:
-            Unbounded: the descent is given up, or the solver has no answer for all blocks.
-        """
-        search, found = self.among(near), list[Optimum]()
-        try:
-            found += (
-                optimum for optimum, _ in search.pairs(search.mechanism_of(normal[near.points], spread), penalty[near.points], spread)
-            )
-        except GivenUp:
-            raise
-        except Unbounded:
-            pass
-        best = min(found, key=lambda each: each.factor, default=None)
-        return None if best is None else self.confirmed(near.of_all(best.velocity, self.problem.unknowns))
+        """The pair to which rounds among some blocks lead, None where they lead to none, or forces in all others do not go with it."""
+        search, best = self.among(near), None
+        with suppress(Unbounded):
+            for optimum, _ in search.pairs(search.mechanism_of(normal[near.points], spread), penalty[near.points], spread):
+                best = optimum if best is None or optimum.factor < best.factor else best
+        with suppress(Unbounded):
+            return None if best is None else self.confirmed(near.of_all(best.velocity, self.problem.unknowns))
+        return None
 
     def confirmed(self, velocity: np.ndarray) -> Pair | None:
         """The pair of a mechanism (unknowns,) with w_1 . v = 1; None where no forces go with it.

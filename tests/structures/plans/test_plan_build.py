@@ -8,13 +8,12 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from command_line import masonry_cd
 from drawings import Drawing
 from json_schema import faults
 from places import EXAMPLES
-from typer.testing import CliRunner
 
 from masonry_cd.app.scene_schema import PLAN_FILE, plan_schema_text
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from reports.drawing.palette import FAULTY
 from structures.kinds.building import WALLS, build, plan_of
@@ -51,7 +50,7 @@ def hut(tmp_path: Path) -> Path:
 
 
 def built(folder: Path, scene: str, out: str) -> str:
-    result = CliRunner().invoke(app, ["build", str(folder / scene), "-o", str(folder / out), "--no-picture"])
+    result = masonry_cd("build", folder / scene, "-o", folder / out, "--no-picture")
     assert result.exit_code == 0, result.output
     return result.output
 
@@ -87,7 +86,7 @@ def test_a_wrong_key_in_a_plan_is_named(hut: Path):
     (hut / "first").mkdir()
     (hut / "first" / "plan.json").write_text('{"walls": [{"name": "a", "axis": [[0, 0], [3, 0]], "thicknes": 0.5, "height": 3.0}]}')
     (hut / "again.toml").write_text(SCENE.format(plan="first/plan.json", more=""))
-    result = CliRunner().invoke(app, ["build", str(hut / "again.toml"), "-o", str(hut / "out"), "--no-picture"])
+    result = masonry_cd("build", hut / "again.toml", "-o", hut / "out", "--no-picture")
     assert result.exit_code == 2
     assert 'walls[0].thicknes: unknown key (did you mean "thickness"?)' in result.stderr
     assert not (hut / "out").exists()
