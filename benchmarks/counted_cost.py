@@ -18,6 +18,7 @@ import numpy as np
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.solvers import Options, accelerated, admm, interior, newton, nlgs, pivoting
+from masonry_cd.mechanics.solvers.recall import recall
 
 BESIDE = 0.6  # of a step for each contact: detection, assembly, update and account [us]
 ADMM = (3.3, 0.014, 0.001, 0.0)  # of an iteration, by what :func:`work` counts [us]
@@ -51,7 +52,7 @@ def cost_of(method: str, problem: Problem, found: Solution) -> float:
 def _pattern(problem: Problem, found: Solution) -> Pattern:
     """The pattern of the factorisation, made for the count where the solution has none."""
     factors = found.memory.factors
-    return admm.recall(problem, None)[1].pattern if factors is None else factors.pattern
+    return recall(problem, None).factors.pattern if factors is None else factors.pattern
 
 
 @dataclass

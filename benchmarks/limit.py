@@ -6,6 +6,7 @@ r"""Limit analysis against the dynamics: the factor of a push that each kind of 
     python -m benchmarks.limit dome arch --share 0.005
     python -m benchmarks.limit church --along y --jobs 8 -o church.json
     python -m benchmarks.limit --sizes 2.6 1.7 1.3   churches by the length of their blocks: seconds, iterations, gap
+    python -m benchmarks.limit --searched examples/church_parts.toml   its check, rounds of the search among all blocks and among some
 
 **By the dynamics** a push is held from rest, on rigid joints, and the factor at which blocks begin to move is bracketed by trials, to a
 share of the factor (:mod:`benchmarks.held_push`). ``--jobs`` makes several at a time; ``-o`` keeps what is known so far. A hair above its
@@ -32,10 +33,13 @@ from benchmarks import dry_walls
 from benchmarks.held_push import GRAVITY, Bracket, Trial, bracket
 from benchmarks.limit_structures import NAMES, USUAL, church, made, of_table
 from benchmarks.sitting import head
+from masonry_cd.analysis.limit import neighbours
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.problem import Bars, Loads
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.limit.case import limit_case
+from masonry_cd.limit.facts import facts
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 
@@ -118,6 +122,18 @@ def size_row(length: float) -> str:
     return f"| {length:g} | {assembly.count} | {numbers} | {made.gap:.0e} | {worst:.0e} |"
 
 
+def searched_row(path: Path, push: str) -> str:
+    """The check of a scene under a push: with all blocks free in every round of its search, and with those that move and touch them."""
+    few, cells = neighbours.FEW, list[str]()
+    for share in (0.0, few):
+        neighbours.FEW = share
+        begin, spent = time.perf_counter(), time.process_time()
+        least = facts(limit_case(path, (f'limit.push="{push}"', f"limit.mechanism={json.dumps([])}")))["least"]
+        found = "none" if least is None else f"{least['factor']:.4f}, {least['agreeing']} of {least['starts']}"
+        cells.append(f"{time.perf_counter() - begin:.1f} ({time.process_time() - spent:.1f}) | {found}")
+    return f"| {path.stem} | {push} | {' | '.join(cells)} |"
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables asked for."""
     raw = argparse.RawTextHelpFormatter
@@ -132,6 +148,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--friction", type=float, default=FRICTION, help="of the joints; where it is great, nothing slides")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="JSON with all trials, written as they go")
     parser.add_argument("--sizes", type=float, nargs="+", metavar="LENGTH", help="of the blocks of churches [m]: what the solver takes")
+    parser.add_argument(
+        "--searched", type=Path, nargs="+", metavar="SCENE", help="with a check: what its search takes"
+    )
     parser.add_argument("--walls", action="store_true", help="the dry walls of Ferris & Tin-Loi, three starts each")
     asked = parser.parse_args(arguments)
     unknown = [kind for kind in asked.kinds if kind not in NAMES]
@@ -147,6 +166,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(head("wall", "associated", "least found", "published", "dynamics stands, moves"))
         for number in dry_walls.ROWS:
             print(wall_row(number, asked.share), flush=True)
+        return
+    if asked.searched:
+        print(head("scene", "push", "all: seconds (processor)", "least, starts agree", "some: seconds (processor)", "least, starts agree"))
+        for path in asked.searched:
+            for way in [asked.along] if asked.along else WAYS:
+                print(searched_row(path, way), flush=True)
         return
     if asked.sizes:
         heads = ("blocks", "points", "factor", "iterations", "seconds", "with the check at rest", "gap", "residual")

@@ -43,10 +43,10 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics import moreau_jean
 from masonry_cd.mechanics.friction.operators import ProblemArrays
-from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, path_by_team, pivoting_by_team
 from masonry_cd.mechanics.solvers.nlgs_sweep import ScaledProblem
+from masonry_cd.mechanics.solvers.recall import Recalled
 
 SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger one
     HERE.parent / "examples/aqueduct_sinusoidal.toml",
@@ -178,20 +178,17 @@ def _contacts_of(arguments: Sequence[Any]) -> int:
 def _data(arguments: Sequence[Any]) -> float:
     """Bytes that an iteration reads at least: the arrays that a method is given, and the factors that those of linearised laws make."""
     arrays: dict[int, int] = {}
-    symbolic = None
-    left = list(arguments)
+    left, factors = list(arguments), 0
     while left:
         each = left.pop()
         if isinstance(each, np.ndarray):
             arrays[each.__array_interface__["data"][0]] = each.nbytes
+        elif isinstance(each, Recalled):
+            symbolic, n = each.factors.pattern.symbolic, len(each.ordered.n)
+            factors = 8 * n * n * int(symbolic.square[-1] + 2 * symbolic.panel[-1])
+            left.append(symbolic)
         elif isinstance(each, tuple):
             left.extend(each)
-        if isinstance(each, SymbolicFactor):
-            symbolic = each
-    factors = 0
-    if isinstance(arguments[0], int) and symbolic is not None:
-        n = next(len(each.n) for each in arguments if isinstance(each, ProblemArrays))
-        factors = 8 * n * n * int(symbolic.square[-1] + 2 * symbolic.panel[-1])
     return float(sum(arrays.values()) + factors)
 
 

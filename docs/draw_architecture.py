@@ -21,7 +21,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = ROOT / "docs" / "architecture.png"
 CORE = "masonry_cd"
-ROW, LANE, LEFT, TOP = 0.74, 0.36, 7.4, 1.0  # height of a row, width of a lane, where lanes begin, height of the title [in]
+ROW, LANE, LEFT, TOP = 0.82, 0.36, 7.4, 1.0  # height of a row, width of a lane, where lanes begin, height of the title [in]
 INK, PALE, CLIMBS = "#1f2933", "#7b8794", "#c0392b"
 BANDS = ("#e8f1f5", "#f6efe4")  # backgrounds of layers, by turns
 LANES = ("#1b6ca8", "#b5651d", "#2e7d5b", "#7a4b94")

@@ -34,6 +34,7 @@ class Made(NamedTuple):
     notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed; and on floors and ties
     ties: Sequence[Bar] = ()
     fills: Sequence[Fill] = ()  # of bridges: what is no blocks, and loads ask
+    floors: Sequence[tuple[str, dict[str, Any]]] = ()  # that a kind asks for: its key, and the keys of the floor
 
 
 def build(table: Mapping[str, Any], density: float | None, folder: Path) -> list[Block]:
@@ -89,8 +90,11 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
         with size.limited(table.get(size.KEY, size.MOST)):
             blocks = in_pieces(blocks, table["foundations"])
     bars = list(made.ties) if isinstance(made, Made) else []
-    if floors:
-        blocks, anchors, more = with_floors(blocks, floors)
+    asked = made.floors if isinstance(made, Made) else ()
+    if floors or asked:
+        places = [*(f"structure.floors[{i}]" for i in range(len(floors))), *(place for place, _ in asked)]
+        floors += [FloorTable.model_validate(keys) for _, keys in asked]
+        blocks, anchors, more = with_floors(blocks, floors, places)
         bars, notes = [*bars, *anchors], [*notes, *more]
     rods, more = ties_of(blocks, ties)
     bars, notes = [*bars, *rods], [*notes, *more]

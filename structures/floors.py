@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Annotated
 
 import numpy as np
@@ -45,6 +45,8 @@ from structures.ties import MODULI, MOST, SPACING, Anchor, Bar, Solids, TieRowTa
 
 KEY = "floors"
 SLIVER = 0.05  # of the thickness of a floor: less than this of a block beside its seat is refused
+WEB = 0.1  # least width of what two floors leave of a wall between their seats [m]
+OPPOSITE = 0.999  # cosine of the angle between the normals of two seats in one wall, at least
 ACROSS = 0.7071  # cosine of the angle between a span and the normal of a wall that bears it, at least
 
 
@@ -69,18 +71,12 @@ class AnchorTable(Table):
     """that it is tied to; on the others it rests; by default all in which it has seats"""
 
 
-class FloorTable(Table):
-    """One entry ``[[structure.floors]]``."""
+class SlabTable(Table):
+    """What a floor is, wherever it lies."""
 
-    height: Annotated[Place, HIGH]
-    """z of its top"""
     thickness: Thickness = Field()
     mass: ArealMass
     """with what it carries, over its own plan"""
-    walls: tuple[str, ...] = Field(strict=False, min_length=1)
-    """groups or blocks in which it has seats; * stands for anything"""
-    inside: tuple[Place, Place] | None = Field(None, strict=False)
-    """a point [x, y] between its walls; by default the middle of the walls"""
     span: Annotated[float, Unit("degrees")] | None = Field(None, ge=-360.0, le=360.0)
     """direction in which it spans, from the x axis; of the walls named only those across it then bear it"""
     strips: int = Field(1, ge=1, le=100)
@@ -91,6 +87,17 @@ class FloorTable(Table):
     """to walls that are not named"""
     anchors: AnchorTable | None = None
     """which tie it to the walls, { spacing = 1.5, diameter = 0.016 }"""
+
+
+class FloorTable(SlabTable):
+    """One entry ``[[structure.floors]]``."""
+
+    height: Annotated[Place, HIGH]
+    """z of its top"""
+    walls: tuple[str, ...] = Field(strict=False, min_length=1)
+    """groups or blocks in which it has seats; * stands for anything"""
+    inside: tuple[Place, Place] | None = Field(None, strict=False)
+    """a point [x, y] between its walls; by default the middle of the walls"""
     name: str | None = Field(None, max_length=80)
     """of its block and group; by default floor1, floor2 ..."""
 
@@ -145,30 +152,51 @@ class _Floor:
         return between(*(np.column_stack([plan, np.full(len(plan), z)]) for z in (bottom, top)))
 
 
-def with_floors(blocks: Sequence[Block], tables: Sequence[FloorTable]) -> tuple[list[Block], list[Bar], list[str]]:
+def with_floors(
+    blocks: Sequence[Block], tables: Sequence[FloorTable], places: Sequence[str] = ()
+) -> tuple[list[Block], list[Bar], list[str]]:
     """The blocks of a structure with its floors and the seats cut for them, the anchors, and a line on each floor.
 
     Args:
         blocks: sound ones.
         tables: of ``structure.floors``.
+        places: keys that ask for each; by default those of ``structure.floors``.
 
     Raises:
-        InputError: no wall where a floor is to bear, a seat deeper than its wall, slivers beside a seat: the first fault of each floor.
+        InputError: no wall where a floor is to bear, a seat deeper than its wall, slivers beside a seat: the first fault of each floor;
+            and of the anchors of each floor in each wall.
     """
     faults, made, floors = Faults(), list(blocks), list[_Floor]()
     for i, keys in enumerate(tables):
         with faults.of():
-            floor = _placed(made, keys, f"structure.{KEY}[{i}]", keys.name or f"floor{i + 1}")
+            floor = _placed(made, keys, places[i] if places else f"structure.{KEY}[{i}]", keys.name or f"floor{i + 1}")
             made = [*_with_seats(made, floor), *floor.blocks]
             floors.append(floor)
-    faults.refuse()
-    check(made)
     solids, bars = Solids.of(made), list[Bar]()
     for floor in floors:
-        with faults.of():
-            bars += _anchored(solids, floor)
+        if floor.keys.anchors is not None:
+            for side in floor.tied:
+                with faults.of():
+                    bars += _anchored(solids, floor, side, floor.keys.anchors)
     faults.refuse()
-    return made, bars, [_note(floor, bars) for floor in floors]
+    check(made)
+    return made, bars, [*(_note(floor, bars) for floor in floors), *_thin_webs(floors)]
+
+
+def _thin_webs(floors: Sequence[_Floor]) -> Iterator[str]:
+    """A line on each wall of which two floors leave a thin web between their seats."""
+    for (one, a), (other, b) in combinations([(floor, seat) for floor in floors for seat in floor.seats], 2):
+        level = min(one.keys.height, other.keys.height) - max(f.keys.height - f.keys.thickness for f in (one, other))
+        along = np.array([-a.normal[1], a.normal[0]])
+        reach = [floor.plan @ along for floor in (one, other)]
+        wall = -a.place - b.place  # its thickness, where one floor lies on its one side and the other beyond it
+        web = wall - one.keys.bearing - other.keys.bearing
+        facing = float(a.normal @ b.normal) < -OPPOSITE and AT < wall < max(a.depth, b.depth) + AT
+        if facing and level > AT and min(r.max() for r in reach) - max(r.min() for r in reach) > AT and web < WEB - AT:
+            yield (
+                f'floors "{one.name}" and "{other.name}": of the wall of {wall:.3g} m between them their seats leave a web of '
+                f"{1e3 * web:.0f} mm, {1e3 * WEB:.0f} mm or more would be a wall; take a shallower bearing, or a span along it"
+            )
 
 
 def _placed(blocks: Sequence[Block], keys: FloorTable, where: str, name: str) -> _Floor:
@@ -258,35 +286,32 @@ def _with_seats(blocks: Sequence[Block], floor: _Floor) -> list[Block]:
     return made
 
 
-def _anchored(solids: Solids, floor: _Floor) -> Iterator[Bar]:
-    """The anchors of a floor, evenly along its seats, from within it to the outer face of the wall."""
-    keys, where = floor.keys.anchors, f"{floor.where}.anchors"
-    if keys is None:
-        return
-    for side in floor.tied:
-        along = np.array([-side.normal[1], side.normal[0]])
-        if keys.length > float(np.ptp(floor.plan @ side.normal)):
-            raise InputError(f"{where}.length", f"must be at most that of the floor there, got {keys.length:g}")
-        edge = floor.plan[np.abs(floor.plan @ side.normal - side.place - floor.keys.bearing) < AT] @ along
-        wanted = float(np.ptp(edge)) / keys.spacing
-        if not wanted <= MOST:
-            raise InputError(f"{where}.spacing", f"makes {wanted:.4g} anchors on a wall, at most {MOST} are taken")
-        count = max(1, round(wanted))
-        axis = int(np.abs(side.normal).argmax())
-        turn = np.eye(2) if abs(side.normal[axis]) == 1.0 else np.array([side.normal, along])  # (2, 2) to axes of which one is the normal
-        axis, sign = (axis, int(side.normal[axis])) if (turn == np.eye(2)).all() else (0, 1)
-        turned = solids if (turn == np.eye(2)).all() else Solids.of([_turned(block, turn) for block in solids.blocks])
-        line = {"along": "xy"[axis], "height": floor.keys.height - 0.5 * floor.keys.thickness}
-        row = parse_table(TieRowTable, line | keys.model_dump(exclude={"spacing", "length", "walls"}), where)
-        allowed = _in_wall(turned, axis, sorted((sign * side.place, sign * side.far)))
-        for k in range(count):
-            on = side.normal * side.place + along * (edge.min() + (k + 0.5) * float(np.ptp(edge)) / count)
-            through, inner = (np.append(turn @ point, row.height) for point in (on, on - side.normal * keys.length))
-            through[axis] = 0.0
-            slab = _slab_at(solids, floor, on - side.normal * keys.length)
-            for anchor in anchors_at(turned, row, axis, through, allowed, sign, where):
-                bar = bar_between(turned, row, Anchor(slab, inner, 1.0), anchor, where, f"{floor.name}.{side.name}{k + 1}")
-                yield bar._replace(points=np.column_stack([bar.points[:, :2] @ turn, bar.points[:, 2]]))
+def _anchored(solids: Solids, floor: _Floor, side: Side, keys: AnchorTable) -> Iterator[Bar]:
+    """The anchors of a floor on one side, evenly along its seat, from within it to the outer face of the wall."""
+    where = f"{floor.where}.anchors"
+    along = np.array([-side.normal[1], side.normal[0]])
+    if keys.length > float(np.ptp(floor.plan @ side.normal)):
+        raise InputError(f"{where}.length", f"must be at most that of the floor there, got {keys.length:g}")
+    edge = floor.plan[np.abs(floor.plan @ side.normal - side.place - floor.keys.bearing) < AT] @ along
+    wanted = float(np.ptp(edge)) / keys.spacing
+    if not wanted <= MOST:
+        raise InputError(f"{where}.spacing", f"makes {wanted:.4g} anchors on a wall, at most {MOST} are taken")
+    count = max(1, round(wanted))
+    axis = int(np.abs(side.normal).argmax())
+    turn = np.eye(2) if abs(side.normal[axis]) == 1.0 else np.array([side.normal, along])  # (2, 2) to axes of which one is the normal
+    axis, sign = (axis, int(side.normal[axis])) if (turn == np.eye(2)).all() else (0, 1)
+    turned = solids if (turn == np.eye(2)).all() else Solids.of([_turned(block, turn) for block in solids.blocks])
+    line = {"along": "xy"[axis], "height": floor.keys.height - 0.5 * floor.keys.thickness}
+    row = parse_table(TieRowTable, line | keys.model_dump(exclude={"spacing", "length", "walls"}), where)
+    allowed = _in_wall(turned, axis, sorted((sign * side.place, sign * side.far)))
+    for k in range(count):
+        on = side.normal * side.place + along * (edge.min() + (k + 0.5) * float(np.ptp(edge)) / count)
+        through, inner = (np.append(turn @ point, row.height) for point in (on, on - side.normal * keys.length))
+        through[axis] = 0.0
+        slab = _slab_at(solids, floor, on - side.normal * keys.length)
+        for anchor in anchors_at(turned, row, axis, through, allowed, sign, where):
+            bar = bar_between(turned, row, Anchor(slab, inner, 1.0), anchor, where, f"{floor.name}.{side.name}{k + 1}")
+            yield bar._replace(points=np.column_stack([bar.points[:, :2] @ turn, bar.points[:, 2]]))
 
 
 def _turned(block: Block, turn: np.ndarray) -> Block:

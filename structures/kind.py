@@ -12,11 +12,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from pydantic import BaseModel
 
+from masonry_cd.foundation.errors import Fault
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.wall_outline import WallOutline
 from structures.macro_elements import Layout, MacroElement, groups
 
 if TYPE_CHECKING:
@@ -24,8 +26,17 @@ if TYPE_CHECKING:
 
 Keys: TypeAlias = dict[str, Any]  # of a table [structure], with its kind
 Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]] | Made]"
-Plan: TypeAlias = "Callable[[Mapping[str, Any], Path], tuple[dict[str, Any], Sequence[Sequence[str]]]]"
 Assume: TypeAlias = Callable[[Keys, bool], "dict[str, Keys] | str"]
+
+
+class DrawnPlan(NamedTuple):
+    """The plan that a structure is built from, as far as it is understood."""
+
+    tables: dict[str, Any]  # as plan.json has them
+    walls: list[WallOutline]
+    left: Sequence[Sequence[str]]  # handle, layer, kind and reason of what of a drawing was not understood
+    meetings: Sequence[Sequence[object]]  # junctions and free ends
+    wrong: frozenset[str]  # names of walls, vaults and columns of which faults speak
 
 
 def no_other(table: Keys) -> dict[str, Keys]:
@@ -59,8 +70,8 @@ class StructureKind:
     ``bonds`` does, or the reason why it is not varied."""
     parts: Callable[[Layout], list[MacroElement]] = groups
     """Its macro-elements."""
-    plan: Plan | None = None
-    """The plan that it is built from, as tables, and what of a drawing was not understood; of own keys and the folder of the scene."""
+    plan: Callable[[Mapping[str, Any], Path, Sequence[Fault]], DrawnPlan] | None = None
+    """The plan that it is built from; of own keys, the folder of the scene, and what is wrong with it."""
     own_densities: bool = False
     """Its blocks may bring densities of their own, so that the scene may state none."""
     checks: bool = False

@@ -4,19 +4,22 @@
 from __future__ import annotations
 
 import sys
+from functools import cache
 from unittest import mock
 
-from click.testing import Result
-from typer.testing import CliRunner
+from typer import main, testing
+from typer.testing import CliRunner, Result
 
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
+
+commands = cache(main.get_command)  # typer makes all commands anew for each line, which takes longer than most of them
 
 
 def masonry_cd(*words: object) -> Result:
     """The result of a command line."""
     typed = [str(word) for word in words]
-    with mock.patch.object(sys, "argv", ["masonry-cd", *typed]):
+    with mock.patch.object(sys, "argv", ["masonry-cd", *typed]), mock.patch.object(testing, "_get_command", commands):
         return CliRunner().invoke(app, typed)
 
 

@@ -17,13 +17,12 @@ from unittest import mock
 
 import numpy as np
 import records
+from command_line import masonry_cd
 from places import EXAMPLES, ROOT
-from typer.testing import CliRunner
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.progress import Interrupt
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from structures.files.blockfile import read
 
@@ -121,7 +120,7 @@ class Reader:
                 return False
             if "--resume" in words:
                 self.stop(words[1:])
-            result = CliRunner().invoke(app, self.shortened(words[1:]))
+            result = masonry_cd(*self.shortened(words[1:]))
             assert result.exit_code == 0, f"{line}\n{result.output}\n{result.exception!r}"
             return True
         else:
@@ -142,7 +141,7 @@ class Reader:
 
         begin = self.shortened([word for word in words if word != "--resume"])
         with mock.patch.object(Stepper, "step", step), mock.patch.object(sys, "argv", ["masonry-cd", *begin]):
-            result = CliRunner().invoke(app, [*begin, "--force"])
+            result = masonry_cd(*begin, "--force")
         assert result.exit_code == 130, result.output
         assert f"go on with: masonry-cd {shlex.join(words[:4])}" in result.output
 

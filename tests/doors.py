@@ -10,18 +10,19 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import made_run
 import numpy as np
 from block_files import write_plate_and_block, write_plate_scene
 from bridge_scenes import bridge
-from click.testing import Result
 from command_line import masonry_cd, refusal
 from hostile import TETRA
 from models import box
 from places import ROOT
 from studied import write_records, write_study
+from typer.testing import Result
 
 import loads
 import structures
@@ -52,6 +53,15 @@ def piers() -> Assembly:
 def bridge_of(walls: bool = False) -> tuple[Made, Assembly]:
     """A bridge, whose fill presses on its spandrel walls where it has such."""
     return bridge(width=3.0, **({"walls": {}} if walls else {}))
+
+
+@cache
+def result_of_two_blocks() -> bytes:
+    """The result file of a run in which a stone stays on its base."""
+    blocks = [made_run.box("base", (-1, -1, -1), (1, 1, 0), "base", fixed=True), made_run.box("stone", (-0.5, -0.5, 0), (0.5, 0.5, 1))]
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "result.h5"
+        return made_run.write_run(path, blocks, [made_run.at_rest(blocks)] * 3, scene=RAN, ended=True).read_bytes()
 
 
 def changed(table: Mapping[str, Any], changes: Mapping[str, Any], dropped: Sequence[str] = ()) -> dict[str, Any]:
@@ -143,8 +153,7 @@ def command(
     write_quake(folder)
     (folder / "text").write_text("text")
     (folder / "ran").mkdir()
-    blocks = [made_run.box("base", (-1, -1, -1), (1, 1, 0), "base", fixed=True), made_run.box("stone", (-0.5, -0.5, 0), (0.5, 0.5, 1))]
-    made_run.write_run(folder / "ran" / "result.h5", blocks, [made_run.at_rest(blocks)] * 3, scene=RAN, ended=True)
+    (folder / "ran" / "result.h5").write_bytes(result_of_two_blocks())
     more = shlex.split(words) if isinstance(words, str) else words
     typed = [word.replace("{}", str(folder)).replace("{root}", str(ROOT)) for word in [*shlex.split(group.get("command", "")), *more]]
     return lambda: raised(masonry_cd(*typed))

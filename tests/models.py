@@ -99,6 +99,12 @@ def stepper(
     return Stepper(assembly, velocity, pull, run, start)
 
 
+def advance(machine: Stepper, steps: int) -> None:
+    """Make some steps."""
+    for _ in range(steps):
+        machine.step()
+
+
 def turned(assembly: Assembly, block: int, axis: tuple[float, float, float], angle: float, pivot: tuple[float, float, float]) -> State:
     """The assembly at rest but for one block, turned by an angle [rad] about an axis through a pivot [m]."""
     state = State.at_rest(assembly)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from models import stepper
+from models import advance, stepper
 
 import structures
 from masonry_cd.foundation.gmsh_session import gmsh_session
@@ -121,8 +121,7 @@ def moved_at_rest(blocks: Sequence[Block], seconds: float = 0.1, dt: float = 2e-
     """Largest displacement of a corner of mass under gravity alone [m]."""
     steps = round(seconds / dt)
     run = stepper(list(blocks), steps, friction=friction, dt=dt, solver="auto", tolerance=1e-8)
-    for _ in range(steps):
-        run.step()
+    advance(run, steps)
     return float(np.linalg.norm(run.state.position - run.assembly.centre, axis=1).max())
 
 

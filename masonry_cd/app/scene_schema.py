@@ -119,7 +119,7 @@ def plan_schema_text() -> str:
     from structures.plans.keys import PlanKeys
 
     made = table_schema(BuildingTable)
-    of_drawings = ("plan", *PlanKeys.model_fields)
+    of_drawings = ("plan", "storeys", *PlanKeys.model_fields)
     keys: Schema = {"units": {"const": "m", "description": "of all lengths"}, **{key: {"type": "string"} for key in OF_A_FILE}}
     made["properties"] = keys | {key: value for key, value in made["properties"].items() if key not in of_drawings}
     made["properties"]["walls"] |= {"minItems": 1}

@@ -32,6 +32,7 @@ from masonry_cd.interface.simulation_state import SimulationState, checked_state
 from masonry_cd.interface.structure import Structure
 from masonry_cd.io import checkpoint
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
+from masonry_cd.mechanics.dynamics.own_friction import FrictionLaw
 from masonry_cd.mechanics.dynamics.planar import find_plane
 from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
 from masonry_cd.mechanics.dynamics.start import with_state
@@ -57,9 +58,12 @@ class Simulation(Sealed):
             velocities (N, 3). The blocks do not turn, and move on top of what the scene's loads do to all supports.
         velocities: that free blocks begin with, by name: (3,) [m/s], or (6,) with the angular ones [rad/s].
         law: of the joints, beside contact and friction; or the name of one that an installed package adds.
+        friction: a function ``f(contacts)`` of :class:`masonry_cd.mechanics.dynamics.own_friction.SlidingContacts` that gives the
+            coefficients (C,) of a step, as by slip rate, pressure or direction of the joint; those of the scene when not given.
 
     Raises:
-        InputError: anything wrong with the scene, the forces, the motions, the velocities or the law.
+        InputError: anything wrong with the scene, the forces, the motions, the velocities or the law; ``friction`` where joints have
+            cohesion, whose cone the coefficient of the scene fixes.
 
     >>> import masonry_cd as mc
     >>> sim = mc.Simulation(mc.scene("examples/trilithon.toml", "run.duration=0.02"))
@@ -81,6 +85,7 @@ class Simulation(Sealed):
         motions: Mapping[str, Any] | None = None,
         velocities: Mapping[str, Any] | None = None,
         law: JointLaw | str | None = None,
+        friction: FrictionLaw | None = None,
     ) -> None:
         self.scene = scene(source)
         """The scene that is stepped."""
@@ -96,10 +101,13 @@ class Simulation(Sealed):
         self._own = OwnForces(self._case.loading.forces, items, checked.run.dt, self._case.steps * checked.run.dt)
         first = with_first_velocities(State.at_rest(assembly), velocities or {}, assembly).velocity
         self._stepper = _stepper(self._case, self._own, first)
+        if friction is not None and assembly.laws.apex.any():
+            raise InputError("friction", "joints with cohesion have the friction of the scene, which fixes the tip of their cone")
+        self._stepper.friction = friction
         begin(self._stepper, self._case)
         if velocities:
             self._stepper.kick(first)
-        self._touched = bool(items or motions or velocities)  # by Python, so that the scene alone does not repeat it
+        self._touched = bool(items or motions or velocities or friction)  # by Python, so that the scene alone does not repeat it
         self._advance = self._fresh_advance()
         self._pair_joints = PairJoints(assembly)
         self._events = Events(self._case.joints, self._stepper, checked.report.opened)

@@ -17,9 +17,9 @@ from masonry_cd.analysis.code_check.check import with_borne
 from masonry_cd.analysis.code_check.ground import Ground, ground_of
 from masonry_cd.analysis.code_check.level import foundation_of
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Verdict, refused, undecided, worst
+from masonry_cd.analysis.limit.descent import watched
 from masonry_cd.analysis.limit.found import says_the_same
 from masonry_cd.analysis.limit.macro import ElementAnalysis
-from masonry_cd.analysis.limit.search import watched
 from masonry_cd.app.doubts import check_doubts, doubts
 from masonry_cd.app.limit_structure import LimitStructure, limit_structure
 from masonry_cd.app.progress import Progress

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,60 +13,90 @@ import numpy as np
 from masonry_cd.foundation.figures import blank
 from masonry_cd.mechanics.model.wall_outline import WallOutline
 from reports.drawing.figure import save
-from reports.drawing.palette import EDGE, FAINT, INK, OPENED, STONE
+from reports.drawing.palette import EDGE, FAINT, FAULTY, INK, OPENED, STONE
 
 WIDE = 14.0  # of the drawing [inches]
 GAP = 1.5  # between elevations [m]
+HAIR = 0.01  # shorter stretches of a wall are not drawn [m]
+LETTERS = 150  # of a line below the title
+MOST_SAID = 8  # lines on what is wrong
 
 
-def plan_picture(walls: Sequence[WallOutline], others: Sequence[tuple[str, np.ndarray]], path: Path, title: str) -> None:
+def plan_picture(
+    walls: Sequence[WallOutline],
+    others: Sequence[tuple[str, np.ndarray]],
+    path: Path,
+    title: str,
+    wrong: Collection[str] = (),
+    faults: Sequence[str] = (),
+) -> None:
     """Draw a plan into an SVG or PNG, above the elevations of its walls, each seen from its right side.
 
-    ``others`` are names and corners (Q, 2) of columns and vaults in plan [m].
+    Args:
+        walls: with what they go on by beyond their axes, so that measures are those of faces, as drawn.
+        others: names and corners (Q, 2) of columns and vaults in plan [m].
+        path: of the file.
+        title: above it.
+        wrong: names of walls that are drawn in red.
+        faults: lines on what is wrong, below the title.
     """
     figure = blank((WIDE, WIDE))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()
     axes.set_aspect("equal")
-    corners = np.concatenate([wall.line for wall in walls])
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    width = 1.6 * max(float(high[0] - low[0]), *(float(wall.top[-1, 0]) for wall in walls))
-    _ground(axes, walls, low)
-    for wall in walls:
-        _in_plan(axes, wall, low)
+    grounds = [wall.ground for wall in walls]
+    bounds = np.array([ground.bounds for ground in grounds])
+    low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
+    storeys = sorted({wall.storey for wall in walls})
+    beside = np.array([float(high[0] - low[0]) + 2.0 * GAP, 0.0])  # from the plan of a storey to the next
+    width = max(len(storeys) * beside[0], 1.6 * max(float(high[0] - low[0]), *(_length(wall) for wall in walls)))
+    for k, storey in enumerate(storeys):
+        own, corner = [(wall, ground) for wall, ground in zip(walls, grounds, strict=True) if wall.storey == storey], low - k * beside
+        _fill(axes, [ground for _, ground in own], corner, STONE)
+        _fill(axes, [ground for wall, ground in own if wall.name in wrong], corner, FAULTY)
+        for wall, _ in own:
+            _in_plan(axes, wall, corner)
     for name, ring in others:
         axes.fill(*(ring - low).T, facecolor="none", edgecolor=OPENED, linewidth=0.7, linestyle="--")
         _words(axes, ring.mean(axis=0) - low, name, 7)
     _extents(axes, high - low)
-    foot = _elevations(axes, walls, width, -3.0 * GAP)
-    top = float(high[1] - low[1]) + 2.0 * GAP
+    foot = _elevations(axes, walls, width, -3.0 * GAP, wrong)
+    said = [line for fault in faults[:MOST_SAID] for line in textwrap.wrap(fault, LETTERS)]
+    letter = (width + 4.0 * GAP) / LETTERS  # a line is about as wide as the drawing
+    top = float(high[1] - low[1]) + 2.0 * GAP + 2.2 * letter * len(said)
     axes.set_xlim(-2.0 * GAP, width + 2.0 * GAP)
     axes.set_ylim(foot, top)
     axes.text(-1.5 * GAP, top - 0.2, title, fontsize=15, weight="bold", color=INK, va="top")
+    axes.text(-1.5 * GAP, top - 0.2 - 3.0 * letter, "\n".join(said), fontsize=8, color=FAULTY, va="top", linespacing=1.4)
     figure.set_size_inches(WIDE, WIDE * (top - foot) / (width + 4.0 * GAP))
     save(figure, path, title)
 
 
-def _ground(axes: Any, walls: Sequence[WallOutline], low: np.ndarray) -> None:
-    """The ground of all walls as one."""
+def _length(wall: WallOutline) -> float:
+    """From end to end [m]."""
+    return float(wall.top[-1, 0]) + sum(wall.reach)
+
+
+def _fill(axes: Any, grounds: Sequence[Any], low: np.ndarray, colour: str) -> None:
+    """Polygons of shapely as one."""
     import shapely
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Line
 
-    bands = [shapely.LineString(w.line - low).buffer(0.5 * w.thickness, cap_style="square", join_style="mitre") for w in walls]
-    ground = shapely.union_all(bands)
-    for part in getattr(ground, "geoms", [ground]):
-        rings = Line.make_compound_path(*(Line(np.array(ring.coords)[:, :2]) for ring in (part.exterior, *part.interiors)))
-        axes.add_patch(PathPatch(rings, facecolor=STONE, edgecolor=EDGE, linewidth=0.8))
+    for part in shapely.get_parts(shapely.union_all(list(grounds), grid_size=1e-4)):
+        rings = Line.make_compound_path(*(Line(np.array(ring.coords)[:, :2] - low) for ring in (part.exterior, *part.interiors)))
+        axes.add_patch(PathPatch(rings, facecolor=colour, edgecolor=EDGE, linewidth=0.8))
 
 
 def _in_plan(axes: Any, wall: WallOutline, low: np.ndarray) -> None:
     """What is in a wall in plan: its openings, white, and its name."""
-    line = wall.line - low
+    line = wall.drawn_out - low
     for _, outline in wall.openings:
-        start, end = float(outline[:, 0].min()), float(outline[:, 0].max())
+        start, end = np.clip([outline[:, 0].min() + wall.reach[0], outline[:, 0].max() + wall.reach[0]], 0.0, _length(wall)).tolist()
+        if end - start < HAIR:
+            continue
         axes.fill(*_band(_between(line, start, end), wall.thickness).T, facecolor="white", edgecolor=EDGE, linewidth=0.6)
-    place = _between(line, 0.5 * wall.top[-1, 0], 0.5 * wall.top[-1, 0] + 0.01)[0]
+    place = _between(line, 0.5 * _length(wall), 0.5 * _length(wall) + HAIR)[0]
     _words(axes, place, f"{wall.name} {wall.thickness:.2f}", 7)
 
 
@@ -95,23 +126,24 @@ def _extents(axes: Any, size: np.ndarray) -> None:
         _words(axes, 0.5 * (np.array(a) + np.array(b)), words, 8, turn)
 
 
-def _elevations(axes: Any, walls: Sequence[WallOutline], width: float, under: float) -> float:
+def _elevations(axes: Any, walls: Sequence[WallOutline], width: float, under: float, wrong: Collection[str]) -> float:
     """The elevations in rows below a level; how far down they reach."""
     left, row = 0.0, 0.0
     for wall in walls:
-        length, high = float(wall.top[-1, 0]), float(wall.top[:, 1].max() - wall.base)
+        length, high = _length(wall), float(wall.top[:, 1].max() - wall.base)
         if left > 0.0 and left + length > width:
             left, under, row = 0.0, under - row - 2.0 * GAP, 0.0
         row = max(row, high)
-        _elevation(axes, wall, np.array([left, under - high - wall.base]))
+        _elevation(axes, wall, np.array([left + wall.reach[0], under - high - wall.base]), FAULTY if wall.name in wrong else STONE)
         left += length + GAP
     return under - row - 2.0 * GAP
 
 
-def _elevation(axes: Any, wall: WallOutline, corner: np.ndarray) -> None:
-    length = float(wall.top[-1, 0])
-    ring = np.array([(0.0, wall.base), (length, wall.base), *wall.top[::-1]]) + corner
-    axes.fill(*ring.T, facecolor=STONE, edgecolor=EDGE, linewidth=0.8)
+def _elevation(axes: Any, wall: WallOutline, corner: np.ndarray, colour: str) -> None:
+    start, end = -wall.reach[0], float(wall.top[-1, 0]) + wall.reach[1]
+    tops = [(start, wall.top[0, 1]), *wall.top[1:-1], (end, wall.top[-1, 1])]
+    ring = np.array([(start, wall.base), (end, wall.base), *tops[::-1]]) + corner
+    axes.fill(*ring.T, facecolor=colour, edgecolor=EDGE, linewidth=0.8)
     for name, outline in wall.openings:
         axes.fill(*(outline + corner).T, facecolor="white", edgecolor=EDGE, linewidth=0.7)
         (left, sill), (right, top) = outline.min(axis=0), outline.max(axis=0)
@@ -119,7 +151,7 @@ def _elevation(axes: Any, wall: WallOutline, corner: np.ndarray) -> None:
         _words(axes, np.array([0.5 * (left + right), 0.5 * (sill + top)]) + corner, words, 6)
     highest = wall.top[int(np.argmax(wall.top[:, 1]))]
     _words(axes, highest + corner + np.array([0.0, 0.3]), f"{highest[1]:+.2f}", 7)
-    _words(axes, np.array([0.5 * length, wall.base - 0.6]) + corner, f"{wall.name} {length:.2f}", 8)
+    _words(axes, np.array([0.5 * (start + end), wall.base - 0.6]) + corner, f"{wall.name} {end - start:.2f}", 8)
 
 
 def _words(axes: Any, place: np.ndarray, words: str, size: float, turn: float = 0.0) -> None:

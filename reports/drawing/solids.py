@@ -11,8 +11,9 @@ import numpy as np
 
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.fill import Fill
 from reports.drawing.figure import in_metres
-from reports.drawing.palette import EDGE, GROUPS, PULLING, SUPPORT
+from reports.drawing.palette import EDGE, FILL, GROUPS, PULLING, SUPPORT
 from reports.drawing.parts import RULER, Layer, Lines, Panel, Sign, Surface, Ties, View, Window, rgb, view_named
 from reports.drawing.scene import Scene
 
@@ -110,8 +111,26 @@ def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, face
     ]
 
 
-def structure_scene(blocks: Sequence[Block], title: str, view: str = "auto", ties: Sequence[np.ndarray] = ()) -> Scene:
-    """The blocks by group, and ties by their ends (2, 3) each [m]; in a view by name, or ``auto``, see :func:`auto_view`.
+def fill_layer(fills: Sequence[Fill]) -> Surface:
+    """The fill of bridges: a prism over each face that it lies on, up to the road."""
+    lower = [face.corners for fill in fills for face in fill.faces if face.kind in ("extrados", "top")]
+    levels = [fill.level for fill in fills for face in fill.faces if face.kind in ("extrados", "top")]
+    points, loops = list[np.ndarray](), list[list[int]]()
+    for corners, level in zip(lower, levels, strict=True):
+        n, first = len(corners), sum(map(len, points))
+        points += [corners, np.column_stack([corners[:, :2], np.full(n, level)])]
+        ring = [first + k for k in range(n)]
+        loops += [ring[::-1], [k + n for k in ring]]
+        loops += [[ring[k - 1], ring[k], ring[k] + n, ring[k - 1] + n] for k in range(n)]
+    start = np.cumsum([0, *map(len, loops)])
+    colours = np.tile((255.0 * rgb(FILL)).astype(np.uint8), (len(loops), 1))
+    return Surface(np.concatenate(points), np.array([k for loop in loops for k in loop]), start, colours)
+
+
+def structure_scene(
+    blocks: Sequence[Block], title: str, view: str = "auto", ties: Sequence[np.ndarray] = (), fills: Sequence[Fill] = ()
+) -> Scene:
+    """The blocks by group, ties by their ends (2, 3) each [m], and fill; in a view by name, or ``auto``, see :func:`auto_view`.
 
     Raises:
         InputError: an unknown view.
@@ -123,10 +142,15 @@ def structure_scene(blocks: Sequence[Block], title: str, view: str = "auto", tie
     extent = " × ".join(in_metres(v) for v in np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0))
     rows = [Sign("box", family.text, (family.colour, EDGE)) for family in families]
     rows += [Sign("line", f"ties ({len(ties)})", (PULLING,))] if ties else []
+    rows += [Sign("box", "fill", (FILL, EDGE))] if fills else []
+    window, layers = structure_window(solids, looking), block_layers(solids, within_sight(solids, solids.vertices), colours)
+    if fills:
+        layers.append(fill_layer(fills))
+        window = window.joined(Window.around(looking.plane(layers[-1].points), MARGIN))
     return Scene(
         view=looking,
-        window=structure_window(solids, looking),
-        layers=block_layers(solids, within_sight(solids, solids.vertices), colours),
+        window=window,
+        layers=layers,
         ties=Ties(np.array(ties, dtype=float).reshape(-1, 2, 3), ("",) * len(ties), np.ones(len(ties))),
         title=title,
         facts=f"{len(blocks)} blocks · {extent} (x, y, z) without supports · {looking.name} view",

@@ -72,25 +72,15 @@ def supports(layout: Layout, density: float) -> tuple[list[Block], list[FillFace
             piece = drawn_out(layout, rectangle(support.left, support.right, low, high), -half, half)
             blocks.append(Block(f"{support.name}.{course}", *piece, density, support.name))
         last = beds[-2] if len(beds) > 2 else beds[0]
-        line, springer = _springer(_joined(support, top))
-        parts = [drawn_out(layout, part, -half, half) for part in _cap(support, line, last)]
+        parts = [drawn_out(layout, part, -half, half) for part in _cap(support, _joined(support, top), last)]
         name = support.name if support.keys.rigid else f"{support.name}.{max(1, len(beds) - 1)}"
         cap = compound_block(name, parts, density, "base" if support.keys.rigid else support.name)
-        stones = [cap]
-        if springer is not None:
-            stones.append(Block(f"{support.name}.springer", *drawn_out(layout, springer, -half, half), density, cap.group))
-        blocks += [_fixed(stone) if support.keys.rigid else stone for stone in stones]
+        blocks.append(_fixed(cap) if support.keys.rigid else cap)
         for part in (np.array(pair) for pair in pairwise(top) if pair[1][0] - pair[0][0] > SAME):
-            on = stones[-1] if springer is not None and _lies_on(part, springer) else cap
-            faces.append(FillFace(on.name, "top", face_of(layout, on.name, part, -layout.clear, layout.clear)))
+            faces.append(FillFace(name, "top", face_of(layout, name, part, -layout.clear, layout.clear)))
         if not support.keys.rigid:
             faces += _backs(layout, support, [block for block in blocks if block.name.startswith(f"{support.name}.")])
     return blocks + _feet(layout, density), faces
-
-
-def _lies_on(line: np.ndarray, stone: np.ndarray) -> bool:
-    """Whether both ends of a line (2, 2) are corners of a stone (n, 2)."""
-    return all(bool((np.abs(stone - end).max(axis=1) <= SAME).any()) for end in line)
 
 
 def _joined(support: Support, top: list[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -124,32 +114,16 @@ def top_of(support: Support, walls: bool) -> list[tuple[float, float]]:
 
 
 def _cap(support: Support, line: list[tuple[float, float]], low: float) -> list[np.ndarray]:
-    """Convex parts (n, 2) of the topmost stone, between a level and a line over it."""
+    """Convex parts (n, 2) of the topmost stone, between a level and a line over it: both skewbacks are cut from one stone, so that
+    the thrust of the higher springing has a bed of the whole pier."""
     whole = _without_middles(np.array([(support.left, low), (support.right, low), *line[::-1]]))
     if _convex(whole):
         return [whole]
-    return [_without_middles(np.array([(a[0], low), (b[0], low), b, a])) for a, b in pairwise(line) if b[0] - a[0] > SAME]
+    from shapely.geometry import Polygon
 
+    from structures.geometry.polygons import convex_pieces
 
-def _springer(line: list[tuple[float, float]]) -> tuple[list[tuple[float, float]], np.ndarray | None]:
-    """The line over a pier up to the lower of two levels with a step between them, and the stone (m, 2) on the higher one."""
-    step = next(((a[1], b[1]) for a, b in pairwise(line) if b[0] - a[0] <= SAME and abs(a[1] - b[1]) > SAME), None)
-    if step is None:
-        return line, None
-    level, below, above = min(step), list[tuple[float, float]](), list[tuple[float, float]]()
-    for k, point in enumerate(line):
-        if k and (line[k - 1][1] - level) * (point[1] - level) < 0.0:
-            x, z = line[k - 1]
-            crossing = (x + (point[0] - x) * (level - z) / (point[1] - z), level)
-            below.append(crossing)
-            above.append(crossing)
-        if point[1] <= level + SAME:
-            below.append(point)
-        if point[1] > level + SAME or (abs(point[1] - level) <= SAME and point in line[1:-1]):
-            above.append(point)
-    middle = next(a[0] for a, b in pairwise(line) if b[0] - a[0] <= SAME)
-    side = -1.0 if step[0] > step[1] else 1.0
-    return below, _without_middles(np.array([point for point in above if side * (point[0] - middle) >= -SAME])[::-1])
+    return convex_pieces(Polygon(whole))
 
 
 def _without_middles(polygon: np.ndarray) -> np.ndarray:

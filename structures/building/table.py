@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 
 from masonry_cd.foundation.units import Unit
-from structures.plans.keys import PlanKeys
+from structures.plans.keys import PlanKeys, StoreyTable
 from structures.schema import ArealMass, Density, Height, Length, Place, Table, Thickness, WallHeight
 
 
@@ -134,12 +134,12 @@ class BuildingVaultTable(Table):
 
 
 class BuildingRoofTable(Table):
-    """One entry ``[[structure.roofs]]``: a pitched roof between two walls of one height, in pairs of rafters that thrust or are tied."""
+    """One entry ``[[structure.roofs]]``: a pitched roof on walls of one height, in pairs of rafters that thrust or are tied."""
 
     name: Name | None = None
     """of its blocks; by default roof1, roof2 ...; their group is roof"""
-    walls: tuple[str, str] = Field(strict=False)
-    """that carry it, which are parallel and of one height"""
+    walls: tuple[str, ...] = Field(strict=False, min_length=2, max_length=4)
+    """two that carry it, up to 10 degrees out of parallel, or the four of a hipped roof; all of one height"""
     rise: Length
     """of the underside at the ridge, over the tops of the walls"""
     thickness: Thickness = 0.25
@@ -230,6 +230,8 @@ class BuildingTable(PlanKeys):
 
     plan: str | None = None
     """file with the plan, .json, .dxf or .ifc, relative to the scene; keys beside it add to it"""
+    storeys: tuple[StoreyTable, ...] = Field((), strict=False)
+    """or a drawing for each storey, [[structure.storeys]] each; names of walls end with its number, wall_1"""
     block_length: Length = 0.6
     """of a block"""
     course_height: WallHeight = 0.3

@@ -118,7 +118,7 @@ def bay_of(plan: Plan, keys: BuildingVaultTable) -> Bay:
         bay = _rectangle(Polygon(corners), corners[1] - corners[0])
         return bay if bay.half[0] <= bay.half[1] else bay.turned()
     assert keys.walls is not None
-    facets = [_facets(plan, name) for name in keys.walls]
+    facets = [facets_of(plan, name) for name in keys.walls]
     if keys.shape == "barrel":
         if len(facets) != 2:
             raise InputError("", f"a barrel springs from two walls, got {len(facets)}")
@@ -127,15 +127,29 @@ def bay_of(plan: Plan, keys: BuildingVaultTable) -> Bay:
         if len(facets) != 4:
             raise InputError("", f"a vault of this shape springs from four walls, got {len(facets)}")
         room, along = _within(facets), facets[0][0][1].along
-    standing = [_world(plan, leg, facet) for leg in plan.legs for facet in leg.facets if stands(leg, keys.springing)]
-    clear = polygons.polygons(room.difference(shapely.union_all(standing)), 1e-4)
-    if not clear:
-        raise InputError("", f"there is no room between walls {', '.join(keys.walls)}")
-    bay = _rectangle(max(clear, key=lambda part: part.area), along)
+    bay = _rectangle(clear_of(plan, room, keys.springing), along)
     return bay.turned() if keys.shape == "barrel" else bay
 
 
-def _facets(plan: Plan, name: str) -> list[tuple[Leg, Facet]]:
+def clear_of(plan: Plan, room: BaseGeometry, z: float) -> Polygon:
+    """The largest part of a room in which no wall stands at a height.
+
+    Raises:
+        InputError: there is none.
+    """
+    standing = [_world(plan, leg, facet) for leg in plan.legs for facet in leg.facets if stands(leg, z)]
+    clear = polygons.polygons(room.difference(shapely.union_all(standing)), 1e-4)
+    if not clear:
+        raise InputError("", "there is no room between its walls")
+    return max(clear, key=lambda part: part.area)
+
+
+def facets_of(plan: Plan, name: str) -> list[tuple[Leg, Facet]]:
+    """The facets of a wall.
+
+    Raises:
+        InputError: there is no such wall.
+    """
     found = [(leg, facet) for leg in plan.legs for facet in leg.facets if leg.keys.name == name]
     if not found:
         raise InputError("", f'there is no wall "{name}"')

@@ -75,18 +75,19 @@ class Row:
     ends: tuple[Part, ...] = ()  # of an open ring: parts joined to its first and to its last stone
 
 
-def build(ring: Ring, rows: Sequence[Row], unit: float, density: float) -> list[Block]:
+def build(ring: Ring, rows: Sequence[Row], unit: float, density: float, bonded: bool = True) -> list[Block]:
     """The blocks ``GROUP.ROW.NUMBER`` of a ring, from its lowest row up.
 
     Args:
         unit: length of a block at the inner face [m].
         density: [kg/m3].
+        bonded: False makes a free lune of every side, of one stone to a row.
     """
     blocks = []
     bond = _Bond(1, True)
     for number, row in enumerate(rows, start=1):
         half = float(row.profile[:, 0].min()) * ring.slope
-        bond = bond.next(max(1, round(2.0 * half / unit)))
+        bond = bond.next(max(1, round(2.0 * half / unit))) if bonded else _Bond(1, False)
         stones = _stones(ring, row, half, bond)
         if row.ends:
             stones[0].append(row.ends[0])

@@ -3,7 +3,7 @@
 
 A dome of flat sides is the cloister vault of many sides; with 16 sides its volume is within 1.3 % of the round one's. Stones of odd
 rows turn round the corners (:mod:`structures.courser.rings`), so that no joint runs along a meridian: whether meridians open is
-left to the mechanics.
+left to the mechanics. With ``bonded = false`` every side is a free lune, as in Heyman's analysis (The Stone Skeleton, 1995, chapter 3).
 
 The default, 6 m clear and 0.5 m thick, stands by itself. The intrados springs at z = 0, or at the top of the drum. Groups:
 ``dome``, ``drum``, ``key`` and ``base``.
@@ -23,7 +23,7 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.courser import rings
-from structures.kind import Keys, StructureKind, scaled, value_of
+from structures.kind import Keys, StructureKind, scaled, straight_joints, value_of
 from structures.layout.ground import ground
 from structures.macro_elements import whole
 from structures.schema import HIGH, Height, Length, Table, Thickness
@@ -41,6 +41,8 @@ class DomeTable(Table):
     """by default stones as high as the dome is thick"""
     unit_length: Length | None = None
     """of a stone along its row; by default 1.5 thicknesses"""
+    bonded: bool = True
+    """false: free lunes, a side each, of one stone to a row"""
     oculus: Height = 0.0
     """clear width of the opening at the top; 0: closed by a key"""
     drum_height: Annotated[Height, HIGH] = 0.0
@@ -59,6 +61,8 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     """
     keys = parse_table(DomeTable, table, "structure")
     inner, unit = 0.5 * keys.span, keys.unit_length or 1.5 * keys.thickness
+    if not keys.bonded and keys.unit_length is not None:
+        raise InputError("structure.unit_length", "belongs to a dome in bond; a free lune has one stone to a row, as wide as its side")
     ring = rings.Ring(keys.sides, keys.sides, start=math.pi / keys.sides)
     high = keys.drum_height / keys.thickness + 0.6 * (keys.rows or 0.25 * math.pi * keys.span / keys.thickness)  # 0.6: rows get shorter
     size.within(high * max(1.0, 2.0 * inner * ring.slope / unit) * keys.sides, "unit_length" if keys.unit_length else "thickness")
@@ -74,7 +78,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     elif keys.drum_thickness is not None:
         raise InputError("structure.drum_height", "missing; it makes the drum whose thickness is given")
     rows += shell(keys, level)
-    blocks = rings.build(ring, rows, unit, density)
+    blocks = rings.build(ring, rows, unit, density, keys.bonded)
     if not keys.oculus:
         blocks.append(rings.key(ring, rows[-1], density, "key", "key"))
     blocks.append(ground(blocks, keys.base_depth or keys.thickness, density))
@@ -99,8 +103,14 @@ def shell(keys: DomeTable, level: float) -> list[rings.Row]:
 def resized(table: Keys, factor: float) -> Keys:
     """Rows follow the thickness by default: pi / 4 span / thickness of them, about, in a hemisphere."""
     thick, span = value_of(DomeTable, table, "thickness"), value_of(DomeTable, table, "span")
-    natural = {"rows": max(2, round(0.25 * math.pi * span / thick)), "unit_length": 1.5 * thick}
+    natural = {"rows": max(2, round(0.25 * math.pi * span / thick))}
+    natural |= {"unit_length": 1.5 * thick} if value_of(DomeTable, table, "bonded") else {}
     return scaled(DomeTable, natural | table, factor, ("unit_length",), {"rows": 2})
 
 
-KIND = StructureKind(build, DomeTable, first={"span": 6.0, "thickness": 0.5, "sides": 16}, resized=resized, parts=whole)
+def bonds(table: Keys) -> dict[str, Keys]:
+    """Free lunes, or a dome in bond."""
+    return {name: keys for name, keys in straight_joints(table, "between lunes").items() if "unit_length" not in table}
+
+
+KIND = StructureKind(build, DomeTable, first={"span": 6.0, "thickness": 0.5, "sides": 16}, resized=resized, bonds=bonds, parts=whole)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -30,8 +29,16 @@ class Plan(NamedTuple):
     tables: dict[str, Any]  # walls with their openings, junctions, vaults, columns ... as in [structure]
     notes: list[str]  # lines for the user: what was assumed, what is left
     left: list[Left]  # entities of a drawing that are not understood
-    faults: Mapping[str, Fault] = MappingProxyType({})  # what walls lack that the drawing should say, by wall
-    origin: tuple[float, float] = (0.0, 0.0)  # of the structure, in the coordinates of the drawing [m]
+    faults: dict[str, Fault]  # what walls lack that the drawing should say, by wall
+    origin: tuple[float, float]  # of the structure, in the coordinates of the drawing [m]
+    entries: dict[str, list[tuple[str, int]]]  # by list of the tables, the file, and storey, of each entry and its number there
+    floors: list[tuple[str, dict[str, Any]]]  # of storeys: key that asks for each, and its keys
+
+    @classmethod
+    def of(cls, name: str, tables: dict[str, Any]) -> Plan:
+        """All that a file of a name says."""
+        lists = {key: value for key, value in tables.items() if isinstance(value, list)}
+        return cls(tables, [], [], {}, (0.0, 0.0), {key: [(name, i) for i in range(len(value))] for key, value in lists.items()}, [])
 
 
 def read(path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -39,12 +46,13 @@ def read(path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
     return open_plan(path, keys).tables
 
 
-def open_plan(path: Path, keys: Mapping[str, Any]) -> Plan:
+def open_plan(path: Path, keys: Mapping[str, Any], origin: tuple[float, float] | None = None) -> Plan:
     """Read a plan.
 
     Args:
         path: of a .dxf, .ifc or .json file.
         keys: of the scene's [structure]; those of :class:`.keys.PlanKeys` say how to read a drawing.
+        origin: of the structure, in the coordinates of a drawing; by default where the drawing lies [m].
 
     Raises:
         InputError: no such file, none that can be read, or no wall in it.
@@ -62,11 +70,11 @@ def open_plan(path: Path, keys: Mapping[str, Any]) -> Plan:
     if not is_file(path):
         raise InputError("structure.plan", f'no file "{path.name}" in {path.parent}')
     if suffix == ".dxf":
-        return _drawing(path, asked)
+        return _drawing(path, asked, origin)
     for key in ("units", "layers"):
         if key in asked.model_fields_set:
             raise InputError(f"structure.{key}", f"belongs to a drawing; {path.name} is in metres and has no layers")
-    return _model(path) if suffix == ".ifc" else Plan(read_json(path), [], [])
+    return _model(path) if suffix == ".ifc" else Plan.of(path.name, read_json(path))
 
 
 def _model(path: Path) -> Plan:
@@ -85,10 +93,10 @@ def _model(path: Path) -> Plan:
     notes = [*unread, *found.notes]
     if found.left:
         notes += [f"{path.name}: {len(found.left)} elements are not understood:", *(f"  {line}" for line in counted(found.left))]
-    return Plan(found.tables, notes, found.left)
+    return Plan.of(path.name, found.tables)._replace(notes=notes, left=found.left)
 
 
-def _drawing(path: Path, keys: PlanKeys) -> Plan:
+def _drawing(path: Path, keys: PlanKeys, origin: tuple[float, float] | None) -> Plan:
     """The plan of a DXF."""
     from masonry_cd.foundation.errors import InputError
     from structures.files import foreign
@@ -109,7 +117,10 @@ def _drawing(path: Path, keys: PlanKeys) -> Plan:
     if keys.units and stated and keys.units != stated:
         notes.append(f'{path.name}: units "{keys.units}" as the scene says, where the file has "{stated}"')
     scaled = [e.scaled(METRES[unit]) for e in entities]
-    origin = _corner([e.points[:, :2] for e in scaled if keys.layers.role(e.layer) in ("walls", "axes")])
+    drawn = [e.points[:, :2] for e in scaled if keys.layers.role(e.layer) in ("walls", "axes")]
+    if keys.units is None:
+        _doubt_unit(drawn, unit, path.name)
+    origin = origin or _corner(drawn)
     if any(origin):
         notes.append(f"{path.name}: its place ({origin[0]:.0f}, {origin[1]:.0f}) m is the origin of the structure")
         scaled = [e.scaled(1.0, origin) for e in scaled]
@@ -119,7 +130,27 @@ def _drawing(path: Path, keys: PlanKeys) -> Plan:
     if found.left:
         notes.append(f"{path.name}: {len(found.left)} entities are not understood:")
         notes += [f"  {line}" for line in counted(found.left)]
-    return Plan(found.tables, notes, found.left, found.faults, origin)
+    return Plan.of(path.name, found.tables)._replace(notes=notes, left=found.left, faults=found.faults, origin=origin)
+
+
+def _doubt_unit(places: Sequence[np.ndarray], unit: str, name: str) -> None:
+    """Ask for the unit of a drawing whose walls (n, 2) are too small or too large for a building [m].
+
+    Raises:
+        InputError: they are.
+    """
+    import numpy as np
+
+    from masonry_cd.foundation.errors import InputError
+
+    every = np.concatenate([np.zeros((0, 2)), *places])
+    extent = float(np.ptp(every, axis=0).max()) if len(every) else 0.0
+    if extent and not SMALL <= extent <= LARGE:
+        fit = [f'"{other}" ({extent * size / METRES[unit]:.3g} m)' for other, size in METRES.items()]
+        fit = [one for one, size in zip(fit, METRES.values(), strict=True) if SMALL <= extent * size / METRES[unit] <= LARGE]
+        likely = f"; likely {' or '.join(fit)}" if fit else ""
+        wide = f'walls of {name} are {extent:.4g} m across in its unit, "{unit}", buildings are {SMALL:g} to {LARGE:g} m'
+        raise InputError("structure.units", f"{wide}: say the unit{likely}")
 
 
 def _corner(places: Sequence[np.ndarray]) -> tuple[float, float]:

@@ -13,10 +13,12 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from structures.plans.entities import Entity
 
 SAME = 2e-3  # ends this near to each other are one corner [m]
+SNAPPED = 0.02  # and ends of two lines that miss each other by less are brought to one [m]
 SHORTEST = 0.02  # an edge below this is a slip of the pen [m]
 ON_CIRCLE = 0.012  # corners of chords lie this near to their circle [m]
 CHORDS = 5  # so many chords in a row, each turning alike, are an arc
@@ -155,6 +157,7 @@ class Faces(NamedTuple):
     loose: list[Edge]  # of open lines: pairs of them are walls
     ground: Any  # shapely: what the rings have within
     left: list[tuple[str, str]]  # handles that make no ring, with why
+    snapped: list[tuple[np.ndarray, float]]  # corners (2,) to which two ends that missed each other were brought, and by how much [m]
 
 
 def faces_of(paths: Iterable[Entity]) -> Faces:
@@ -170,10 +173,43 @@ def faces_of(paths: Iterable[Entity]) -> Faces:
             rings.append(edges)
         else:
             open_runs.append(edges)
+    snapped = _snap(open_runs)
     closed, loose = _joined(open_runs)
     ground, kept, twice = _even_odd([*rings, *closed])
     left += [(handle, "it is drawn twice, or encloses nothing") for handle in twice]
-    return Faces([edge for ring in kept for edge in ring], loose, ground, left)
+    return Faces([edge for ring in kept for edge in ring], loose, ground, left, snapped)
+
+
+def _snap(runs: list[list[Edge]]) -> list[tuple[np.ndarray, float]]:
+    """Bring ends that nearly meet to one corner, where straight lines cross; the corners, and by how much each was missed [m]."""
+    ends = [(k, side) for k in range(len(runs)) for side in (0, -1)]
+    if len(ends) < 2:
+        return []
+    places = np.array([runs[k][side].end if side else runs[k][side].start for k, side in ends])
+    tree = cKDTree(places)
+    apart, near = tree.query(places, k=2, distance_upper_bound=SNAPPED)
+    nearest, distance = near[:, 1], apart[:, 1]
+    snapped = []
+    for i, j in enumerate(nearest):
+        if i < j < len(ends) and nearest[j] == i and distance[i] > SAME:
+            (k, one), (other_run, other) = ends[i], ends[j]
+            corner = _corner(runs[k][one], runs[other_run][other], 0.5 * (places[i] + places[j]))
+            for run, side in (ends[i], ends[j]):
+                edge = runs[run][side]
+                runs[run][side] = edge._replace(end=corner) if side else edge._replace(start=corner)
+            snapped.append((corner, float(distance[i])))
+    return snapped
+
+
+def _corner(one: Edge, other: Edge, middle: np.ndarray) -> np.ndarray:
+    """Where two straight edges cross near the middle between their ends; elsewise this middle."""
+    d, e = one.end - one.start, other.end - other.start
+    sine = float(d[0] * e[1] - d[1] * e[0])
+    if one.centre is not None or other.centre is not None or abs(sine) < math.sin(TURN) * one.length * other.length:
+        return middle
+    to = other.start - one.start
+    crossing = one.start + float(to[0] * e[1] - to[1] * e[0]) / sine * d
+    return crossing if math.dist(crossing, middle) < SNAPPED else middle
 
 
 def _joined(runs: list[list[Edge]]) -> tuple[list[list[Edge]], list[Edge]]:

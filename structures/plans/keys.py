@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
+from structures.floors import SlabTable
 from structures.schema import Length, Table, Thickness, WallHeight
 
 ROLES = ("walls", "axes", "openings", "heights", "vaults", "columns")
@@ -70,3 +71,14 @@ class PlanKeys(Table):
     """of walls of which only the middle line is drawn, where no mark says it"""
     thickest: Length = 2.5
     """two faces further apart than this are no wall"""
+
+
+class StoreyTable(Table):
+    """One entry ``[[structure.storeys]]``, from the lowest up."""
+
+    plan: str
+    """drawing of its walls, .dxf, relative to the scene"""
+    height: WallHeight
+    """from its foot to that of the next, and of its walls where the drawing has no other"""
+    floor: SlabTable | None = None
+    """over each of its rooms, { thickness = 0.25, mass = 400.0 }"""

@@ -15,13 +15,13 @@ from structures.plans.edges import Edge, angle_between, circle_through
 PARTS = 12  # chords of a half circle in a drawing
 
 
-def outline_of(wall: Mapping[str, Any]) -> WallOutline:
-    """A wall of a building's table as drawn."""
+def outline_of(wall: Mapping[str, Any], reach: tuple[float, float] = (0.0, 0.0)) -> WallOutline:
+    """A wall of a building's table as drawn, which goes on beyond the ends of its axis by some lengths [m]."""
     line, length = axis_line(wall["axis"])
     base = float(wall.get("base", 0.0))
     top = wall.get("top") or [[0.0, wall.get("height", 0.0)], [length, wall.get("height", 0.0)]]
     openings = tuple((str(o.get("name") or ""), _shifted(opening_outline(o), base)) for o in wall.get("openings", ()))
-    return WallOutline(str(wall["name"]), line, float(wall["thickness"]), _shifted(np.array(top, dtype=float), base), base, openings)
+    return WallOutline(str(wall["name"]), line, float(wall["thickness"]), _shifted(np.array(top, dtype=float), base), base, openings, reach)
 
 
 def _shifted(points: np.ndarray, up: float) -> np.ndarray:

@@ -27,5 +27,7 @@ def drawn_about(origin: tuple[float, float]) -> Iterator[None]:
 def place(point: Sequence[float] | np.ndarray) -> str:
     """A point of the plan (2,) as messages give it: in the coordinates of its drawing, where it has one."""
     origin = ORIGIN.get()
-    x, y = (f"{far + float(near):.2f}" if any(origin) else f"{near:.4g}" for near, far in zip(point, origin, strict=True))
+    x, y = (
+        f"{far + float(near):.2f}" if any(origin) else f"{round(float(near), 6) + 0.0:.4g}" for near, far in zip(point, origin, strict=True)
+    )
     return f"x = {x} m, y = {y} m"

@@ -20,6 +20,7 @@ from structures.plans.keys import PlanKeys
 from structures.plans.places import place
 
 MOST_EDGES = 8000  # on layers of walls: a plan of one floor has hundreds
+SHOWN = 4  # places that a line on many of them gives
 LEFT_OVER = 0.05  # of the ground of walls a piece this wide is worth a word [m]
 
 
@@ -100,11 +101,10 @@ def recognise(entities: Sequence[Entity], keys: PlanKeys, name: str) -> Recognis
     left += unread
     texts = [e for e in roles.all() if e.kind == TEXT]
     none, doubt = single_lines.signs([*faces.edges, *faces.loose], walls, [e for e in entities if e.kind == TEXT])
-    if none:
-        raise InputError(name, doubt)
     reader = _Reader(walls, keys, left, name)
     reader.notes += [f"{name}: {doubt}"] if doubt else []
-    return reader.tables(roles, openings, texts, faces)
+    found = reader.tables(roles, openings, texts, faces)
+    return found._replace(faults={wall.name: Fault(name, doubt) for wall in reader.walls}) if none else found
 
 
 def _told(entities: Iterable[Entity]) -> list[Entity]:
@@ -278,9 +278,14 @@ class _Reader:
         self.left += [Left(handle, one.layer, one.paths[0].drawn_as if one.paths else "INSERT", why) for handle in one.handles]
 
     def _remarks(self, faces: Faces) -> None:
-        """On walls whose faces diverge, and on ground of walls that no wall covers."""
+        """On ends that were brought together, on walls whose faces diverge, and on ground of walls that no wall covers."""
         import shapely
 
+        if faces.snapped:
+            most = max(distance for _, distance in faces.snapped)
+            said = f"{len(faces.snapped)} ends of lines missed each other by up to {1e3 * most:.3g} mm, and are brought together, at "
+            more = f" and {len(faces.snapped) - SHOWN} more" if len(faces.snapped) > SHOWN else ""
+            self.notes.append(f"{self.name}: {said}{'; '.join(place(corner) for corner, _ in faces.snapped[:SHOWN])}{more}")
         for wall in self.walls:
             if wall.taper > 0.05:
                 mean = f"{wall.thickness:.3g} m is its mean"

@@ -26,7 +26,7 @@ from masonry_cd.io.summary import Summary
 from masonry_cd.limit.curve import CURVE_OUTPUTS
 from masonry_cd.limit.vehicle import CROSSING_OUTPUTS
 from masonry_cd.mechanics.model.state import State
-from masonry_cd.studies.study.task import of_run
+from masonry_cd.studies.study.task import numbers_of_run
 from reports.assess import outputs as assess
 from reports.compare.comparison import compare
 from reports.damage import write_joint_damage
@@ -105,7 +105,7 @@ def test_one_file_adds_a_number_to_all_that_shows_numbers(add, tmp_path):
             summary = write_joint_damage(results, folder, Report())
             write_page(results, folder / "report.html", summary, parts=part_damage(results))
     assert summary.lowest == pytest.approx(-0.1)
-    row, _, _ = of_run(folder / "result.h5", summary | Summary(**COMPUTED), parse_scene(SCENE + RUN, tmp_path / "scene.toml"))
+    row, _, _ = numbers_of_run(folder / "result.h5", summary | Summary(**COMPUTED), parse_scene(SCENE + RUN, tmp_path / "scene.toml"))
     assert row["lowest"] == summary.lowest
     assert ("lowest corner", "m", [pytest.approx(-0.1)] * 2) in compare(folders).rows
     page = (folder / "report.html").read_text(encoding="utf-8")

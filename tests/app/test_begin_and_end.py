@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from made_run import box
+from models import advance
 from small_runs import write_scene
 
 from masonry_cd.app.case import Case, prepare
@@ -189,8 +190,7 @@ def test_the_account_begins_with_the_energy_of_the_drawn_velocities(planar: bool
     assert 0.0 < np.abs(velocity[free, :3]).max() <= 1e-3
     assert (machine.plane is not None) == planar
     assert velocity[:, 1].any() != planar
-    for _ in range(10):
-        machine.step()
+    advance(machine, 10)
     assert abs(machine.energy["balance"]) < 1e-6 * begun  # it closes to rounding of the work of the base, which is far larger
 
 

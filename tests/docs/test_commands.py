@@ -25,6 +25,7 @@ from masonry_cd.studies.study.study_file import StudyTables
 from structures.building.table import BuildingRoofTable, JunctionTable
 from structures.floors import FloorTable
 from structures.kinds.file import FileTable
+from structures.plans.keys import StoreyTable
 
 COMMANDS = typer.main.get_command(app).commands
 FIRST_HOUR = DOCS / "tutorials" / "first_hour.md"
@@ -138,6 +139,9 @@ def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
             ],
         ],
         "docs/howto/code_check.md": [lambda tables: limit_table(tables["limit"])],
+        "docs/howto/plans.md": [
+            lambda tables: [parse_table(StoreyTable, each, "structure.storeys") for each in tables["structure"]["storeys"]],
+        ],
         "docs/limit_analysis.md": [lambda tables: limit_table(tables["limit"])],
         "docs/plugins.md": [
             lambda tables: [GROUPS.index(name.removeprefix("masonry_cd.")) for name in tables["project"]["entry-points"]],

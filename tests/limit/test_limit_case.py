@@ -11,14 +11,13 @@ from pathlib import Path
 import browser
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from limit_scenes import PUSH, TIE, TILT, pillar, said, scene
 from models import box, ground
 from pictures import pixels
-from typer.testing import CliRunner
 
 from benchmarks.dry_walls import ASSOCIATED, dry_wall
-from masonry_cd.analysis.limit import programme, search
-from masonry_cd.cli.app import app
+from masonry_cd.analysis.limit import descent, programme
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import Wanted, limit_case
 from masonry_cd.limit.facts import facts
@@ -30,7 +29,7 @@ from structures.geometry.prism import prism_xz
 
 def test_the_command_writes_what_it_finds(tmp_path):
     path, folder = scene(tmp_path, dry_wall(3), "[limit]\npush = 'x'\nstarts = 1\n"), tmp_path / "out"
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder)])
+    done = masonry_cd("limit", path, "-o", folder)
     assert done.exit_code == 0, done.output
     assert "load factor 0.40369" in done.output
     assert "Coulomb's law allows 0.35" in done.output
@@ -52,14 +51,14 @@ def test_the_command_writes_what_it_finds(tmp_path):
     assert missing == {"check.json", "check.csv", "spectrum.png", "ties.csv", "parts.kept"}  # no check, no tie, and it is done
     drawn = pixels(folder / "mechanism.png")
     assert (drawn == [0xD5, 0x5E, 0x00]).all(axis=2).sum() > 100  # hinges are marked
-    again = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder)])
+    again = masonry_cd("limit", path, "-o", folder)
     assert again.exit_code == 2
     assert "--force" in again.output
 
 
 def test_the_curve_of_a_pillar_is_written(tmp_path):
     path, folder = scene(tmp_path, pillar(), "[limit]\npush = 'x'\n"), tmp_path / "out"
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder), "--curve", "--set", "limit.curve.steps=20"])
+    done = masonry_cd("limit", path, "-o", folder, "--curve", "--set", "limit.curve.steps=20")
     assert done.exit_code == 0, done.output
     assert 'control block "a"; factor 0.3333 at the start' in done.output
     with (folder / "capacity.csv").open() as file:
@@ -175,7 +174,7 @@ def test_blocks_that_touch_along_a_line_are_counted(tmp_path):
 def test_what_falls_by_itself_is_named(tmp_path):
     blocks = [*pillar(), box("b", (0.3, -0.2, 1.5), (1.9, 0.2, 2.0))]
     path = scene(tmp_path, blocks, PUSH)
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--no-picture"])
+    done = masonry_cd("limit", path, "-o", tmp_path / "out", "--no-picture")
     assert done.exit_code == 0
     assert "does not stand under its dead loads" in done.output
     assert '"b"' in done.output
@@ -206,7 +205,7 @@ def test_bad_input_is_one_line(tables, message, tmp_path):
 
 
 def test_an_unknown_view_is_refused_before_anything_is_written(tmp_path):
-    done = CliRunner().invoke(app, ["limit", str(scene(tmp_path, pillar(), PUSH)), "-o", str(tmp_path / "out"), "--view", "below"])
+    done = masonry_cd("limit", scene(tmp_path, pillar(), PUSH), "-o", tmp_path / "out", "--view", "below")
     assert done.exit_code == 2
     assert 'view: "below" is none' in done.output
     assert not (tmp_path / "out").exists()
@@ -222,7 +221,7 @@ def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
 
 
 def test_a_search_without_an_end_differs_from_none(tmp_path, monkeypatch):
-    monkeypatch.setattr(search, "EXACT", -1.0)  # no pair counts
+    monkeypatch.setattr(descent, "EXACT", -1.0)  # no pair counts
     ended = limit_case(scene(tmp_path, pillar(), PUSH))
     assert any("of 4 starts none came to an end" in line for line in said(ended))
     assert (facts(ended)["least"], facts(ended)["starts"]) == (None, 4)
@@ -247,7 +246,7 @@ CHECK = '[limit.check]\nspectrum = "EC8"\nag = 2.0\n'
 
 def test_a_check_by_a_code_is_printed_and_written_step_by_step(tmp_path):
     path, folder = scene(tmp_path, pillar(), f"[limit]\npush = 'x'\n{CHECK}"), tmp_path / "out"
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder), "--no-picture"])
+    done = masonry_cd("limit", path, "-o", folder, "--no-picture")
     assert done.exit_code == 0, done.output
     assert "linear check satisfied: 2.422 m/s2 borne, 1 m/s2 asked for" in done.output
     made = json.loads((folder / "check.json").read_text())

@@ -8,13 +8,12 @@ import json
 from pathlib import Path
 
 import pytest
+from command_line import masonry_cd
 from limit_scenes import TIE, pillar, said, scene
 from models import GRAVITY, box, ground
-from typer.testing import CliRunner
 
 from masonry_cd.analysis.limit import solution
 from masonry_cd.analysis.limit.oscillator import BY_CURVE, BY_LINKAGE
-from masonry_cd.cli.app import app
 from masonry_cd.limit import search as limit_search
 from masonry_cd.limit.case import LimitCase, limit_case
 from masonry_cd.limit.facts import facts
@@ -151,7 +150,7 @@ def test_what_the_clauses_leave_open_is_said(tmp_path: Path) -> None:
 def test_what_dilates_has_no_oscillator_and_no_check_by_displacements(tmp_path: Path) -> None:
     slab = [ground(4.0), box("slab", (0.0, -1.0, 0.0), (2.0, 1.0, 0.4))]
     path = scene(tmp_path, slab, '[limit]\npush = "x"\nstarts = 0\n[limit.check]\nspectrum = "EC8"\nag = 2.0\n', mu=0.3)
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--no-picture"])
+    done = masonry_cd("limit", path, "-o", tmp_path / "out", "--no-picture")
     assert done.exit_code == 0, done.output
     rows = json.loads((tmp_path / "out" / "limit.json").read_text())["mechanisms"]
     (row,) = (row for row in rows if row["element"] == THE_WHOLE)

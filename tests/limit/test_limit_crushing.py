@@ -8,12 +8,11 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import Result
+from command_line import masonry_cd
 from limit_scenes import said
 from models import box, ground
-from typer.testing import CliRunner
+from typer.testing import Result
 
-from masonry_cd.cli.app import app
 from masonry_cd.limit.case import limit_case
 from masonry_cd.limit.files import write
 from structures.files import blockfile
@@ -59,13 +58,13 @@ def test_joints_without_a_strength_do_not(tmp_path):
     ],
 )
 def test_what_has_no_answer_is_one_line(strength, tables, fault, tmp_path):
-    done = CliRunner().invoke(app, ["limit", str(scene(tmp_path, strength, tables)), "-o", str(tmp_path / "out")])
+    done = masonry_cd("limit", scene(tmp_path, strength, tables), "-o", tmp_path / "out")
     assert done.exit_code == 2 and fault in done.output and done.output.count("\n") == 1
     assert not (tmp_path / "out" / "limit.json").exists()
 
 
 def macro_elements(folder: Path, strength: str) -> Result:
-    return CliRunner().invoke(app, ["limit", str(scene(folder, strength)), "-o", str(folder / "out"), "--macro-elements", "--no-picture"])
+    return masonry_cd("limit", scene(folder, strength), "-o", folder / "out", "--macro-elements", "--no-picture")
 
 
 def test_macro_elements_crush_as_the_whole_does(tmp_path):

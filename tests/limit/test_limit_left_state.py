@@ -7,14 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from command_line import masonry_cd
 from limit_scenes import said
 from models import box
-from typer.testing import CliRunner
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit import whole as whole_module
 from masonry_cd.limit.case import limit_case
@@ -81,7 +80,7 @@ def test_at_the_beginning_it_is_as_built(left):
     ],
 )
 def test_what_is_no_state_of_it_is_refused(left, limit, high, message):
-    done = CliRunner().invoke(app, ["limit", str(scene(left, "bad.toml", limit, high)), "-o", str(left / "bad")])
+    done = masonry_cd("limit", scene(left, "bad.toml", limit, high), "-o", left / "bad")
     assert done.exit_code == 2 and message in done.output and done.output.count("\n") == 1
     assert not (left / "bad" / "limit.json").exists()
 

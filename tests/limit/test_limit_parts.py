@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from command_line import masonry_cd
 from limit_scenes import said, scene
 from models import GRAVITY, box, ground
-from typer.testing import CliRunner
 
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.limit.case import LimitCase, Wanted, limit_case
 from masonry_cd.limit.checked import least_of
 from masonry_cd.limit.facts import facts
@@ -110,7 +109,7 @@ def test_the_whole_and_its_parts_on_one_bed_are_asked_for_the_same(
     site = 'spectrum = "NTC"\nag = 1.8\nf0 = 2.42\ntc_star = 0.33\nground = "C"\ndisplacements = false\n'
     tables = f'[limit]\npush = "-x"\n[limit.check]\n{site}{BUILDING}{key}{SLAB}'
     path, folder = scene(tmp_path, [roof, box("slab", (0.0, -1.0, bed), (0.5, 1.0, bed + 3.0))], tables, mu=0.6), tmp_path / "out"
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder), "--no-picture"])
+    done = masonry_cd("limit", path, "-o", folder, "--no-picture")
     assert done.exit_code == 0, done.output
     made = json.loads((folder / "limit.json").read_text())
     row, level = next(row for row in made["mechanisms"] if row["element"] == "slab"), made["check"]["level"]
@@ -147,7 +146,7 @@ def test_a_part_that_does_not_stand_is_not_held_and_nothing_is_satisfied_with_it
 def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path: Path) -> None:
     check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 1.5}\ndisplacements = false\n'
     path, folder = scene(tmp_path, slabs(), f"{check}{SLAB}", mu=0.6), tmp_path / "out"
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder)])
+    done = masonry_cd("limit", path, "-o", folder)
     assert done.exit_code == 0, done.output
     made = json.loads((folder / "limit.json").read_text())
     assert made["verdict"]["reason"] in done.output
@@ -179,7 +178,7 @@ REFUSED = {
 @pytest.mark.parametrize("tables, words", REFUSED.values(), ids=list(REFUSED))
 def test_what_cannot_be_is_one_line(tables: str, words: str, tmp_path: Path) -> None:
     path = scene(tmp_path, slabs(), tables)
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out")])
+    done = masonry_cd("limit", path, "-o", tmp_path / "out")
     assert done.exit_code == 2, done.output
     assert words in done.output and len(done.output.strip().splitlines()) == 1
     assert not (tmp_path / "out").exists()
@@ -187,12 +186,12 @@ def test_what_cannot_be_is_one_line(tables: str, words: str, tmp_path: Path) -> 
 
 def test_the_damage_of_a_run_stands_next_to_macro_elements_only(tmp_path: Path) -> None:
     path = scene(tmp_path, slabs(), SLAB)
-    refused = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--run", str(tmp_path)])
+    refused = masonry_cd("limit", path, "-o", tmp_path / "out", "--run", tmp_path)
     assert refused.exit_code == 2 and "has no damage.csv" in refused.output
     (tmp_path / "damage.csv").write_text("part,grade,mechanism\nblock,D3,overturning\n")
     blocks = read_scene(path).structure
     assert blocks["kind"] == "file"
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--run", str(tmp_path), "--no-picture"])
+    done = masonry_cd("limit", path, "-o", tmp_path / "out", "--run", tmp_path, "--no-picture")
     assert done.exit_code == 0, done.output
     assert "damage in the run" in (tmp_path / "out" / "limit.html").read_text()
 

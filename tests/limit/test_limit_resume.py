@@ -10,13 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from command_line import masonry_cd
 from limit_scenes import scene
 from test_limit_parts import SLAB, slabs
-from typer.testing import CliRunner
 
 from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit import parts
 from masonry_cd.limit.kept import NAME, Kept
@@ -25,7 +24,7 @@ TABLES = '[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = 2.0\n' + S
 
 
 def command(path: Path, folder: Path, *options: str) -> Any:
-    return CliRunner().invoke(app, ["limit", str(path), "-o", str(folder), "--no-picture", "-q", *options])
+    return masonry_cd("limit", path, "-o", folder, "--no-picture", "-q", *options)
 
 
 def facts(folder: Path) -> dict[str, Any]:

@@ -8,12 +8,11 @@ from pathlib import Path
 
 import limit_scenes
 import pytest
+from command_line import masonry_cd
 from limit_scenes import said
 from models import box, ground
-from typer.testing import CliRunner
 
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import limit_case
 from masonry_cd.limit.files import write
@@ -27,7 +26,7 @@ def scene(folder: Path, tables: str, joints: str = "", blocks: list[Block] | Non
 
 def test_a_load_that_no_mechanism_yields_to_is_a_result(tmp_path):
     path = scene(tmp_path, "[limit]\npush = '-z'\n")
-    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--no-picture"])
+    done = masonry_cd("limit", path, "-o", tmp_path / "out", "--no-picture")
     assert done.exit_code == 0, done.output
     assert "push along -z: no finite load factor" in done.output and "(material.joints.compressive_strength)" in done.output
     made = json.loads((tmp_path / "out" / "limit.json").read_text())
@@ -54,7 +53,7 @@ def test_a_scene_with_limit_needs_no_run(tmp_path):
 
 @pytest.mark.parametrize(("tables", "message"), [("[limit]\npush = 'x'\n", "a run needs dt and duration"), ("", "run: missing")])
 def test_what_is_run_needs_one(tables, message, tmp_path):
-    done = CliRunner().invoke(app, ["run", str(scene(tmp_path, tables)), "-o", str(tmp_path / "out")])
+    done = masonry_cd("run", scene(tmp_path, tables), "-o", tmp_path / "out")
     assert done.exit_code == 2 and "run: missing" in done.output and message in done.output and done.output.count("\n") == 1
     if not tables:
         with pytest.raises(InputError, match="run: missing"):

@@ -86,6 +86,23 @@ def test_one_number_as_count_and_rate_is_refused(tmp_path: Path, heading: str) -
         load(tmp_path, f"A RECORD, ACCELERATION IN M/S2\n{heading}\n{BODY}")
 
 
+@pytest.mark.parametrize("count", [7, 8])
+def test_eight_values_are_the_fewest_below_their_count(tmp_path: Path, count: int) -> None:
+    text = f"A RECORD, ACCELERATION IN M/S2\n{count} 0.005\n" + "".join(f"{v:.6f}\n" for v in VALUES[:count])
+    if count == 8:
+        assert load(tmp_path, text)[0] == "counted"
+        return
+    with pytest.raises(InputError):
+        load(tmp_path, text)
+
+
+def test_a_million_samples_a_second_are_the_most_of_a_web_service(tmp_path: Path) -> None:
+    text = head() + BODY
+    assert load(tmp_path, text.replace("200 sps", "1000000 sps"))[1].step == 1e-6
+    with pytest.raises(InputError, match="line 1"):
+        load(tmp_path, text.replace("200 sps", "1000001 sps"))
+
+
 def test_pairs_below_their_count_and_step(tmp_path: Path) -> None:
     pairs = "".join(f"{t:.3f} {v:.6f}\n" for t, v in zip(files.TIME + 2.0, VALUES, strict=True))
     name, record = load(tmp_path, f"{N} 0.005\n{pairs}")

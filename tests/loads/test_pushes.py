@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from models import box, ground
+from models import advance, box, ground
 
 import loads
 from loads.kinds.tilt import load_factors
@@ -124,8 +124,7 @@ def _turned(way: float) -> float:
 def test_a_block_held_from_turning_slides_at_the_force_of_friction_and_what_holds_it_is_a_moment() -> None:
     assembly = standing(friction=0.3)
     stepper = pushed(assembly, PUSH | {"face": "-x", "rotation": "held"})
-    for _ in range(600):
-        stepper.step()
+    advance(stepper, 600)
     driven = stepper.driven()
     assert driven.force[0] == pytest.approx(0.3 * weight(assembly), rel=5e-3)
     assert np.abs(stepper.state.velocity[1, 3:]).max() < 1e-9
@@ -150,8 +149,7 @@ def test_a_prop_holds_along_its_direction_and_leaves_the_way_across_free() -> No
     assembly = standing(friction=0.3)
     push = {"kind": "push", "direction": "x", "rate": 0.5}
     stepper = pushed(assembly, push, {"kind": "prop", "direction": "x", "blocks": "b", "face": "x"}, steps=500)
-    for _ in range(500):
-        stepper.step()
+    advance(stepper, 500)
     assert abs(stepper.driven().displacement[0]) < 1e-7
     contacts = contacts_of(stepper, np.full(len(stepper.detector.pairs), -1))
     ground, held = reactions_of(stepper, contacts)[0, 0], stepper.driven().force[0]  # which share each takes is not unique

@@ -14,6 +14,7 @@ from records import at2, esm
 
 import loads
 from loads.readers import RawRecord, quantity
+from loads.readers.pieces import of_processing
 from loads.signal import flaws
 from loads.signal.accelerogram import Accelerogram, Processed, process
 from loads.signal.series import Keys, accelerations, derivative
@@ -127,6 +128,21 @@ def test_the_slope_is_right_up_to_half_the_nyquist_frequency(share: float) -> No
 def test_channel_codes(code: str, wanted: str | None) -> None:
     found = quantity.of_channel(code)
     assert (found.quantity if found else None) == wanted
+
+
+@pytest.mark.parametrize(
+    ("done", "wanted"),
+    [
+        (("differentiate(method='gradient')",), "acceleration"),
+        (("integrate(method='cumtrapz')",), "displacement"),
+        (("remove_response(output='ACC')", "integrate(method='cumtrapz')"), "velocity"),
+        (("differentiate(method='gradient')",) * 2, ""),
+        (("detrend(type='linear')",), "velocity"),
+    ],
+)
+def test_what_was_done_to_a_velocity_says_what_it_is(done: tuple[str, ...], wanted: str) -> None:
+    found = of_processing(done, quantity.of_channel("HHE"))
+    assert found is not None and found.quantity == wanted
 
 
 def raw(code: str, counts: bool = False) -> RawRecord:

@@ -94,6 +94,11 @@ def test_headings(heading: str, name: str, unit: str | None) -> None:
     assert split_heading(heading) == (name, unit)
 
 
+@pytest.mark.parametrize(("ends", "name"), [("A STATION, 090", "090"), ("A STATION, UP", "UP"), ("NS COMPONENT", "NS"), ("A STATION", "")])
+def test_the_second_line_of_peer_ends_with_the_component(tmp_path: Path, ends: str, name: str) -> None:
+    assert load(tmp_path, at2().replace("05/19/40", f"05/19/40, {ends}"))[1].name == name
+
+
 def test_exponents_of_fortran_are_numbers(tmp_path: Path) -> None:
     _, plain = load(tmp_path, at2())
     _, double = load(tmp_path, re.sub(r"(\.\d+)E([+-])", r"\1D\2", at2()))

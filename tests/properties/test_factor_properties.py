@@ -11,12 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from masonry_cd.mechanics.linalg import ordering
-from masonry_cd.mechanics.linalg.cholesky import factorise_cholesky
 from masonry_cd.mechanics.linalg.elimination_tree import THIN
-from masonry_cd.mechanics.linalg.ldu import factorise_ldu
+from masonry_cd.mechanics.linalg.factor import BlockFactor
 from masonry_cd.mechanics.linalg.ordering import Pattern
-from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, allocate_factors
-from masonry_cd.mechanics.linalg.triangular import solve_cholesky, solve_ldu
 
 
 class Matrix(NamedTuple):
@@ -41,16 +38,11 @@ def solution(matrix: Matrix, symmetric: bool) -> np.ndarray | None:
     diagonal = matrix.dense[order, :, order, :].copy()
     lower = matrix.dense[order[symbolic.row], :, order[column], :].copy()
     upper = matrix.dense[order[column], :, order[symbolic.row], :].transpose(0, 2, 1).copy()
-    size, x = (0,) * n, matrix.right[order].copy()
-    factor = allocate_factors(symbolic, size)
-    if symmetric:
-        if not factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size):
-            return None
-        solve_cholesky(symbolic, factor.squares, factor.panels, x, size)
-    else:
-        if not factorise_ldu(BlockMatrix(diagonal, lower, upper), factor):
-            return None
-        solve_ldu(factor, x)
+    factor, x = BlockFactor.set(symbolic, (0,) * n, symmetric), matrix.right[order].copy()
+    factor.update(diagonal, lower, None if symmetric else upper)
+    if factor.factor() == 0.0:
+        return None
+    factor.solve(x)
     return x[pattern.place]
 
 

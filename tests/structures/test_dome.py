@@ -84,12 +84,29 @@ def test_domes_stand_on_friction() -> None:
     assert not can_stand(blocks, mu=0.08)  # the rows slide on their beds
 
 
+def test_sixteen_free_lunes_stand_from_a_thickness_of_0_0428_of_the_radius_on() -> None:
+    """Radius to the middle of the shell, 24 rows: by limit analysis 0.0428; of one in bond the rows go round, and less does."""
+
+    def lunes(ratio: float, bonded: bool = False) -> bool:
+        return can_stand(build("dome", span=2.0 - ratio, thickness=ratio, sides=16, rows=24, bonded=bonded), mu=0.9)
+
+    assert (lunes(0.0425), lunes(0.0431)) == (False, True)
+
+
+def test_free_lunes_have_a_joint_along_every_meridian_and_the_volume_of_a_dome_in_bond() -> None:
+    free, bonded = (build("dome", sides=8, rows=6, bonded=which) for which in (False, True))
+    assert free_volume(free) == pytest.approx(free_volume(bonded), rel=1e-12)
+    assert all(len(block.parts) < 2 for block in free)
+    assert sum(block.group == "dome" for block in free) == 8 * 6
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
         ({"oculus": 6.0}, "structure.oculus: must be at most 0.9 of the span, 5.4 m, got 6"),
         ({"drum_thickness": 0.8}, "structure.drum_height: missing"),
         ({"drum_height": 1.0, "drum_thickness": 0.3}, "structure.drum_thickness: must be at least that of the dome, 0.5 m, got 0.3"),
+        ({"bonded": False, "unit_length": 0.8}, "structure.unit_length: belongs to a dome in bond"),
         ({"sides": 3}, "structure.sides: input should be greater than or equal to 4"),
         (
             {"span": 4.0, "thickness": 0.4, "sides": 8, "drum_height": 1.0, "drum_thickness": 6e8},  # rounding would part its corners

@@ -10,11 +10,10 @@ from typing import Any
 
 import pytest
 from bridge_scenes import SPAN, bridge, grid
-from typer.testing import CliRunner
+from command_line import masonry_cd
 
 import structures
 from loads import fill as fill_loads
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from structures import Made
@@ -77,7 +76,7 @@ def test_build_writes_both_and_the_solids_of_cad_files_are_those_of_the_blocks_a
         "[material]\ndensity = 2000.0\nfriction = 0.6\n[run]\ndt = 1e-3\nduration = 1.0\n"
     )
     asked = ["build", str(scene), "-o", str(tmp_path / "out"), "--no-picture", "--format", "json", "--format", "obj", "--format", "brep"]
-    answer = CliRunner().invoke(app, asked)
+    answer = masonry_cd(*asked)
     assert answer.exit_code == 0, answer.output
     assert "blocks.brep keep no names of blocks, by which fill.json puts the fill back" in answer.output
     alone = json.loads((tmp_path / "out" / "fill.json").read_text())

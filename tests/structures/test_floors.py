@@ -117,6 +117,28 @@ def test_what_is_wrong_with_a_floor_is_said_in_one_line(floor, message):
     assert str(caught.value).startswith(message)
 
 
+def test_faults_of_anchors_come_with_those_of_other_floors():
+    floors = [
+        {**FLOOR, "anchors": {"length": 4.5}},
+        {**FLOOR, "height": 1.5, "anchors": {"spacing": 1e-3}},
+        {**FLOOR, "height": 9.0},
+    ]
+    with pytest.raises(InputError) as caught:
+        made(*floors)
+    places = ("floors[2].height", "floors[0].anchors.length", "floors[1].anchors.spacing")
+    assert [line.split(":")[0].removeprefix("structure.") for line in caught.value.lines] == list(places)
+
+
+@pytest.mark.parametrize(("thick", "bearing", "web"), [(0.45, 0.2, "50 mm"), (0.5, 0.2, ""), (0.45, 0.17, "")])
+def test_a_thin_web_between_two_seats_is_named(thick: float, bearing: float, web: str):
+    walls = [box("a", (-1.0, -2.4, 0.0), (1.0, -2.0, 3.0)), box("b", (-1.0, 2.0, 0.0), (1.0, 2.0 + thick, 3.0))]
+    walls += [ground(9.0), box("c", (-1.0, 6.0, 0.0), (1.0, 6.4, 3.0))]
+    tables = [{**FLOOR, "walls": pair, "inside": [0.0, y], "bearing": bearing} for pair, y in ((["a", "b"], 0.0), (["b", "c"], 4.0))]
+    _, _, notes = with_floors(walls, [FloorTable.model_validate(table) for table in tables])
+    assert [note for note in notes[2:] if web in note and '"floor1" and "floor2"' in note] == notes[2:]
+    assert bool(web) == bool(notes[2:])
+
+
 # Two walls along x, 3 m high and 2 m long: one of courses and 0.4 m thick, and a block of 4 m that nothing moves, 3 m apart.
 # A floor of 0.2 m lies in seats of 0.15 m, its top flush with theirs.
 HIGH, LONG, THICK, APART, DEEP, SLAB, COURSES = 3.0, 2.0, 0.4, 3.0, 0.15, 0.2, 10

@@ -10,12 +10,11 @@ from typing import Any
 import mesh_files as files
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from models import tower
 from solids import build as built
-from typer.testing import CliRunner
 
 import structures
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties, triangles
@@ -189,7 +188,7 @@ def test_what_is_no_such_file_is_named(tmp_path: Path, name: str, content: str, 
 
 
 def test_formats_are_listed(tmp_path: Path) -> None:
-    shown = CliRunner().invoke(app, ["build", "--formats"])
+    shown = masonry_cd("build", "--formats")
     assert shown.exit_code == 0
     assert [line.split()[0] for line in shown.output.splitlines()] == [*FORMATS, "solid", "step"]
     (tmp_path / "x.bin").write_bytes(b"\x00\x01")

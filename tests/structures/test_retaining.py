@@ -9,9 +9,8 @@ from typing import Any
 
 import pytest
 from bridge_scenes import SPAN, bridge
-from typer.testing import CliRunner
+from command_line import masonry_cd
 
-from masonry_cd.cli.app import app
 from masonry_cd.mechanics.model.blocks import Assembly
 from structures import Made, retaining, site
 
@@ -101,7 +100,7 @@ def test_build_warns_and_goes_on(tmp_path: Path) -> None:
         '[structure]\nkind = "bridge"\nspans = [{span=4.0,rise=1.5,thickness=0.4,voussoirs=7}]\n[structure.walls]\nunit_length = 1.5\n'
         "course_height = 0.7\n[material]\ndensity = 2000.0\nfriction = 0.6\n[run]\ndt = 1e-3\nduration = 1.0\n"
     )
-    answer = CliRunner().invoke(app, ["build", str(scene), "-o", str(tmp_path / "out"), "--no-picture"])
+    answer = masonry_cd("build", scene, "-o", tmp_path / "out", "--no-picture")
     assert answer.exit_code == 0, answer.output
     assert 'warning: "spandrel_front", "spandrel_back": dry and by itself, the wall overturns under its fill' in answer.output
     assert (tmp_path / "out" / "blocks.json").is_file()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from models import box, ground
+from models import advance, box, ground
 
 import loads
 import structures
@@ -42,8 +42,7 @@ def run(blocks: list[Block], bars: Any, tables: list[dict[str, Any]], dt: float,
     loading = loads.build(tables, dt, steps, G, Path(), assembly, ties=[(bar.where, bar.load()) for bar in bars])
     settings = Run.model_validate({"dt": dt, "duration": time, "solver": "nlgs", "tolerance": 1e-9})
     machine = Stepper(assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
-    for _ in range(steps):
-        machine.step()
+    advance(machine, steps)
     return machine
 
 
@@ -176,12 +175,10 @@ def test_a_yielded_tie_goes_on_from_a_checkpoint_to_the_bit():
     first, second = (
         Stepper(whole.assembly, loads_.support_velocity, loads_.acceleration, whole.settings, forces=loads_.forces) for _ in range(2)
     )
-    for _ in range(1200):
-        first.step()
+    advance(first, 1200)
     second.restore({name: array.copy() for name, array in first.snapshot().items()})
     assert second.motion.yielded[0] > 1e-4
-    for _ in range(800):
-        second.step()
+    advance(second, 800)
     assert (second.state.position == whole.state.position).all()
     assert (second.motion.yielded == whole.motion.yielded).all()
 

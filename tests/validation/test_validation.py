@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, gravity, ground, stepper, still, tower, wall
+from models import GRAVITY, advance, box, gravity, ground, stepper, still, tower, wall
 
 from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.prism import prism_xz
@@ -148,15 +148,13 @@ def test_heavy_on_light_does_not_sink(ratio):
     top = blocks[-1]
     blocks[-1] = Block(top.name, top.vertices, top.faces, ratio * top.density, top.group)
     machine = stepper(blocks, 400, dt=5e-3, **AUTO)
-    for _ in range(400):
-        machine.step()
+    advance(machine, 400)
     assert np.abs(machine.state.position - machine.assembly.centre).max() < 1e-6
 
 
 def test_a_coarse_step_does_not_topple_a_tower():
     machine = stepper(tower(10), 400, dt=0.05, **AUTO)
-    for _ in range(400):
-        machine.step()
+    advance(machine, 400)
     assert np.abs(machine.state.position - machine.assembly.centre).max() < 1e-6
 
 

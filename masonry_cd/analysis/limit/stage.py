@@ -10,13 +10,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from masonry_cd.analysis.limit.analysis import CAP, Collapse, NoFiniteFactor, Options, collapse_of, largest_factor
+from masonry_cd.analysis.limit.descent import normal_forces
 from masonry_cd.analysis.limit.following import LOCKED, Motion, motion
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.moved import moved_joints, touching_gap
 from masonry_cd.analysis.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
 from masonry_cd.analysis.limit.programme import largest, least_unborne
-from masonry_cd.analysis.limit.search import close_to, ends_of, least_factor, normal_forces
+from masonry_cd.analysis.limit.search import close_to, ends_of, least_factor
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints

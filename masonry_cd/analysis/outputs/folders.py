@@ -14,8 +14,9 @@ FOLDERS: dict[str, dict[str, str]] = {
         "problem.png": "of blocks that are refused: which, and where",
         "fill.json": "the fill of a bridge, beside blocks in formats that do not hold it",
         "plan.json": "the plan of a building, to correct and read again",
-        "plan.svg": "that plan and the elevations of its walls",
+        "plan.svg": "that plan and the elevations of its walls; of a building that is refused, what is wrong in red",
         "plan_left.csv": "what of a drawing was not understood",
+        "plan_junctions.csv": "where walls meet and where they end, with the widths found",
     },
     "limit": {
         "limit.json": "verdict, factors, mechanisms, check and certificate",

@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,8 +24,11 @@ if TYPE_CHECKING:
     from masonry_cd.mechanics.model.blocks import Block
     from structures import Made
     from structures.geometry.checks import Unsound
+    from structures.kind import DrawnPlan
 
-PLAN = tuple(name for name in files_of("build") if name.startswith("plan"))  # plan.json, plan.svg, plan_left.csv
+PLAN = tuple(name for name in files_of("build") if name.startswith("plan"))  # plan.json, plan.svg, plan_left.csv, plan_junctions.csv
+LEFT = ("handle", "layer", "drawn_as", "why")
+MEETINGS = ("what", "x", "y", "walls", "thickness", "angle", "nearest", "gap")
 JSON = "json"  # the format in which a structure of kind "file" is best read again
 
 
@@ -38,9 +41,9 @@ def build(
         scene: whose tables are checked.
         folder: for the files, made if need be.
         formats: of blocks.
-        picture: draw structure.png, or problem.png of blocks that are refused.
+        picture: draw structure.png, or problem.png of blocks that are refused, and the plan of a building.
         force: overwrite the files that are there.
-        say: takes a line on problem.png, before the error comes.
+        say: takes lines on problem.png, and on the plan of what is refused, before the error comes.
 
     Raises:
         InputError: unsound blocks, wrong keys, no such format, or files that are there.
@@ -56,7 +59,8 @@ def build(
         if name not in BLOCKS:
             raise InputError("--format", f'"{name}" is none; formats: {", ".join(BLOCKS)}')
     marks = [name for name in files_of("build") if not name.startswith("blocks.") or name.removeprefix("blocks.") in formats]
-    free_folder(folder, tuple(marks), force)
+    refused_before = not any((folder / f"blocks.{name}").exists() for name in BLOCKS)
+    free_folder(folder, tuple(marks), force or refused_before)  # the plan of what was refused gives way
     for name in formats:
         if name != JSON:
             meshfile.require_writer(folder / f"blocks.{name}")
@@ -64,9 +68,10 @@ def build(
 
     try:
         made = make_structures(scene)
-    except Unsound as fault:
-        if picture:
-            _draw_problem(fault, folder, say)
+    except InputError as error:
+        if picture and isinstance(error, Unsound):
+            _draw_problem(error, folder, say)
+        _write_refused_plan(scene, folder, picture, error, say)
         raise
     found = summary.report(made.blocks)
     warnings = [*summary.warnings(found), *_doubts(scene, made)]
@@ -130,7 +135,7 @@ def _draw(scene: Scene, made: Made, folder: Path, picture: bool) -> list[Path]:
     from reports.drawing.solids import structure_scene
     from structures.ties import lines_of
 
-    Sheet.drawn(structure_scene(made.blocks, scene.title, ties=lines_of(made.ties))).save(folder / "structure.png")
+    Sheet.drawn(structure_scene(made.blocks, scene.title, ties=lines_of(made.ties), fills=made.fills)).save(folder / "structure.png")
     return [folder / "structure.png"]
 
 
@@ -147,16 +152,31 @@ def _draw_problem(fault: Unsound, folder: Path, say: Say) -> None:
         say(f"written: {folder / 'problem.png'}")
 
 
-def _write_plan(scene: Scene, folder: Path, picture: bool) -> list[Path]:
+def _write_refused_plan(scene: Scene, folder: Path, picture: bool, error: InputError, say: Say) -> None:
+    """Write the plan of a building that is refused, as far as it is understood, with its faults marked; else nothing."""
+    from structures.geometry.checks import Unsound
+
+    try:
+        own_files.check(folder, PLAN)
+        written = _write_plan(scene, folder, picture, error, error.faulty if isinstance(error, Unsound) else ())
+    except InputError:  # of keys that are wrong, or a drawing that cannot be read, there is no plan
+        return
+    for path in written:
+        say(f"written: {path}")
+
+
+def _write_plan(scene: Scene, folder: Path, picture: bool, error: InputError | None = None, blocks: Iterable[str] = ()) -> list[Path]:
     """Write the plan from which a structure is built; the paths of what was written, none for a kind without a plan.
 
     Args:
-        scene: of a structure that can be built.
+        scene: of a structure.
         folder: which gets the files.
         picture: whether plan.svg is asked for.
+        error: for which the structure is refused.
+        blocks: names of those that are unsound.
 
     Raises:
-        InputError: a file cannot be written.
+        InputError: a file cannot be written, or a plan cannot be read.
     """
     from structures.plans.json_plan import write_json
     from structures.tables import own_keys
@@ -164,28 +184,32 @@ def _write_plan(scene: Scene, folder: Path, picture: bool) -> list[Path]:
     kind = scene.kind
     if kind is None or kind.plan is None:
         return []
-    tables, left = kind.plan(own_keys(scene.structure), scene.folder)
+    faults = () if error is None else error.faults
+    plan = kind.plan(own_keys(scene.structure), scene.folder, faults)
+    if not plan.walls:
+        return []
+    own_files.begin(folder, PLAN)
     own_files.remove(folder, PLAN[1:])  # of a former build
     written = [folder / PLAN[0]]
-    write_json(written[0], tables)
+    write_json(written[0], plan.tables)
     if picture:
         written.append(folder / PLAN[1])
-        _draw_plan(tables, written[-1], scene.title)
-    if left:
-        written.append(folder / PLAN[2])
-        with replacing(written[-1]) as part, part.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([("handle", "layer", "drawn_as", "why"), *left])
+        wrong = plan.wrong | {block.split(".")[0] for block in blocks}
+        _draw_plan(plan, written[-1], scene.title, wrong, () if error is None else error.lines)
+    for name, head, rows in ((PLAN[2], LEFT, plan.left), (PLAN[3], MEETINGS, plan.meetings)):
+        if rows:
+            written.append(folder / name)
+            with replacing(written[-1]) as part, part.open("w", newline="", encoding="utf-8") as file:
+                csv.writer(file).writerows([head, *rows])
     return written
 
 
-def _draw_plan(tables: dict[str, Any], path: Path, title: str) -> None:
-    """Draw plan.svg: the walls, and the outlines of vaults and columns."""
+def _draw_plan(plan: DrawnPlan, path: Path, title: str, wrong: Collection[str], faults: Sequence[str]) -> None:
+    """Draw plan.svg: the walls, and the outlines of vaults and columns; what is wrong in red."""
     from reports.drawing.plan_picture import plan_picture
-    from structures.plans.outlines import outline_of
 
-    walls = [outline_of(wall) for wall in tables["walls"]]
-    others = [(vault["shape"], np.array(vault["corners"], dtype=float)) for vault in tables.get("vaults", ()) if vault.get("corners")]
-    for column in tables.get("columns", ()):
+    others = [(vault["shape"], np.array(vault["corners"], dtype=float)) for vault in plan.tables.get("vaults", ()) if vault.get("corners")]
+    for column in plan.tables.get("columns", ()):
         at, half = np.array(column["at"], dtype=float), 0.5 * float(column.get("size", 0.6))
         others += [("", place + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])) for place in at.reshape(-1, 2)]
-    plan_picture(walls, others, path, title)
+    plan_picture(plan.walls, others, path, title, wrong, faults)

@@ -78,3 +78,10 @@ def bonded_shares(made: StepProblem, memory: JointMemory, pair_joint: np.ndarray
     if made.springs is not None:
         bonded_area(made.rows.active, made.found.pair, pair_joint, made.springs.area, memory.bonded, whole)
     return np.minimum(1.0, whole / joints.area)
+
+
+def largest_by_joint(of_pairs: np.ndarray, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
+    """The largest number of the pairs of parts (P,) of each joint, (J,); ``pair_joint`` names the joint of each pair or -1."""
+    out, known = np.zeros(joints.count), pair_joint >= 0
+    np.maximum.at(out, pair_joint[known], of_pairs[known])
+    return out

@@ -42,9 +42,10 @@ from masonry_cd.mechanics.dynamics.free_motion import Prediction, angular_moment
 from masonry_cd.mechanics.dynamics.impacts import error_of, open_among, open_contacts, solve_apart
 from masonry_cd.mechanics.dynamics.islands import FORCES, Islands
 from masonry_cd.mechanics.dynamics.jams import Closing
-from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, pretensioned
+from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, largest_by_joint, pretensioned
 from masonry_cd.mechanics.dynamics.new_state import RunStopped, update
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, largest_shortening, still_closing
+from masonry_cd.mechanics.dynamics.own_friction import FrictionLaw, with_friction
 from masonry_cd.mechanics.dynamics.planar import Plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.snapshot import check_motion, motion_arrays, part, prefixed, restored_motion
@@ -204,6 +205,7 @@ class Stepper:
         self.islands = Islands(in_condensed_unknowns(SOLVERS[settings.solver]), len(self.system.reach), settings.islands)
         self.load_step = 0  # k of the loads; it may run ahead of the steps, see pauses.py
         self.watch: Watch | None = None  # sees each problem that is solved
+        self.friction: FrictionLaw | None = None  # gives the coefficients of each step; None: those of the scene
         self.last: StepProblem | None = None  # of the last step
         self.solution = Solution(np.zeros((0, self.system.rows)), None, 0)  # of the last step
 
@@ -218,7 +220,7 @@ class Stepper:
         system, last = self.system, self.motion
         predicted = guided(system, predict(system, last, system.loads.of_step(self.load_step, ticks)))
         found = detect(system, self.detector, predicted, last.steps + 1)
-        made = assemble(system, last, predicted, found, self.detector.pairs)
+        made = self._assembled(predicted, found, self.detector.pairs)
         made, solved = solve_crushing(system, made, lambda made: solve(system, made, self.islands, last.steps + 1, self.watch))
         impulse = solved.solution.impulse
         new = update(system, last, made, impulse)
@@ -254,8 +256,12 @@ class Stepper:
         """The friction problem of the next step, were it as long as the last. Asking for it changes nothing."""
         predicted = guided(self.system, predict(self.system, self.motion, self.system.loads.of_step(self.load_step)))
         detector = deepcopy(self.detector)
-        found = detect(self.system, detector, predicted, self.steps + 1)
-        return assemble(self.system, self.motion, predicted, found, detector.pairs)
+        return self._assembled(predicted, detect(self.system, detector, predicted, self.steps + 1), detector.pairs)
+
+    def _assembled(self, predicted: Prediction, found: ContactSet, pairs: np.ndarray) -> StepProblem:
+        """The problem of the contacts found between pairs of parts (P, 2)."""
+        made = assemble(self.system, self.motion, predicted, found, pairs)
+        return made if self.friction is None else with_friction(self.system, self.motion, made, self.friction)
 
     def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, violation: Violation, begin: float) -> StepReport:
         """What the step cost that began at a reading of the clock."""
@@ -365,15 +371,9 @@ class Stepper:
             return (self.assembly.laws.apex[group[joints.block_a], group[joints.block_b]] > 0.0).astype(float)
         return bonded_shares(self.last, self.motion.joints, pair_joint, joints)
 
-    def joints_crushed(self, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
-        """By how much each joint is shorter for good where it is most so, (J,) [m]; ``pair_joint`` names the joint of each pair or -1."""
-        out, known = np.zeros(joints.count), pair_joint >= 0
-        np.maximum.at(out, pair_joint[known], self.detector.most_crushed()[known])
-        return out
-
     def joint_histories(self, pair_joint: np.ndarray, joints: Joints) -> dict[str, np.ndarray]:
         """What a run records of the laws that some joint has, (J,) each by its name; ``pair_joint`` names the joint of each pair or -1."""
-        measures = {"bonded": self.joint_bonds, "crushed": self.joints_crushed}
+        measures = {"bonded": self.joint_bonds, "crushed": lambda *of: largest_by_joint(self.detector.most_crushed(), *of)}
         return {history.name: measures[history.name](pair_joint, joints) for history in histories(self.assembly.laws)}
 
     def snapshot(self) -> dict[str, np.ndarray]:

@@ -67,10 +67,10 @@ def add_coupled(problem, p, begin, stop, out):
 
 
 @kernel()
-def add_coupled_blocks(problem, blocks, symbolic, share, matrix):
-    """Add G B to the columns of a share (first, end) of a :class:`BlockMatrix`, B one block a contact, the first rows of ``blocks``."""
+def add_coupled_blocks(problem, blocks, share, factor):
+    """Add G B to the columns of a share (first, end) of the matrix of a factor, B one block a contact, the first rows of ``blocks``."""
     (begin, stop), out, (data, indices, indptr) = share, np.empty((len(problem.m), len(problem.m))), problem.coupling
-    diagonal, lower, upper = matrix.diagonal, matrix.lower, matrix.upper
+    symbolic, diagonal, lower, upper = factor.symbolic, factor.diagonal, factor.lower, factor.upper
     for c in range(len(problem.places)):
         for k in range(indptr[c], indptr[c + 1]):
             i, j = problem.places[c, 0], problem.places[indices[k], 0]
@@ -88,12 +88,12 @@ def add_coupled_blocks(problem, blocks, symbolic, share, matrix):
 
 
 @borrower()
-def add_symmetric_blocks(coupling, places, scale, share, symbolic, diagonal, lower):
-    """Add the symmetric part of W to the blocks of a matrix, W = ``scale`` (C,) times the coupling, in the columns (first, end) of a share.
+def add_symmetric_blocks(coupling, places, scale, share, factor):
+    """Add the symmetric part of W to the matrix of a factor, W = ``scale`` (C,) times the coupling, in the columns (first, end) of a share.
 
     Of the contacts there are the places (C, 1 or more); scale and the indices of the coupling go by these.
     """
-    data, indices, indptr = coupling
+    (data, indices, indptr), symbolic, diagonal, lower = coupling, factor.symbolic, factor.diagonal, factor.lower
     for c in range(len(places)):
         for k in range(indptr[c], indptr[c + 1]):
             i, j, n = places[c, 0], indices[k], data.shape[1]

@@ -22,7 +22,7 @@ from masonry_cd.mechanics.friction.operators import (
     squared_size_of,
 )
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
-from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, wait
+from masonry_cd.mechanics.linalg.threads import ThreadTeam, alone, share_of, wait
 
 PARTS = 64  # of the contacts, whose sums are added in their order
 
@@ -67,13 +67,6 @@ def move_terms(team, problem, p, terms):
     wait(team)
     body_velocity_of(problem, terms.momentum, b0, b1, terms.v)
     wait(team)
-
-
-@kernel()
-def alone():
-    """A team of one thread."""
-    nobody = np.zeros(3, dtype=np.int64)
-    return ThreadTeam(0, 1, nobody, nobody)
 
 
 @entry()

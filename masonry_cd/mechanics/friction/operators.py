@@ -26,7 +26,7 @@ from masonry_cd.mechanics.friction.natural_map import squared_residual
 from masonry_cd.mechanics.linalg.intrinsics import is_tuple
 from masonry_cd.mechanics.linalg.small_blocks import add_outer_product, invert, is_wide
 from masonry_cd.mechanics.linalg.triples import inner, plus, times
-from masonry_cd.mechanics.linalg.wide_blocks import add_turned_product
+from masonry_cd.mechanics.linalg.wide_blocks import add_squares
 
 
 class ProblemArrays(NamedTuple):
@@ -161,7 +161,7 @@ def load_mass(problem, b, blocks):
 def add_product(problem, x, y, rows, one, other, out):
     """out (n, n) += x^T y of so many rows of the bodies at two places, as far as these have unknowns; narrow ones are of one contact."""
     if is_wide(problem.n):
-        add_turned_product(x, y, rows, (unknowns_at(problem, one, one), unknowns_at(problem, other, other)), out)
+        add_squares(1.0, x, True, y, rows, (unknowns_at(problem, one, one), unknowns_at(problem, other, other)), out)
     else:
         add_outer_product(x, y, out, problem.m, problem.n)
 
@@ -220,7 +220,7 @@ def body_velocity_of(problem, momentum, first, end, v):
 
 
 @borrower()
-def missing_momentum_of(problem, free, v, first, end, out):
+def momentum_residual_of(problem, free, v, first, end, out):
     """out = M (v_free - v) for the bodies first to end; ``free`` (B, n) or more rows is v_free."""
     mass, n = problem.mass, len(problem.n)
     for b in range(first, end):

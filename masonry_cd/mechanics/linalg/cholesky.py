@@ -1,38 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A = L D L^T of a symmetric block matrix, looking left, supernode by supernode, alone or by a team of threads (see symbolic.py)."""
+"""A = L D L^T of a symmetric block matrix, looking left, supernode by supernode (see symbolic.py)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.foundation.jit import entry, kernel
+from masonry_cd.foundation.jit import kernel
 from masonry_cd.mechanics.linalg.dense import gemm, inverse_cholesky
-from masonry_cd.mechanics.linalg.ghost_rows import share_of_subtrees
-from masonry_cd.mechanics.linalg.single_columns import SYMMETRIC, factorise_columns
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.supernodes import (
-    BlockMatrix,
-    Factor,
     end_inside,
     extent,
-    has_single_columns,
     load_blocks,
     load_diagonal,
     number_rows,
     subtract_product,
-    view_block,
+    view_panel,
+    view_square,
 )
-from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
-from masonry_cd.mechanics.linalg.threads import share_of, wait
 
 
 @kernel()
-def apply_symmetric_update(symbolic, d, t0, t1, where, panel, square, own, out, n):
+def apply_symmetric_update(symbolic, d, rows_inside, where, panel, square, own, out, n):
     """Subtract from a supernode, the upper triangle of its ``square`` and its panel ``own``, what the earlier supernode d contributes.
 
-    ``panel`` is that of d, t0 to t1 its rows in the supernode.
+    ``panel`` is that of d, ``rows_inside`` the first and the end of its rows in the supernode.
     """
-    last, inner, length = symbolic.start[d + 1], len(panel), panel.shape[1]
+    (t0, t1), last, inner, length = rows_inside, symbolic.start[d + 1], len(panel), panel.shape[1]
     first, rows = length - n * (last - t0), n * (t1 - t0)
     gemm(panel, first, rows, inner, panel, first, length, out)
     for j in range(t1 - t0):
@@ -46,35 +40,29 @@ def apply_symmetric_update(symbolic, d, t0, t1, where, panel, square, own, out, 
 
 
 @kernel()
-def factorise_supernodes(symbolic, first, last, diagonal, lower, squares, panels, n):
-    """A = L L^T of a symmetric A for supernodes first to last, after all that update them, with blocks of n x n.
+def factorise_symmetric(factor, first, last):
+    """A = L L^T of a symmetric A for supernodes first to last of a :class:`BlockFactor`, after all that update them.
 
     Squares: C^-T of the triangles C on the diagonal of L; panels: L^T right of them; in the precision of their arrays. Only the square at
-    work is always in double precision. Returns False when A is not positive definite.
+    work is always in double precision. Returns 1, or 0 where A is not positive definite.
     """
+    symbolic, n, panels = factor.symbolic, len(factor.size), factor.panels
     size = len(symbolic.column) - 1
     widest, longest = extent(symbolic, first, last, n)
     out, where = np.empty((widest, longest), dtype=panels.dtype), np.empty(size, dtype=np.int64)
     square_at_work, root_at_work = np.empty(widest * widest), np.empty(widest * widest)
     for s in range(first, last):
         number_rows(symbolic, s, where)
-        width, length = n * (symbolic.first[s + 1] - symbolic.first[s]), n * (symbolic.start[s + 1] - symbolic.start[s])
-        square, panel = square_at_work[: width * width].reshape((width, width)), view_block(panels, symbolic.panel[s], width, length, n)
-        load_diagonal(symbolic, s, diagonal, square, n)
-        load_blocks(symbolic, s, where, lower, square, panel, n)
+        kept, panel = view_square(symbolic, s, factor.squares, n), view_panel(symbolic, s, panels, n)
+        width, length = panel.shape
+        square, root = square_at_work[: width * width].reshape((width, width)), root_at_work[: width * width].reshape((width, width))
+        load_diagonal(symbolic, s, factor.diagonal, square, n)
+        load_blocks(symbolic, s, where, factor.lower, square, panel, n)
         for e in range(symbolic.update_start[s], symbolic.update_start[s + 1]):
-            d, t1 = symbolic.updater[e], end_inside(symbolic, e, symbolic.first[s + 1])
-            its = view_block(
-                panels,
-                symbolic.panel[d],
-                n * (symbolic.first[d + 1] - symbolic.first[d]),
-                n * (symbolic.start[d + 1] - symbolic.start[d]),
-                n,
-            )
-            apply_symmetric_update(symbolic, d, symbolic.update_first[e], t1, where, its, square, panel, out, n)
-        root, kept = root_at_work[: width * width].reshape((width, width)), view_block(squares, symbolic.square[s], width, width, n)
+            d, inside = symbolic.updater[e], (symbolic.update_first[e], end_inside(symbolic, e, symbolic.first[s + 1]))
+            apply_symmetric_update(symbolic, d, inside, where, view_panel(symbolic, d, panels, n), square, panel, out, n)
         if not inverse_cholesky(square, root):
-            return False
+            return 0.0
         copy_flat(root, kept)
         for j in range(width - 1 - (width - 1) % 3, -1, -3):  # from below, where a row needs all above it and none needs it
             rows = min(3, width - j)
@@ -82,20 +70,21 @@ def factorise_supernodes(symbolic, first, last, diagonal, lower, squares, panels
             for k in range(rows):
                 for i in range(length):
                     panel[j + k, i] = out[k, i]
-    return True
+    return 1.0
 
 
 @kernel()
-def to_unit_diagonal(symbolic, first, last, squares, panels, n):
-    """From the factors of :func:`factorise_supernodes` to A = L D L^T with ones on the diagonal of L: squares of D^-1 and panels of L.
+def to_unit_diagonal(factor, first, last):
+    """From the factors of :func:`factorise_symmetric` to A = L D L^T with ones on the diagonal of L: squares of D^-1 and panels of L.
 
     A solve then reads the squares once, not twice.
     """
+    symbolic, n, panels = factor.symbolic, len(factor.size), factor.panels
     widest, longest = extent(symbolic, first, last, n)
     out, root_at_work = np.empty((3, longest), dtype=panels.dtype), np.empty(widest * widest, dtype=panels.dtype)
     for s in range(first, last):
-        width, length = n * (symbolic.first[s + 1] - symbolic.first[s]), n * (symbolic.start[s + 1] - symbolic.start[s])
-        square, panel = view_block(squares, symbolic.square[s], width, width, n), view_block(panels, symbolic.panel[s], width, length, n)
+        square, panel = view_square(symbolic, s, factor.squares, n), view_panel(symbolic, s, panels, n)
+        width = len(square)
         root = root_at_work[: width * width].reshape((width, width))  # C^-1
         for j in range(width):
             for i in range(width):
@@ -107,39 +96,3 @@ def to_unit_diagonal(symbolic, first, last, squares, panels, n):
                 for k in range(rows):
                     for i in range(lines.shape[1]):
                         lines[j + k, i] = out[k, i]
-
-
-@entry()
-def factorise_cholesky(
-    symbolic: SymbolicFactor, diagonal: np.ndarray, lower: np.ndarray, squares: np.ndarray, panels: np.ndarray, size_n: tuple[int, ...]
-) -> bool:
-    """A = L D L^T: squares of D^-1 and panels of L from diagonal blocks (N, n, n) A_jj and lower ones (B, n, n) A_ij.
-
-    Returns False when A is not positive definite; if all columns are single, when a diagonal block cannot be inverted.
-    """
-    if has_single_columns(symbolic):
-        return factorise_columns(BlockMatrix(diagonal, lower, lower), Factor(symbolic, squares, panels, panels, size_n), SYMMETRIC) != 0.0
-    n, count = len(size_n), len(symbolic.first) - 1
-    ok = factorise_supernodes(symbolic, 0, count, diagonal, lower, squares, panels, n)
-    if ok:
-        to_unit_diagonal(symbolic, 0, count, squares, panels, n)
-    return ok
-
-
-@kernel()
-def factorise_by_team(team, symbolic, diagonal, lower, squares, panels, n):
-    """:func:`factorise_cholesky` by a team, level by level of the subtrees, where not all columns are single."""
-    for level in range(len(symbolic.level) - 1):
-        begin, end = share_of(team, symbolic.level[level], symbolic.level[level + 1])
-        for q in range(begin, end):
-            first, last = symbolic.subtree[q], symbolic.subtree[q + 1]
-            if team.failed[0] == 0 and not factorise_supernodes(symbolic, first, last, diagonal, lower, squares, panels, n):
-                team.failed[0] = 1
-        wait(team)
-    ok = team.failed[0] == 0
-    begin, end = share_of_subtrees(team, symbolic)
-    if ok:
-        to_unit_diagonal(symbolic, symbolic.subtree[begin], symbolic.subtree[end], squares, panels, n)
-    wait(team)
-    team.failed[0] = 0
-    return ok

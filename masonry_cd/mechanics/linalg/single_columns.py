@@ -28,21 +28,11 @@ SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 def subtract_block_product(c, at, a, i, b, shape, size_n):
     """c[at] -= a[i] b for blocks; a[i] has so many rows and columns, and b so many columns, as ``shape`` says where they are wide.
 
-    For n = 6 a row of c is held in registers, for n = 3 all of b.
+    For n = 6 a row of c is held in registers.
     """
     n = len(size_n)
     if is_wide(size_n):
         add_squares(-1.0, a[i], False, b, shape[1], (shape[0], shape[2]), c[at])
-        return
-    if n == 3:
-        b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
-        b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
-        b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
-        for p in range(3):
-            x, y, z = a[i, p, 0], a[i, p, 1], a[i, p, 2]
-            c[at, p, 0] -= x * b00 + y * b10 + z * b20
-            c[at, p, 1] -= x * b01 + y * b11 + z * b21
-            c[at, p, 2] -= x * b02 + y * b12 + z * b22
         return
     out, left = c[at], a[i]
     for p in range(n):
@@ -60,9 +50,10 @@ def subtract_block_product(c, at, a, i, b, shape, size_n):
 
 
 @borrower(forceinline=True)
-def load_column(matrix, symbolic, j, where, to, symmetric, size_n):
+def load_column(factor, j, where, to, symmetric):
     """Blocks of A in column j into ``to``: a square (n, n), the blocks of L and of (D U)^T; ``where`` (N,) numbers their rows."""
-    (diagonal, lower, upper), (square, lows, ups), row, below = matrix, to, symbolic.row, symbolic.below
+    symbolic, size_n, (square, lows, ups) = factor.symbolic, factor.size, to
+    row, below = symbolic.row, symbolic.below
     own = rows_of(symbolic, j, size_n)
     for t in range(symbolic.start[j], symbolic.start[j + 1]):
         where[below[t]] = t
@@ -70,10 +61,10 @@ def load_column(matrix, symbolic, j, where, to, symmetric, size_n):
         if not symmetric:
             clear_rows(rows_of(symbolic, below[t], size_n), own, ups[t])
     for t in range(symbolic.column[j], symbolic.column[j + 1]):
-        copy_rows(lower[t], rows_of(symbolic, row[t], size_n), own, lows[where[row[t]]])
+        copy_rows(factor.lower[t], rows_of(symbolic, row[t], size_n), own, lows[where[row[t]]])
         if not symmetric:
-            copy_rows(upper[t], rows_of(symbolic, row[t], size_n), own, ups[where[row[t]]])
-    copy_rows(diagonal[j], own, own, square)
+            copy_rows(factor.upper[t], rows_of(symbolic, row[t], size_n), own, ups[where[row[t]]])
+    copy_rows(factor.diagonal[j], own, own, square)
 
 
 class ColumnScratch(NamedTuple):
@@ -90,22 +81,22 @@ class ColumnScratch(NamedTuple):
 
 
 @kernel()
-def factorise_columns(matrix, factor, symmetric):
-    """:func:`factorise_ldu` where each supernode is one node: blocks of L and of (D U)^T one after another, all loops over them unrolled
+def factorise_columns(factor, symmetric):
+    """The factors where each supernode is one node: blocks of L and of (D U)^T one after another, all loops over them unrolled
     unless blocks are wide.
 
-    Of a symmetric matrix L is all.
+    Of a symmetric matrix L is all, and ``others`` has to be ``panels``. Returns the sign of det A, 0 when a block of D has no inverse.
     """
     n, count = len(factor.size), len(factor.symbolic.column) - 1
     scratch = ColumnScratch(
         np.full(count, -1), np.full(count, -1), np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64), np.empty((n, n)),
         np.empty((1, n, n)), np.empty((n, n)), np.empty((n, n)),
     )  # fmt: skip
-    return _eliminate_columns(matrix, factor, symmetric, scratch)
+    return _eliminate_columns(factor, symmetric, scratch)
 
 
 @borrower(fastmath={"contract"})
-def _eliminate_columns(matrix, factor, symmetric, scratch):
+def _eliminate_columns(factor, symmetric, scratch):
     """Column after column, each by those before it; the sign of the determinant, 0 when a diagonal block cannot be inverted."""
     symbolic, size = factor.symbolic, factor.size
     n, count, first, below, sign = len(size), len(symbolic.column) - 1, symbolic.start, symbolic.below, 1.0
@@ -114,7 +105,7 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
     head, following, at, where, work, square, turned, other = scratch
     for j in range(count):
         own = rows_of(symbolic, j, size)
-        load_column(matrix, symbolic, j, where, (square[0], lows, ups), symmetric, size)
+        load_column(factor, j, where, (square[0], lows, ups), symmetric)
         k = head[j]
         while k >= 0:  # all columns k < j with a block in row j
             coming, t0, end, inner = following[k], at[k], first[k + 1], rows_of(symbolic, k, size)
@@ -163,24 +154,35 @@ def forward_columns(symbolic, low, x, size_n):
             nothing = nothing and x[j, q] == 0.0
         if nothing:
             continue
-        if n == 3:
-            y0, y1, y2 = x[j, 0], x[j, 1], x[j, 2]
-            for t in range(symbolic.start[j], symbolic.start[j + 1]):
-                i = below[t]
-                x[i, 0] -= lows[t, 0, 0] * y0 + lows[t, 0, 1] * y1 + lows[t, 0, 2] * y2
-                x[i, 1] -= lows[t, 1, 0] * y0 + lows[t, 1, 1] * y1 + lows[t, 1, 2] * y2
-                x[i, 2] -= lows[t, 2, 0] * y0 + lows[t, 2, 1] * y1 + lows[t, 2, 2] * y2
-            continue
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
             if is_wide(size_n):
                 subtract_rows_times(lows[t], x[j], rows_of(symbolic, i, size_n), own, x[i])
                 continue
-            for p in range(n):
-                total = x[i, p]
-                for q in range(n):
-                    total -= lows[t, p, q] * x[j, q]
-                x[i, p] = total
+            if n == 6:
+                subtract_times(lows, t, x, i, j, 6)
+            else:
+                subtract_times(lows, t, x, i, j, n)
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def subtract_times(lows, t, x, i, j, n):
+    """x_i -= L_ij x_j."""
+    for p in range(n):
+        total = x[i, p]
+        for q in range(n):
+            total -= lows[t, p, q] * x[j, q]
+        x[i, p] = total
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def subtract_turned(ups, t, x, i, j, n):
+    """x_j -= U_ji x_i, of a block that is transposed."""
+    for q in range(n):  # summed first: the next block of the column waits for one subtraction then
+        total = ups[t, 0, q] * x[i, 0]
+        for p in range(1, n):
+            total += ups[t, p, q] * x[i, p]
+        x[j, q] -= total
 
 
 @borrower(fastmath={"contract"})
@@ -209,6 +211,15 @@ def divide_node(symbolic, squares, j, x, y, size_n):
             y[p], x[j, p] = -x[j, p], 0.0
         subtract_rows_times(squares[j], y, n, n, x[j])
         return
+    if n == 6:
+        multiply_node(squares, j, x, y, 6)
+    else:
+        multiply_node(squares, j, x, y, n)
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def multiply_node(squares, j, x, y, n):
+    """x_j <- D_j^-1 x_j of a block of n rows."""
     for p in range(n):
         total = squares.dtype.type(0.0)
         for q in range(n):
@@ -222,23 +233,12 @@ def divide_node(symbolic, squares, j, x, y, size_n):
 def subtract_from_node(symbolic, ups, j, x, size_n):
     """Subtract from x_j what the rows below have in column j, whose blocks are transposed."""
     n, below = rows_of(symbolic, j, size_n), symbolic.below
-    if len(size_n) == 3:  # the sums stay in registers: no block of the column waits for the one before it
-        s0, s1, s2 = x[j, 0], x[j, 1], x[j, 2]
-        for t in range(symbolic.start[j], symbolic.start[j + 1]):
-            i = below[t]
-            y0, y1, y2 = x[i, 0], x[i, 1], x[i, 2]
-            s0 -= ups[t, 0, 0] * y0 + ups[t, 1, 0] * y1 + ups[t, 2, 0] * y2
-            s1 -= ups[t, 0, 1] * y0 + ups[t, 1, 1] * y1 + ups[t, 2, 1] * y2
-            s2 -= ups[t, 0, 2] * y0 + ups[t, 1, 2] * y1 + ups[t, 2, 2] * y2
-        x[j, 0], x[j, 1], x[j, 2] = s0, s1, s2
-        return
     for t in range(symbolic.start[j], symbolic.start[j + 1]):
         i = below[t]
         if is_wide(size_n):
             subtract_columns_times(ups[t], x[i], rows_of(symbolic, i, size_n), n, x[j])
             continue
-        for q in range(n):  # summed first: the next block of the column waits for one subtraction then
-            total = ups[t, 0, q] * x[i, 0]
-            for p in range(1, n):
-                total += ups[t, p, q] * x[i, p]
-            x[j, q] -= total
+        if n == 6:
+            subtract_turned(ups, t, x, i, j, 6)
+        else:
+            subtract_turned(ups, t, x, i, j, n)

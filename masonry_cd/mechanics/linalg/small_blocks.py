@@ -134,7 +134,7 @@ def dot(x, y, length):
 
 @borrower(fastmath={"contract"})
 def multiply(a, b, out, size_n):
-    """out = a b. For n = 6 a row is held in registers, for n = 3 all of b."""
+    """out = a b. For n = 6 a row is held in registers."""
     n = len(size_n)
     if n == 6:
         for p in range(6):
@@ -142,16 +142,6 @@ def multiply(a, b, out, size_n):
             for r in range(6):
                 total = add_six_times(total, a[p, r], load_six(b, r, 0))
             store_six(out, p, 0, total)
-        return
-    if n == 3:
-        b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
-        b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
-        b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
-        for p in range(3):
-            x, y, z = a[p, 0], a[p, 1], a[p, 2]
-            out[p, 0], out[p, 1], out[p, 2] = (
-                x * b00 + y * b10 + z * b20, x * b01 + y * b11 + z * b21, x * b02 + y * b12 + z * b22,
-            )  # fmt: skip
         return
     for p in range(n):
         for q in range(n):

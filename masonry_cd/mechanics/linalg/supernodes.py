@@ -1,32 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A block matrix and its factors: the squares and panels of supernodes, and rows scattered into and gathered from them."""
+"""Supernodes of a factor: their squares and panels, and rows scattered into and gathered from them."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
-from masonry_cd.foundation.jit import borrower, entry, kernel
-from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
-
-
-class BlockMatrix(NamedTuple):
-    """A sparse matrix A of (n, n) blocks with a symmetric pattern: N nodes in order of elimination, E blocks below the diagonal."""
-
-    diagonal: np.ndarray  # (N or more, n, n) A_jj
-    lower: np.ndarray  # (E, n, n) A_ij below the diagonal, where the symbolic factor has them
-    upper: np.ndarray  # (E, n, n) A_ji^T; of a symmetric matrix ``lower``
-
-
-class Factor(NamedTuple):
-    """The factors of a block matrix, A = L D U."""
-
-    symbolic: SymbolicFactor
-    squares: np.ndarray  # D^-1, flat
-    panels: np.ndarray  # L, flat
-    others: np.ndarray  # D U, flat; not used where A is symmetric
-    size: tuple[int, ...]  # n zeros, see small_blocks.py
+from masonry_cd.foundation.jit import borrower, kernel
 
 
 @borrower()
@@ -49,28 +26,17 @@ def subtract_product(product, skip, below, begin, own, end, where, panel, n):
 
 
 @kernel()
-def view_block(values, start, rows, columns, n):
-    """A square or panel as a matrix."""
-    begin = start * n * n
-    return values[begin : begin + rows * columns].reshape((rows, columns))
-
-
-@entry()
-def allocate_factors(symbolic: SymbolicFactor, size: tuple[int, ...]) -> Factor:
-    """Room for a :class:`Factor`; what is not touched, as the panels of D U for a symmetric matrix, costs nothing."""
-    blocks = len(size) * len(size)
-    squares, panels = np.empty(symbolic.square[-1] * blocks), np.empty(symbolic.panel[-1] * blocks)
-    return Factor(symbolic, squares, panels, np.empty(symbolic.panel[-1] * blocks), size)
+def view_square(symbolic, s, squares, n):
+    """The square (width, width) of supernode s as a matrix."""
+    begin, width = symbolic.square[s] * n * n, n * (symbolic.first[s + 1] - symbolic.first[s])
+    return squares[begin : begin + width * width].reshape((width, width))
 
 
 @kernel()
-def view_supernode(factor, s):
-    """The square (width, width) of supernode s, and its panels (width, length) of L and of D U."""
-    symbolic, n = factor.symbolic, len(factor.size)
-    width, length = n * (symbolic.first[s + 1] - symbolic.first[s]), n * (symbolic.start[s + 1] - symbolic.start[s])
-    square = view_block(factor.squares, symbolic.square[s], width, width, n)
-    low = view_block(factor.panels, symbolic.panel[s], width, length, n)
-    return square, low, view_block(factor.others, symbolic.panel[s], width, length, n)
+def view_panel(symbolic, s, panels, n):
+    """The panel (width, length) of supernode s as a matrix."""
+    begin, width, length = symbolic.panel[s] * n * n, symbolic.first[s + 1] - symbolic.first[s], symbolic.start[s + 1] - symbolic.start[s]
+    return panels[begin : begin + n * width * n * length].reshape((n * width, n * length))
 
 
 @borrower()

@@ -35,7 +35,12 @@ class ThreadTeam(NamedTuple):
     rank: int  # of this thread, from 0
     size: int  # number of threads
     barrier: np.ndarray  # (3,) shared: how many threads wait, how often all have passed, whether one has ended with an error
-    failed: np.ndarray  # (1,) shared: 1 if a thread met a matrix that is not positive definite
+
+
+@kernel()
+def alone():
+    """A team of one thread."""
+    return ThreadTeam(0, 1, np.zeros(3, dtype=np.int64))
 
 
 class TeamAbandoned(RuntimeError):
@@ -98,13 +103,13 @@ def run_by_team(kernel: Callable[..., Any], size: int, *arguments: Any) -> Any:
 
     Where a thread ends with an error all of them end, and the first such error, in the order of their ranks, is raised.
     """
-    barrier, failed = np.zeros(3, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    barrier = np.zeros(3, dtype=np.int64)
     if size <= 1:
-        return kernel(ThreadTeam(0, 1, barrier, failed), *arguments)
+        return kernel(ThreadTeam(0, 1, barrier), *arguments)
 
     def member(rank: int) -> Any:
         try:
-            return kernel(ThreadTeam(rank, size, barrier, failed), *arguments)
+            return kernel(ThreadTeam(rank, size, barrier), *arguments)
         except BaseException:
             barrier[ABANDONED] = 1
             raise

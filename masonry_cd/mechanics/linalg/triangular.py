@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Forward and backward substitution with the factors of ldu.py and cholesky.py.
+"""Forward and backward substitution with the factors of a :class:`BlockFactor`.
 
 Sums are taken in the order that the processor likes ("reassoc"); equal inputs still give equal bits on one machine.
 """
@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.foundation.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.linalg.single_columns import SYMMETRIC, UNSYMMETRIC, backward_columns, forward_columns
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
-from masonry_cd.mechanics.linalg.supernodes import Factor, gather_rows, has_single_columns, longest_line, subtract_rows
-from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
+from masonry_cd.mechanics.linalg.supernodes import gather_rows, has_single_columns, longest_line, subtract_rows
 
 
 @borrower(fastmath={"contract", "reassoc"})
@@ -56,66 +55,64 @@ def add_rows(lines, at, length, factors, sign, out, size_n):
         out[k] += factor * total
 
 
-@entry()
-def solve_ldu(factor: Factor, x: np.ndarray) -> None:
-    """Solve L D U x = x in place, x (N or more, n)."""
-    symbolic, size, low, up = factor.symbolic, factor.size, factor.panels, factor.others
-    if has_single_columns(symbolic):
-        forward_columns(symbolic, low, x, size)
-        backward_columns(symbolic, factor.squares, up, x, np.empty(len(size)), UNSYMMETRIC, size)
-        return
-    n, count = len(size), len(symbolic.first) - 1
-    longest, blocks, flat = longest_line(symbolic, 0, count, n), n * n, x.reshape(x.size)
-    y, z = np.empty(longest), np.empty(longest)
-    for s in range(count):
-        own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
-        add_columns(low, symbolic.panel[s] * blocks, length, own, y, size)
-        subtract_rows(symbolic, s, symbolic.below, y, x, n)
-    for s in range(count - 1, -1, -1):
-        own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
-        gather_rows(symbolic, s, x, y, n)
-        add_rows(up, symbolic.panel[s] * blocks, length, y, -1.0, own, size)
-        copy_flat(own, z)
-        own[:] = 0.0
-        add_rows(factor.squares, symbolic.square[s] * blocks, len(own), z, 1.0, own, size)
-
-
 @borrower()
-def forward_substitution(symbolic, first, last, row, panels, x, line, size_n):
-    """x <- L^-1 x of a symmetric matrix for supernodes first to last; ``row`` (R,) as in :func:`subtract_rows`.
+def forward_substitution(factor, first, last, row, x, line):
+    """x <- L^-1 x for supernodes first to last of a :class:`BlockFactor`; ``row`` (R,) as in :func:`subtract_rows`.
 
     ``line`` is room of the type of the panels for :func:`longest_line` entries.
     """
+    symbolic, panels, size = factor.symbolic, factor.panels, factor.size
     if has_single_columns(symbolic):
-        forward_columns(symbolic, panels, x, size_n)
+        forward_columns(symbolic, panels, x, size)
         return
-    n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
+    n, blocks, flat = len(size), len(size) * len(size), x.reshape(x.size)
     for s in range(first, last):
         own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
-        add_columns(panels, symbolic.panel[s] * blocks, length, own, line, size_n)
+        add_columns(panels, symbolic.panel[s] * blocks, length, own, line, size)
         subtract_rows(symbolic, s, row, line, x, n)
 
 
 @borrower()
-def backward_substitution(symbolic, first, last, squares, panels, x, line, size_n):
+def backward_substitution(factor, first, last, x, line):
     """x <- L^-T D^-1 x of a symmetric matrix for supernodes first to last, after all later ones; ``line`` as for the forward one."""
+    symbolic, size = factor.symbolic, factor.size
     if has_single_columns(symbolic):
-        backward_columns(symbolic, squares, panels, x, line, SYMMETRIC, size_n)
+        backward_columns(symbolic, factor.squares, factor.panels, x, line, SYMMETRIC, size)
         return
-    n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
+    n, flat = len(size), x.reshape(x.size)
     for s in range(last - 1, first - 1, -1):
-        own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
-        copy_flat(own, line[: len(own)])
-        own[:] = 0.0
-        add_rows(squares, symbolic.square[s] * blocks, len(own), line, 1.0, own, size_n)
-        gather_rows(symbolic, s, x, line, n)
-        add_rows(panels, symbolic.panel[s] * blocks, length, line, -1.0, own, size_n)
+        own = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]]
+        divide_by_square(factor, s, own, line)
+        subtract_below(factor, factor.panels, s, x, own, line)
 
 
-@entry()
-def solve_cholesky(symbolic: SymbolicFactor, squares: np.ndarray, panels: np.ndarray, x: np.ndarray, size_n: tuple[int, ...]) -> None:
-    """Solve A x = x in place for the factors of a symmetric A, x (N or more, n)."""
-    count = len(symbolic.first) - 1
-    line = np.empty(longest_line(symbolic, 0, count, len(size_n)), dtype=panels.dtype)
-    forward_substitution(symbolic, 0, count, symbolic.below, panels, x, line, size_n)
-    backward_substitution(symbolic, 0, count, squares, panels, x, line, size_n)
+@kernel()
+def solve_ldu(factor, x):
+    """x <- (L D U)^-1 x in place, x (N or more, n)."""
+    symbolic, size = factor.symbolic, factor.size
+    n, count = len(size), len(symbolic.first) - 1
+    line, flat = np.empty(longest_line(symbolic, 0, count, n)), x.reshape(x.size)
+    forward_substitution(factor, 0, count, symbolic.below, x, line)
+    if has_single_columns(symbolic):
+        backward_columns(symbolic, factor.squares, factor.others, x, line, UNSYMMETRIC, size)
+        return
+    for s in range(count - 1, -1, -1):
+        own = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]]
+        subtract_below(factor, factor.others, s, x, own, line)
+        divide_by_square(factor, s, own, line)
+
+
+@borrower()
+def divide_by_square(factor, s, own, line):
+    """own <- D_s^-1 own, the rows of supernode s."""
+    copy_flat(own, line[: len(own)])
+    own[:] = 0.0
+    add_rows(factor.squares, factor.symbolic.square[s] * len(factor.size) * len(factor.size), len(own), line, 1.0, own, factor.size)
+
+
+@borrower()
+def subtract_below(factor, panels, s, x, own, line):
+    """Subtract from the rows of supernode s what those below it have in its columns, by panels of L^T or of D U."""
+    symbolic, n = factor.symbolic, len(factor.size)
+    gather_rows(symbolic, s, x, line, n)
+    add_rows(panels, symbolic.panel[s] * n * n, n * (symbolic.start[s + 1] - symbolic.start[s]), line, -1.0, own, factor.size)

@@ -13,7 +13,7 @@ neighbour both are computed, and :func:`where_at_most` picks.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
@@ -255,69 +255,28 @@ def scatter(
     return (types.void(matrix, rows, group, first, column, lanes), generate) if _is_plain(matrix) else None
 
 
-@intrinsic
-def gather_six(typing: Any, matrix: types.Array, rows: types.Array, group: types.Integer, first: types.Integer) -> Any:
+@borrower(forceinline=True)
+def gather_six(matrix, rows, group, first):
     """The six columns of the rows that stand in rows[group, first : first + LANES], as :func:`gather` gives each."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        four, two = list[Any](), list[Any]()
-        for address in _addresses(context, builder, signature, (*arguments, None)):
-            for parts, kind, at in ((four, Lanes(matrix.dtype, 4), 0), (two, Lanes(matrix.dtype, 2), 4)):
-                part = builder.bitcast(builder.gep(address, [_INDEX(at)]), kind.vector.as_pointer())
-                values = builder.load(part, align=matrix.dtype.bitwidth // 8)
-                parts.append(_cast(builder, values, Lanes(types.float64, kind.count).vector))
-        last = (_shuffled(builder, two[0], two[2], range(4)), _shuffled(builder, two[1], two[3], range(4)))
-        return context.make_tuple(builder, signature.return_type, [*_transposed(builder, four), *_pairs(builder, *last)])
-
-    return (types.UniTuple(_DOUBLES, 6)(matrix, rows, group, first), generate) if _is_plain(matrix) else None
+    left = gather(matrix, rows, group, first, 0), gather(matrix, rows, group, first, 1), gather(matrix, rows, group, first, 2)
+    return left + (gather(matrix, rows, group, first, 3), gather(matrix, rows, group, first, 4), gather(matrix, rows, group, first, 5))
 
 
-@intrinsic
-def scatter_six(
-    typing: Any, matrix: types.Array, rows: types.Array, group: types.Integer, first: types.Integer, six: types.UniTuple
-) -> Any:
+@borrower(forceinline=True)
+def scatter_six(matrix, rows, group, first, six):
     """Add six columns of lanes to the rows of :func:`gather_six`, as :func:`scatter` adds one."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        columns = [builder.extract_value(arguments[4], k) for k in range(6)]
-        even, odd = _pairs(builder, columns[4], columns[5])
-        four = _transposed(builder, columns[:4])
-        two = [_shuffled(builder, pairs, pairs, part) for part in ((0, 1), (2, 3)) for pairs in (even, odd)]
-        for k, address in enumerate(_addresses(context, builder, signature, (*arguments[:4], None))):
-            for values, at in ((four[k], 0), (two[k], 4)):
-                part = builder.bitcast(builder.gep(address, [_INDEX(at)]), values.type.as_pointer())
-                builder.store(builder.fadd(builder.load(part, align=8), values), part, align=8)
-        return context.get_dummy_value()
-
-    return (types.void(matrix, rows, group, first, six), generate) if _is_plain(matrix) and matrix.dtype == types.float64 else None
-
-
-def _shuffled(builder: Any, a: Any, b: Any, places: Sequence[int]) -> Any:
-    """Some places of two vectors, counted through both."""
-    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INDEX, len(places)), list(places)))
-
-
-def _pairs(builder: Any, a: Any, b: Any) -> tuple[Any, Any]:
-    """The even and the odd places of four in a and b, in turn."""
-    return _shuffled(builder, a, b, (0, 4, 2, 6)), _shuffled(builder, a, b, (1, 5, 3, 7))
-
-
-def _transposed(builder: Any, rows: Sequence[Any]) -> list[Any]:
-    """The columns of four rows of four."""
-    (e0, o0), (e1, o1) = _pairs(builder, rows[0], rows[1]), _pairs(builder, rows[2], rows[3])
-    return [_shuffled(builder, a, b, part) for part in ((0, 1, 4, 5), (2, 3, 6, 7)) for a, b in ((e0, e1), (o0, o1))]
+    for k in range(6):
+        scatter(matrix, rows, group, first, k, six[k])
 
 
 def _addresses(context: Any, builder: Any, signature: Any, arguments: Any) -> list[Any]:
-    """Where the entries of :func:`gather` are, its arguments; those of column 0 where that is None."""
+    """Where the entries of :func:`gather` are, its arguments."""
     matrix, rows = (context.make_array(signature.args[k])(context, builder, arguments[k]) for k in range(2))
-    group, first = (context.cast(builder, arguments[k], signature.args[k], types.intp) for k in (2, 3))
+    group, first, column = (context.cast(builder, arguments[k], signature.args[k], types.intp) for k in (2, 3, 4))
     at = builder.gep(rows.data, [builder.add(builder.mul(group, builder.extract_value(rows.shape, 1)), first)])
     found = []
     for k in range(LANES):
-        entry = builder.mul(builder.load(builder.gep(at, [_INDEX(k)])), builder.extract_value(matrix.shape, 1))
-        if arguments[4] is not None:
-            entry = builder.add(entry, context.cast(builder, arguments[4], signature.args[4], types.intp))
+        entry = builder.add(builder.mul(builder.load(builder.gep(at, [_INDEX(k)])), builder.extract_value(matrix.shape, 1)), column)
         found.append(builder.gep(matrix.data, [entry]))
     return found
 

@@ -18,12 +18,6 @@ def rows_of(symbolic, j, size_n):
     return symbolic.width[j] if is_wide(size_n) and len(symbolic.width) > 0 else len(size_n)
 
 
-@borrower()
-def add_turned_product(a, b, inner, size, out):
-    """out += a^T b, a and b with so many rows (inner), out of a size (rows, columns)."""
-    add_squares(1.0, a, True, b, inner, size, out)
-
-
 @borrower(forceinline=True)
 def add_squares(sign, a, turned, b, inner, size, out):
     """out, of a size (rows, columns), += sign times a b or, if ``turned``, a^T b; the sums of ``inner`` terms are held in registers."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,3 +17,19 @@ class WallOutline(NamedTuple):
     top: np.ndarray  # (T, 2) distance along the axis, z [m]
     base: float  # z [m]
     openings: tuple[tuple[str, np.ndarray], ...]  # name, and corners (Q, 2): distance along the axis, z [m]
+    reach: tuple[float, float] = (0.0, 0.0)  # by how much it goes on beyond the start and the end of its axis, to far faces [m]
+    storey: int = 0  # of several that are drawn by themselves, from 0 on
+
+    @property
+    def drawn_out(self) -> np.ndarray:
+        """The axis (P, 2) from end to end [m]."""
+        (a, b), (y, z) = self.line[:2], self.line[-2:]
+        start, end = (self.reach[k] * (q - p) / np.hypot(*(q - p)) for k, (p, q) in enumerate(((a, b), (y, z))))
+        return np.concatenate([[a - start], self.line[1:-1], [z + end]])
+
+    @property
+    def ground(self) -> Any:
+        """The polygon of shapely that it covers."""
+        import shapely
+
+        return shapely.LineString(self.drawn_out).buffer(0.5 * self.thickness, cap_style="flat", join_style="mitre")

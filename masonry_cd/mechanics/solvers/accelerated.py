@@ -7,16 +7,11 @@ gradient steps gain (Nesterov, Soviet Math. Dokl. 27, 1983):
     p_k = S(x_k),     x_k+1 = p_k + (w_k - 1) / w_k+1 (p_k - p_k-1),     w_k+1 = (1 + sqrt(1 + 4 w_k^2)) / 2,
 
 with w = 1 at the start and again where the error has grown since it was last measured (the restart of O'Donoghue & Candes, Found. Comput.
-Math. 15, 2015). y = G^T p is extrapolated with p, which costs less than a tenth of the sweep.
+Math. 15, 2015). y = G^T p is extrapolated with p, which costs less than a tenth of the sweep. A sweep solves the law of a contact exactly,
+De Saxce's shift mu |u_t| n with it, which is no gradient: projected gradients overshoot where contacts slip (docs/negative_results.md).
 
-**Why sweeps and not the gradient.** Accelerated projected gradient descent (Mazhar, Heyn, Negrut & Tasora, ACM Trans. Graph. 34, 2015)
-solves the convex problem without De Saxce's shift mu |u_t| n, or with one that is held. The shift is no gradient. Renewed in each step, it
-makes the extrapolation overshoot where contacts slip: of spheres that pour, 3,000 iterations left errors of 1e-3. A sweep solves the law of
-a contact exactly, its shift with it.
-
-**What it gains.** From nothing, to an error of 1e-4: spheres at rest take a quarter of the sweeps, a wall of ten courses and an arch of 27
-voussoirs an eighth, which is still far more than ADMM's iterations. Spheres that pour take a fifth of them from step to step. What slips
-all over, at a friction of 0.5 and more, may stop between 1e-4 and 1e-3, as it does with every other method here.
+Spheres that pour take a fifth of the plain sweeps, spheres at rest a quarter. What slips all over, at a friction of 0.5 and more, may stop
+between 1e-4 and 1e-3, as it does with every other method here.
 
 The joints are swept colour by colour, those of a colour in parallel, always in the same order: S has to be one map, and the seed changes
 nothing. So equal problems give equal bits on any number of threads.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Alternating directions: with one sparse solve an iteration propagates the error through the whole structure.
+r"""Alternating directions (ADMM): with one sparse solve an iteration propagates the error through the whole structure.
 
 With De Saxce's shift s = mu |u_t| n the problem reads: u + s in K*, p in K, orthogonal. The augmented Lagrangian of the convex
 problem with s held (Cadoux, Ph.D. thesis, Grenoble 2009; Boyd et al., Found. Trends Mach. Learn. 3, 2011), split at z = H v + b + s,
@@ -11,48 +11,34 @@ gives two steps, here with the auxiliary z eliminated and s renewed in each:
 At a fixed point M (v - v_free) = H^T p and p = P_K(p - R (u + s)), whatever R and whatever stands in the brackets on the left: the
 matrix may be an old one, and R may change between iterations. R = diag(k / d_c), d_c = trace(W_cc) / m, makes k a pure number.
 
-**Elastic contacts** have w = u + C p in place of u in the law, and a term p^T C p / 2 in the convex problem. The first step is then the
-proximal map of cone and term together, the projection in the norm of R^-1 + C,
+**Elastic contacts** have w = u + C p in place of u in the law. The first step is then the projection in the norm of R^-1 + C,
 
     p+ = P_K( p - S (w + s) ),     S^-1 = R^-1 + C,
 
 and the second stays as it is. Where everything sticks an iteration leaves (1 + a^2 c) / ((1 + a c)(1 + a)) of the error, a = 1 / (R C),
-c = C / W: half of it at R = 1 / C, whatever W, and least at R = (C W)^-1/2 if C > W. So R^-1 = d / k + C (1 + C / d)^-1/2 with the d of
-W alone and the mean of C, which tends to that of a rigid contact.
+c = C / W: least at R = (C W)^-1/2 if C > W. So R^-1 = d / k + C (1 + C / d)^-1/2 with the d of W alone and the mean of C.
 
-**The answer.** p+ obeys the law's cones and v+ nearly its velocities, but the velocities of p+ are others: what p+ is off in the stiff
-directions of the structure comes back multiplied. The impulses that belong to v+ follow from the second step,
+**The answer.** p+ obeys the law's cones and v+ nearly its velocities. The impulses that belong to v+ follow from the second step,
 
     p^ = 2 p+ - p - R H (v+ - v),     M (v+ - v_free) = H^T p^.
 
-They are a little outside the cones, and their map error is 5 to 20 times less: they are the answer. Where the iteration starts matters as
-much. It starts from the impulses of the last step and their velocities, so that the pair fits. Where contacts rattle, these impulses may
-fit worse than none would (map error above 1); then it starts from them and the velocities before the step, in a third of the iterations.
+They are a little outside the cones, and their map error is 5 to 20 times less than that of p+: they are the answer. The start is the
+impulses of the last step and their velocities; where their map error is above 1, as where contacts rattle, the velocities before the step.
 
 **Choice of k.** A large k holds closed joints together at once, but a contact that has to open or to slip then takes many iterations to do
-so. Measured from rest, k = 1e4 takes 16 iterations for towers of 50 and 33 for walls of 100 courses, at k = 1e3 twice to five times
-as many; on walls and arcades that are shaken without much damage 1e3 to 1e5 differ by less than a factor 2; smaller values pay where
-much slides: a church of 5,000 blocks that rattles takes k = 1 to 10 to errors of 5e-3. So: start at 1e4; where an iteration has not won a
-factor of 10 in 40 iterations, or is worse off after 20, look at the map error of the pair (p+, v+), which is what R is to make small, as
-a share of that of p^. If it is nearly all, k grows by 5; if little, k falls with its square root. It also falls where the limit of
-iterations ends a step too early. And over a run a neighbouring k is tried now and then and kept if it took fewer iterations.
+so: structures at rest want 1e4, churches that rattle 1 to 10. So: start at 1e4; where an iteration has not won a factor of 10 in 40
+iterations, or is worse off after 20, look at the map error of the pair (p+, v+), which is what R is to make small, as a share of that of
+p^. If it is nearly all, k grows by 5; if little, k falls with its square root. It also falls where the limit of iterations ends a step too
+early. And over a run a neighbouring k is tried now and then and kept if it took fewer iterations.
 
-**R by contact.** Contacts that stick want a large R, those that are open or slide a small one, and one k for all is a compromise. Where
-much slides (k < 300) a rigid contact so has k / d_c if it sticks, a tenth of that if it is open and three tenths if it slides, by the trial
-impulse p - R (u + s) when the matrix is factorised; it is factorised anew where k is looked at and more than a tenth of the contacts do
-something else. The k that does best is then some three times larger, and a step takes a third to two fifths fewer iterations (churches of
-308, 710 and 4,728 blocks). Shares of 0.03 and 0.3, 0.1 and 0.5, 0.05 and 0.2 gain no more.
+**Where much slides** (k < 300) a rigid contact has k / d_c if it sticks, a tenth of that if it is open and three tenths if it slides, by
+the trial impulse p - R (u + s) when the matrix is factorised: a third fewer iterations. And while the error is large the iteration is
+relaxed, it goes on from p + a (p+ - p) and v + a (v+ - v), with the same fixed points for any a between 0 and 2 (Eckstein & Bertsekas,
+Math. Program. 55, 1992): a quarter less.
 
-**Relaxation.** The iteration goes on from p + a (p+ - p) and v + a (v+ - v), with the same fixed points for any a between 0 and 2
-(Eckstein & Bertsekas, Math. Program. 55, 1992). What a = 1 takes away at once comes back with 1 - a, what spirals fades most slowly at
-a = 2, and what hardly changes from one iteration to the next fades a times as fast. That is most of the error where much slides, at a small
-k and far from the answer: there a = 1.5 saves a quarter of the iterations, 1.3 and 1.7 less (churches of 315 and 700 blocks, 1e-3). A wall
-that stands, at k = 1e4, would take twice as many, and so would the last digits.
-
-**Cost.** The factorisation costs as much as ten to fifty iterations and is kept from step to step until k or the contacts ask for another:
-to renew it where iterations grow gains nothing (without, scenes of ``benchmarks.constants`` take 4 % more to 37 % less, and debris, which
-varies by 20 % with rounding, 14 % more). To measure the error costs as much as one or two iterations; the change of p, which costs nothing,
-tells when to, by the ratio of the two as measured last, if need be in the step before.
+**Cost.** The factorisation costs as much as ten to fifty iterations and is kept from step to step until k or the contacts ask for another.
+To measure the error costs as much as one or two iterations; the change of p, which costs nothing, tells when to, by the ratio of the two
+as measured last, if need be in the step before.
 """
 
 from __future__ import annotations
@@ -61,14 +47,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from masonry_cd.mechanics.friction.coupling import pattern_of
 from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
-from masonry_cd.mechanics.friction.solver_state import Factors, Learnt, SolverState
+from masonry_cd.mechanics.friction.solver_state import Learnt
 from masonry_cd.mechanics.linalg.threads import run_by_team
 from masonry_cd.mechanics.solvers.admm_kernels import admm_bodies
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, allocate_workspace
 from masonry_cd.mechanics.solvers.contact_groups import group_contacts, size_of_twist
 from masonry_cd.mechanics.solvers.options import Options
+from masonry_cd.mechanics.solvers.recall import recall
 
 LIMIT = 2000  # iterations
 OPEN, SLIDES = 0.1, 0.3  # shares of R of contacts that do not stick, where much slides
@@ -109,39 +95,13 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     given = problem.arrays()
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
-    state, factors, index, block = recall(problem, start)
+    state, factors, ordered = recall(problem, start)
     pattern, learnt, k = factors.pattern, state.learnt, next_k(state.learnt)
     settings = AdmmSettings(k, (OPEN, SLIDES), learnt.stale or k != learnt.k, moving, learnt.rate, options.tolerance, limit)
-    groups = group_contacts(given, index, block, pattern.symbolic, size_of_twist(given.geometry, problem.dimension))
-    work = allocate_workspace(given, pattern, groups, index, (factors.squares, factors.panels, factors.rho))
+    groups = group_contacts(ordered, pattern.symbolic, size_of_twist(given.geometry, problem.dimension))
+    work = allocate_workspace(ordered, pattern, groups, (factors.squares, factors.panels, factors.rho))
     threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
     iterations, error, k_end, _, rate = run_by_team(admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity)
     state = replace(state, learnt=learn(learnt, k, k_end, iterations, rate))
     end = "given up" if iterations < limit else "iteration limit reached"  # without hope, or without a definite matrix
     return Solution(impulse, velocity, iterations, options.reason("admm", error, end), state, error)
-
-
-def recall(problem: Problem, start: Solution | None) -> tuple[SolverState, Factors, np.ndarray, np.ndarray]:
-    """The state of the last step as far as it still fits, its factors, and the places (C, 2) and coupling blocks (C,) of the contacts."""
-    given, bodies = problem.arrays(), np.ascontiguousarray(problem.bodies, dtype=np.int64)
-    state, (count, n) = SolverState() if start is None else start.memory, given.free.shape
-    factors, stale = state.factors, state.learnt.stale
-    kind = np.float64 if len(given.coupling.indptr) else np.float32  # W may be singular, and R^-1 is small beside it
-    if factors is None or factors.pattern.nodes != count:  # other bodies
-        factors, stale = Factors.empty(pattern_of(count, bodies, given.coupling), bodies, n, kind), True
-    elif len(factors.squares) != n * n * int(factors.pattern.symbolic.square[-1]):  # other unknowns
-        factors, stale = Factors.empty(factors.pattern, factors.bodies, n, kind), True
-    found = factors.pattern.locate(bodies, factors.bodies)
-    if found is None:  # a new pair of bodies: those that were in touch may be again
-        factors = Factors.empty(pattern_of(count, bodies, given.coupling, factors.pattern.pairs), bodies, n, kind)
-        found = factors.pattern.locate(bodies, bodies)
-        assert found is not None
-        stale = True
-    index, block, same = found
-    if not same:
-        factors, stale = replace(factors, bodies=bodies.copy(), rho=np.empty(len(bodies))), True
-    if len(given.width):
-        factors = replace(factors, pattern=factors.pattern.with_width(given.width[:-1]))
-    if factors is not state.factors or stale != state.learnt.stale:
-        state = replace(state, factors=factors, learnt=replace(state.learnt, stale=stale))
-    return state, factors, index, block

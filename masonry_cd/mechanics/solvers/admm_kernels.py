@@ -172,7 +172,7 @@ def eliminate(team, work, iterations, ahead, relaxation, p, new, line):
     for y in range(1 if ahead else 0, len(level) - 1):
         first, last = share_of(team, level[y], level[y + 1])
         for q in range(first, last):
-            changes[q] = eliminate_subtree(work, q, -1, relaxation, p, new, line)
+            changes[q] = eliminate_subtree(work, q, relaxation, p, new, line)
         wait(team)
     return np.sqrt(changes.sum())
 
@@ -194,7 +194,7 @@ def update(team, work, iterations, ahead, relaxation, p, new, line):
     for q in range(first, last):
         update_subtree(work, q, relaxation, line)
         if ahead:
-            changes[q] = eliminate_subtree(work, q, q + 1 if q + 1 < last else -1, relaxation, p, new, line)
+            changes[q] = eliminate_subtree(work, q, relaxation, p, new, line)
     wait(team)
 
 

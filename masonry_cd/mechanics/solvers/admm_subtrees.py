@@ -12,12 +12,10 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.contact_geometry import IN_SPACE, fill_row
 from masonry_cd.mechanics.friction.coupling import add_coupled, add_symmetric_blocks, is_coupled
 from masonry_cd.mechanics.friction.natural_map import length_of, project_to_cone, squared_residual
-from masonry_cd.mechanics.friction.operators import add_product, form_of_problem, load_mass, missing_momentum_of
-from masonry_cd.mechanics.linalg.cholesky import factorise_by_team, factorise_cholesky
+from masonry_cd.mechanics.friction.operators import add_product, form_of_problem, load_mass, momentum_residual_of
+from masonry_cd.mechanics.linalg.factor import factorise_cholesky
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
-from masonry_cd.mechanics.linalg.intrinsics import prefetch
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
-from masonry_cd.mechanics.linalg.supernodes import has_single_columns
 from masonry_cd.mechanics.linalg.threads import wait
 from masonry_cd.mechanics.linalg.triangular import backward_substitution, forward_substitution
 from masonry_cd.mechanics.linalg.triples import inner, minus, plus, scaled
@@ -54,29 +52,27 @@ def factorise_augmented(team, work, k, shares, p):
 
     ``shares`` of k are for contacts that are open, and that slide. False if the matrix is not positive definite.
     """
-    problem = work.problem
-    symbolic, squares, panels, _, diagonal, lower, double_squares, double_panels = work.factor
-    n, (begin, end) = len(problem.n), share_of_subtrees(team, symbolic)
+    symbolic, (begin, end) = work.factor.symbolic, share_of_subtrees(team, work.factor.symbolic)
     for q in range(begin, end):
         choose_stiffness(work, q, k, shares, p)
         augment(work, q)
     wait(team)
     for q in range(begin, end):
-        add_ghosts(symbolic, q, diagonal)
+        add_ghosts(symbolic, q, flat_rows(work.factor.diagonal))
     wait(team)
-    blocks = diagonal.reshape((len(diagonal), n, n))
-    if not has_single_columns(symbolic):
-        return factorise_by_team(team, symbolic, blocks, lower, squares, panels, n)
-    ok = factorise_cholesky(symbolic, blocks, lower, double_squares, double_panels, problem.n)  # one subtree, so one thread
-    copy_flat(double_squares, squares)
-    copy_flat(double_panels, panels)
-    return ok
+    return factorise_cholesky(team, work.factor) != 0.0
+
+
+@kernel(inline="always")
+def flat_rows(blocks):
+    """Blocks (N, n, n) as rows (N, n n)."""
+    return blocks.reshape((len(blocks), blocks.shape[1] * blocks.shape[2]))
 
 
 @borrower()
 def choose_stiffness(work, q, k, shares, p):
     """R of the contacts of subtree q: k / d_c for rigid ones that stick, less for others, softer for elastic ones; see admm.py."""
-    groups, rho = work.groups, work.factor.rho
+    groups, rho = work.groups, work.rho
     for g in range(groups.subtree[q], groups.subtree[q + 1]):
         twist = twist_of(groups, g, work.iterates.v, work.problem)
         for row in range(groups.start[g], groups.start[g + 1]):
@@ -89,7 +85,7 @@ def choose_stiffness(work, q, k, shares, p):
 @borrower()
 def recall_stiffness(work, q):
     """R of the contacts of subtree q as it was when the matrix was factorised last."""
-    groups, rho = work.groups, work.factor.rho
+    groups, rho = work.groups, work.rho
     for row in range(groups.start[groups.subtree[q]], groups.start[groups.subtree[q + 1]]):
         for lane in range(LANES):
             c = groups.contact[row, lane]
@@ -151,21 +147,21 @@ def stiffness_of(work, row, twist, k, shares, p):
 @kernel(fastmath={"contract"})
 def augment(work, q):
     """Blocks of M + H^T R H in the columns of subtree q; what its contacts add to diagonal blocks of later ones goes to ghost rows."""
-    problem, groups, (symbolic, _, _, _, diagonal, lower, _, _) = work.problem, work.groups, work.factor
+    problem, groups, symbolic = work.problem, work.groups, work.factor.symbolic
+    diagonal, lower = work.factor.diagonal, work.factor.lower
     m, n, form, (first, last) = len(problem.m), len(problem.n), form_of_problem(problem), nodes_of(symbolic, q)
     rows, turned = np.empty((2, m, n)), np.empty((2, m, n))
     lower[symbolic.column[first] : symbolic.column[last]] = 0.0
     lower[-1] = 0.0
     clear_ghosts(symbolic, q, diagonal)
-    blocks = diagonal.reshape((len(diagonal), n, n))
     for b in range(first, last):
-        load_mass(problem, b, blocks)
+        load_mass(problem, b, diagonal)
     if is_coupled(problem):
         augment_coupled(work, first, last)
         return
     for g in range(groups.subtree[q], groups.subtree[q + 1]):
         if form == IN_SPACE:
-            add_rigid_stiffness(groups, g, diagonal, lower.reshape((len(lower), n * n)))
+            add_rigid_stiffness(groups, g, flat_rows(diagonal), flat_rows(lower))
             continue
         for row in range(groups.start[g], groups.start[g + 1]):
             for lane in range(LANES):
@@ -182,26 +178,24 @@ def augment(work, q):
 @borrower()
 def augment_coupled(work, first, last):
     """Blocks of W + R^-1 in the columns first to last, for a problem given by W alone, see coupling.py."""
-    problem, n, factor = work.problem, len(work.problem.n), work.factor
-    diagonal = factor.diagonal.reshape((len(factor.diagonal), n, n))
-    diagonal[first:last] = 0.0
+    problem, factor = work.problem, work.factor
+    factor.diagonal[first:last] = 0.0
     for c in range(len(problem.places)):
         b = problem.places[c, 0]
-        for i in range(n if first <= b < last else 0):
-            diagonal[b, i, i] = 1.0 / factor.rho[c]
-    add_symmetric_blocks(problem.coupling, problem.places, problem.inverse[:, 0, 0], (first, last), factor.symbolic, diagonal, factor.lower)
+        for i in range(len(problem.n) if first <= b < last else 0):
+            factor.diagonal[b, i, i] = 1.0 / work.rho[c]
+    add_symmetric_blocks(problem.coupling, problem.places, problem.inverse[:, 0, 0], (first, last), factor)
 
 
 @borrower()
 def add_contact(work, g, lane, rows, turned):
     """What a contact of group g adds to the matrix: rows of H and R H (2, m, n)."""
-    problem, groups, n, m, lower = work.problem, work.groups, len(work.problem.n), len(work.problem.m), work.factor.lower
+    problem, groups, m, lower = work.problem, work.groups, len(work.problem.m), work.factor.lower
     a, b, block = groups.place[g, lane], groups.place[g, LANES + lane], groups.block[g, lane]
-    diagonal = work.factor.diagonal.reshape((len(work.factor.diagonal), n, n))
     for side in range(2):
         body = b if side else a
         if body < len(problem.free):
-            own = diagonal[groups.target[g, LANES * side + lane]]
+            own = work.factor.diagonal[groups.target[g, LANES * side + lane]]
             add_product(problem, turned[side], rows[side], m, body, body, own)
             if a == b:
                 add_product(problem, turned[side], rows[1 - side], m, body, body, own)
@@ -211,22 +205,21 @@ def add_contact(work, g, lane, rows, turned):
 
 
 @borrower()
-def eliminate_subtree(work, q, coming, relaxation, p, new, line):
+def eliminate_subtree(work, q, relaxation, p, new, line):
     """The contacts of subtree q, p to new (L, 12), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
 
-    ``coming`` is the subtree of the next backward substitution, or -1; ``line`` is memory for :func:`longest_line` numbers.
+    ``line`` is memory for :func:`longest_line` numbers.
     """
-    problem, symbolic, panels = work.problem, work.factor.symbolic, work.factor.panels
+    problem, symbolic = work.problem, work.factor.symbolic
     v, momentum, x = work.iterates.v, work.iterates.momentum, work.iterates.correction
     first, last = nodes_of(symbolic, q)
     if is_coupled(problem):
         momentum[first:last] = 0.0
     else:
-        missing_momentum_of(problem, problem.free, v, first, last, momentum)
+        momentum_residual_of(problem, problem.free, v, first, last, momentum)
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
-    ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
-    change = meet_contacts(work, q, relaxation, p, new, ahead)
+    change = project_impulses(work, q, relaxation, p, new)
     if is_coupled(problem):
         missing_velocity(work, first, last)
     else:
@@ -234,7 +227,7 @@ def eliminate_subtree(work, q, coming, relaxation, p, new, line):
     clear_ghosts(symbolic, q, x)
     add_ghosts(symbolic, q, x)
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
-    forward_substitution(symbolic, begin, end, symbolic.target, panels, x, line, problem.n)
+    forward_substitution(work.factor, begin, end, symbolic.target, x, line)
     return change
 
 
@@ -255,7 +248,7 @@ def divide_by_stiffness(work, first, last):
     for c in range(len(work.problem.places)):
         b = work.problem.places[c, 0]
         for i in range(len(work.problem.n) if first <= b < last else 0):
-            work.iterates.correction[b, i] /= work.factor.rho[c]
+            work.iterates.correction[b, i] /= work.rho[c]
 
 
 @borrower()
@@ -263,7 +256,7 @@ def update_subtree(work, q, relaxation, line):
     """v <- v + relaxation L^-T D^-1 x for the bodies of subtree q, x from :func:`eliminate_subtree`, after all later subtrees."""
     symbolic, size_n = work.factor.symbolic, work.problem.n
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
-    backward_substitution(symbolic, begin, end, work.factor.squares, work.factor.panels, work.iterates.correction, line, size_n)
+    backward_substitution(work.factor, begin, end, work.iterates.correction, line)
     first, last = nodes_of(symbolic, q)
     if is_coupled(work.problem):
         divide_by_stiffness(work, first, last)
@@ -273,30 +266,14 @@ def update_subtree(work, q, relaxation, line):
         v[i] += relaxation * x[i]
 
 
-@borrower()
-def panels_of(symbolic, q, n):
-    """First entry and end of the panels of subtree q, one of several: they are stored from its last supernode to its first."""
-    s = symbolic.subtree[q]
-    end = symbolic.panel[s] + (symbolic.first[s + 1] - symbolic.first[s]) * (symbolic.start[s + 1] - symbolic.start[s])
-    return n * n * symbolic.panel[symbolic.subtree[q + 1] - 1], n * n * end
-
-
 @borrower(fastmath={"contract"})
-def meet_contacts(work, q, relaxation, p, new, ahead):
+def project_impulses(work, q, relaxation, p, new):
     """p+ = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, new = p + relaxation (p+ - p), momentum += H^T (2 p+ - p), for subtree q.
 
-    There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,
-    are fetched on the way. Returns the squared scaled change of p.
+    Returns the squared scaled change of p.
     """
-    problem, groups, panels, table = work.problem, work.groups, work.factor.panels, work.groups.table
-    begin, stop = groups.subtree[q], groups.subtree[q + 1]
-    line, end = ahead
-    change, count = fill_four(0.0), max(stop - begin, 1)
-    share = (end - line + count - 1) // count
-    for g in range(begin, stop):
-        for entry in range(line, min(line + share, end), 16):
-            prefetch(panels, entry)
-        line += share
+    problem, groups, table, change = work.problem, work.groups, work.groups.table, fill_four(0.0)
+    for g in range(groups.subtree[q], groups.subtree[q + 1]):
         twist, wrench = twist_of(groups, g, work.iterates.v, problem), no_wrench()
         for row in range(groups.start[g], groups.start[g + 1]):
             old, mu, tangent = three(p, row, 0), field(table, row, MU), field(table, row, TANGENT)

@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.mechanics.friction.coupling import in_places
-from masonry_cd.mechanics.friction.operators import ProblemArrays, room_in_order
+from masonry_cd.mechanics.friction.operators import ProblemArrays
+from masonry_cd.mechanics.linalg.factor import BlockFactor
 from masonry_cd.mechanics.linalg.ordering import Pattern
-from masonry_cd.mechanics.linalg.small_blocks import FULL
-from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.vectors import LANES
 from masonry_cd.mechanics.solvers.contact_groups import ContactGroups
 
@@ -46,50 +45,42 @@ class Iterates(NamedTuple):
     correction: np.ndarray  # (N + 1 + E, n) v+ - v, in the precision of the factors
 
 
-class AdmmFactor(NamedTuple):
-    """M + H^T R H and its factors, which are in single precision, or in double where W alone is given, and last from step to step."""
-
-    symbolic: SymbolicFactor
-    squares: np.ndarray  # of D^-1, flat, in single precision
-    panels: np.ndarray  # of L, flat, in single precision
-    rho: np.ndarray  # (C,) R by contact
-    diagonal: np.ndarray  # (N + 1 + E, n n) blocks of the matrix
-    lower: np.ndarray  # (B + 1, n, n) below the diagonal, and what couples with supports, which nobody reads
-    double_squares: np.ndarray  # in double precision, for single columns only; otherwise empty
-    double_panels: np.ndarray
-
-
 class AdmmWorkspace(NamedTuple):
-    """All that the threads of a team work on."""
+    """All that the threads of a team work on.
+
+    The factors are in single precision, or in double where W alone is given, and last from step to step.
+    """
 
     problem: ProblemArrays
     groups: ContactGroups
     iterates: Iterates
-    factor: AdmmFactor
+    factor: BlockFactor  # of M + H^T R H, with ghost rows after its N + 1 diagonal blocks, and a last lower block that nobody reads
+    rho: np.ndarray  # (C,) R by contact
     sums: np.ndarray  # (3, K) partial sums of the subtrees: changes of p after even and odd iterations, squared residuals
 
 
 def allocate_workspace(
-    given: ProblemArrays, pattern: Pattern, groups: ContactGroups, places: np.ndarray, kept: tuple[np.ndarray, np.ndarray, np.ndarray]
+    ordered: ProblemArrays, pattern: Pattern, groups: ContactGroups, kept: tuple[np.ndarray, np.ndarray, np.ndarray]
 ) -> AdmmWorkspace:
     """Arrays to work in; untouched memory costs nothing.
 
     Args:
-        given: the problem.
+        ordered: the problem, with room for it in the order of the pattern.
         pattern: of M + H^T R H.
         groups: of its contacts.
-        places: of their bodies, (C, 2).
         kept: squares, panels and rho of a factorisation.
     """
-    symbolic, count, n = pattern.symbolic, pattern.nodes, given.free.shape[1]
+    symbolic, count, n = pattern.symbolic, pattern.nodes, ordered.free.shape[1]
     rows = count + 1 + len(symbolic.node_ghost)
     bodies, impulses, subtrees = (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1
-    doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
-    problem = room_in_order(given, pattern.order, places, FULL)._replace(coupling=in_places(given.coupling, pattern))
+    problem = ordered._replace(coupling=in_places(ordered.coupling, pattern))
     iterates = Iterates(
         np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
         np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=kept[0].dtype),
     )  # fmt: skip
-    matrix = np.empty((rows, n * n)), np.empty((len(symbolic.row) + 1, n, n))
-    factor = AdmmFactor(symbolic, *kept, *matrix, *(np.empty(size) for size in doubles))
-    return AdmmWorkspace(problem, groups, iterates, factor, np.empty((3, subtrees)))
+    squares, panels, rho = kept
+    factor = BlockFactor(
+        symbolic, True, np.empty((rows, n, n)), np.empty((len(symbolic.row) + 1, n, n)), np.empty((0, n, n)), squares, panels, panels[:0],
+        np.empty(subtrees), ordered.n,
+    )  # fmt: skip
+    return AdmmWorkspace(problem, groups, iterates, factor, rho, np.empty((3, subtrees)))

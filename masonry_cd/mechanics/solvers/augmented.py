@@ -26,7 +26,7 @@ NUMBERS = 9  # of D^T B D
 
 
 @borrower(fastmath={"contract"})
-def turn_blocks(problem, blocks, first, end, world):
+def rotate_blocks(problem, blocks, first, end, world):
     """world (C, 9) = D^T B D of the contacts first to end of rigid blocks in space, B the first rows of ``blocks``."""
     if form_of_problem(problem) != IN_SPACE:
         return
@@ -41,20 +41,20 @@ def turn_blocks(problem, blocks, first, end, world):
 
 
 @kernel(fastmath={"contract"})
-def augment_blocks(problem, blocks, world, symbolic, share, matrix):
-    """The columns of a share (first, end) of the :class:`BlockMatrix` of M + G B H.
+def augment_blocks(problem, blocks, world, share, factor):
+    """The columns of a share (first, end) of M + G B H, the matrix of a :class:`BlockFactor`.
 
-    B has one (m, m) block per contact, the first rows of ``blocks`` (C, m or more, m); ``world`` is what :func:`turn_blocks` made of them.
+    B has one (m, m) block per contact, the first rows of ``blocks`` (C, m or more, m); ``world`` is from :func:`rotate_blocks`.
     A block off the diagonal is in the column of that of its bodies that is eliminated first.
     """
-    (begin, stop), places, c = share, problem.places, 0
+    (begin, stop), places, symbolic, c = share, problem.places, factor.symbolic, 0
     scratch = np.empty((4, len(problem.m) * (longest_run(places) if is_wide(problem.n) else 1), len(problem.n)))
     for b in range(begin, stop):
-        load_mass(problem, b, matrix.diagonal)
-        matrix.lower[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
-        matrix.upper[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
+        load_mass(problem, b, factor.diagonal)
+        factor.lower[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
+        factor.upper[symbolic.column[b] : symbolic.column[b + 1]] = 0.0
     if is_coupled(problem):
-        add_coupled_blocks(problem, blocks, symbolic, share, matrix)
+        add_coupled_blocks(problem, blocks, share, factor)
         return
     while c < len(places):
         a, b, k, first = places[c, 0], places[c, 1], problem.block[c], c
@@ -64,23 +64,23 @@ def augment_blocks(problem, blocks, world, symbolic, share, matrix):
         if not (begin <= a < stop or begin <= b < stop):
             continue
         if form_of_problem(problem) == IN_SPACE:
-            add_rigid_contact(problem, world, first, share, matrix)
+            add_rigid_contact(problem, world, first, share, factor)
             continue
         rows = take_rows(problem, blocks, first, c, scratch)
         for side in range(2):
             body = b if side else a
             if begin <= body < stop:
-                add_pair(problem, scratch, first, rows, side, side, 0, matrix.diagonal[body])
+                add_pair(problem, scratch, first, rows, side, side, 0, factor.diagonal[body])
                 if a == b:  # each side adds its product with the other one
-                    add_pair(problem, scratch, first, rows, side, 1 - side, 0, matrix.diagonal[body])
+                    add_pair(problem, scratch, first, rows, side, 1 - side, 0, factor.diagonal[body])
         early = 0 if a < b else 1
         if k >= 0 and begin <= min(a, b) < stop:
-            add_pair(problem, scratch, first, rows, 1 - early, early, 0, matrix.lower[k])
-            add_pair(problem, scratch, first, rows, 1 - early, early, 1, matrix.upper[k])
+            add_pair(problem, scratch, first, rows, 1 - early, early, 0, factor.lower[k])
+            add_pair(problem, scratch, first, rows, 1 - early, early, 1, factor.upper[k])
 
 
 @borrower(fastmath={"contract"})
-def add_rigid_contact(problem, world, c, share, matrix):
+def add_rigid_contact(problem, world, c, share, factor):
     """What contact c between rigid bodies in space adds to the columns of a share (first, end)."""
     (begin, stop), places, k = share, problem.places, problem.block[c]
     for side in range(2):
@@ -88,13 +88,13 @@ def add_rigid_contact(problem, world, c, share, matrix):
         own, other = arm_at(problem.geometry, c, side), arm_at(problem.geometry, c, 1 - side)
         if not begin <= b < stop:
             continue
-        lines = turn_lines(world[c], own, False)
-        add_turned(lines, own, 1.0, matrix.diagonal[b])
+        lines = rotated_lines(world[c], own, False)
+        add_turned(lines, own, 1.0, factor.diagonal[b])
         if k >= 0 and b < beyond:
-            add_turned(lines, other, -1.0, matrix.lower[k])
-            add_turned(turn_lines(world[c], own, True), other, -1.0, matrix.upper[k])
+            add_turned(lines, other, -1.0, factor.lower[k])
+            add_turned(rotated_lines(world[c], own, True), other, -1.0, factor.upper[k])
         elif b == beyond:  # each side adds its product with the other one
-            add_turned(turn_lines(world[c], other, False), own, -1.0, matrix.diagonal[b])
+            add_turned(rotated_lines(world[c], other, False), own, -1.0, factor.diagonal[b])
 
 
 @borrower(forceinline=True)
@@ -137,7 +137,7 @@ def longest_run(places):
 
 
 @borrower(forceinline=True)
-def turn_lines(turned, arm, transposed):
+def rotated_lines(turned, arm, transposed):
     """The three lines of D^T B D (I, -[c]x), six numbers each, for an arm c, with B^T if ``transposed``."""
     along, across = (1, 3) if transposed else (3, 1)
     x = (turned[0], turned[across], turned[2 * across])

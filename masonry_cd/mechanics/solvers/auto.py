@@ -51,52 +51,52 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     """
     if problem.contacts == 0:
         return accelerated.solve(problem, options, start)
-    search, grains = _Search(problem, options, start), touch_in_points(problem)
-    if grains or not search.moved:
-        search.measure()
+    progress, grains = _Progress(problem, options, start), touch_in_points(problem)
+    if grains or not progress.moved:
+        progress.measure()
     if grains:
-        search.turn("accelerated", SWEEPS, search.last)
-        if search.error <= options.accept:
-            return search.solution()
-    cold, budget = start is None, search.memory.learnt.budget or MOST
-    search.turn("admm", budget, search.last)
-    if not search.story:  # as in the last step
-        return search.solution()
-    if search.ended:
+        progress.run("accelerated", SWEEPS, progress.last)
+        if progress.error <= options.accept:
+            return progress.solution()
+    cold, budget = start is None, progress.memory.learnt.budget or MOST
+    progress.run("admm", budget, progress.last)
+    if not progress.methods:  # as in the last step
+        return progress.solution()
+    if progress.ended:
         budget = min(FACTOR * budget, MOST)
     else:
-        spent = _finish(search, cold)
-        budget = min(max(budget // FACTOR, spent, 1), MOST) if search.error <= options.tolerance else MOST
-    learnt = search.memory.learnt
+        spent = _finish(progress, cold)
+        budget = min(max(budget // FACTOR, spent, 1), MOST) if progress.error <= options.tolerance else MOST
+    learnt = progress.memory.learnt
     if budget != learnt.budget:
-        search.memory = replace(search.memory, learnt=replace(learnt, budget=budget))
-    return search.solution()
+        progress.memory = replace(progress.memory, learnt=replace(learnt, budget=budget))
+    return progress.solution()
 
 
-def _finish(search: _Search, cold: bool) -> int:
+def _finish(progress: _Progress, cold: bool) -> int:
     """The methods after ADMM, and their factorisations; without a step before all of them may take what they do by themselves."""
-    before = search.iterations
-    if pivoting.applies(search.problem) and search.problem.mu.max() <= ROUGH:
-        search.turn("pivoting", pivoting.LIMIT, search.best)
+    before = progress.iterations
+    if pivoting.applies(progress.problem) and progress.problem.mu.max() <= ROUGH:
+        progress.run("pivoting", pivoting.LIMIT, progress.best)
     else:
-        search.turn("newton", newton.LIMIT if cold else min(newton.LIMIT, search.factorisations), search.best)
-    if not search.ended and (cold or search.factorisations >= LAST):
-        search.turn("interior", interior.MOST if cold else LAST, search.last)
-    spent = search.iterations - before
+        progress.run("newton", newton.LIMIT if cold else min(newton.LIMIT, progress.factorisations), progress.best)
+    if not progress.ended and (cold or progress.factorisations >= LAST):
+        progress.run("interior", interior.MOST if cold else LAST, progress.last)
+    spent = progress.iterations - before
     if cold:  # nor is it left worse than by ADMM alone
-        search.memory = replace(search.memory, learnt=Learnt())
-        search.turn("admm", admm.LIMIT, search.last)
+        progress.memory = replace(progress.memory, learnt=Learnt())
+        progress.run("admm", admm.LIMIT, progress.last)
     return spent
 
 
-class _Search:
+class _Progress:
     """The best answer so far, and the way to it."""
 
     def __init__(self, problem: Problem, options: Options, start: Solution | None) -> None:
         self.problem, self.options = problem, options
         self.last = start or Solution(np.zeros((problem.contacts, problem.dimension)), None, 0)
         self.memory = self.last.memory
-        self.best, self.iterations, self.story = self.last, 0, list[str]()
+        self.best, self.iterations, self.methods = self.last, 0, list[str]()
         self.error = inf  # not measured
 
     @property
@@ -121,8 +121,8 @@ class _Search:
             return inf
         return OPERATIONS // max(factors.pattern.operations(problem.unknowns), 1.0)
 
-    def turn(self, name: str, limit: float, begin: Solution) -> None:
-        """Give a method so many iterations, from the impulses of a solution, unless the search has ended."""
+    def run(self, name: str, limit: float, begin: Solution) -> None:
+        """Give a method so many iterations, from the impulses of a solution, unless all has ended."""
         if self.ended or limit < 1:
             return
         limit = min(int(limit), self.options.limit(MOST_ITERATIONS) - self.iterations)
@@ -131,12 +131,12 @@ class _Search:
         error = found.error
         if error is None:
             error = natural_map_error(self.problem, found.impulse, threads=self.options.threads)
-        if error <= self.options.tolerance and found.iterations == 0 and not self.story:
+        if error <= self.options.tolerance and found.iterations == 0 and not self.methods:
             self.error = error
             return
         self.memory = found.memory if found.memory.factors is not None else self.memory
         self.iterations += found.iterations
-        self.story.append(name)
+        self.methods.append(name)
         if error < self.error:
             self.best, self.error = found, error
 
@@ -146,7 +146,7 @@ class _Search:
         if self.best is self.last:
             impulse, velocity = impulse.copy(), self.problem.body_velocity(impulse) if isinstance(self.problem, FrictionProblem) else None
         end = "converged" if self.error <= self.options.tolerance else f"missed, error {self.error:.1e}"
-        reason = f"{' + '.join(self.story) or 'as in the last step'}: {end}"
+        reason = f"{' + '.join(self.methods) or 'as in the last step'}: {end}"
         return Solution(impulse, velocity, self.iterations, reason, self.memory, self.error)
 
 

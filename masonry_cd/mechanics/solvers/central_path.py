@@ -12,7 +12,7 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import NARROWEST, tangent_length
 from masonry_cd.mechanics.friction.operators import add_impulse
 from masonry_cd.mechanics.linalg.threads import take, wait
-from masonry_cd.mechanics.solvers.linearised import contact_change, contact_velocity, keep_better, map_norm, solve_by_first
+from masonry_cd.mechanics.solvers.linearised import contact_velocity, keep_better, law_velocity, map_norm, solve_by_first
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
 
 LONGEST = 2.0  # step: more than one is not made
@@ -47,7 +47,7 @@ class Linearisation(NamedTuple):
     far: np.ndarray  # (C, m) that of the start, zero without such a path
 
 
-class Ways(NamedTuple):
+class Directions(NamedTuple):
     """The directions of a step; the interior point method has the last alone."""
 
     back: Iterate  # to the path, with tau held
@@ -56,14 +56,14 @@ class Ways(NamedTuple):
     ahead: Iterate  # the step
 
 
-class Inside(NamedTuple):
+class InteriorWorkspace(NamedTuple):
     """What both methods work on."""
 
     impulse: np.ndarray  # (C, m) those of the iterate, admissible where there is no friction
     v: np.ndarray  # (B + 1, n) their velocities
     here: Iterate
     linear: Linearisation
-    ways: Ways
+    directions: Directions
 
 
 @kernel()
@@ -79,15 +79,15 @@ def allocate_iterate(arena, shape, rows):
 
 
 @kernel()
-def allocate_inside(arena, shape, rows):
-    """:class:`Inside` of zeros for contacts (C, m) and velocities of a shape."""
+def allocate_interior(arena, shape, rows):
+    """:class:`InteriorWorkspace` of zeros for contacts (C, m) and velocities of a shape."""
     (contacts, m), here = shape, allocate_iterate(arena, shape, rows)
     product, wanted, pivot = take(arena, (contacts, m + 1)), take(arena, (contacts, m + 1)), take(arena, (contacts, m + 1))
     gain = take(arena, (contacts, m, m))
     linear = Linearisation(here, product, wanted, pivot, gain, take(arena, shape), take(arena, shape), take(arena, shape))
     back, tangent = allocate_iterate(arena, shape, rows), allocate_iterate(arena, shape, rows)
-    ways = Ways(back, tangent, allocate_iterate(arena, shape, rows), allocate_iterate(arena, shape, rows))
-    return Inside(take(arena, shape), take(arena, rows), here, linear, ways)
+    directions = Directions(back, tangent, allocate_iterate(arena, shape, rows), allocate_iterate(arena, shape, rows))
+    return InteriorWorkspace(take(arena, shape), take(arena, rows), here, linear, directions)
 
 
 @kernel(inline="always")
@@ -184,9 +184,9 @@ def linearise_contact(w, p, gamma, mu, soft, pivot, gain, size_m):
 
 
 @kernel(inline="always")
-def change_contact(linear, mu, c, way, m):
+def change_contact(linear, mu, c, direction, m):
     """dp and dgamma of contact c, and dw from z, which is in its place; see :func:`linearise_contact`."""
-    (w, p, gamma, _), wanted, pivot, soft, x, z = linear.here, linear.wanted, linear.pivot, linear.soft, way.p, way.w
+    (w, p, gamma, _), wanted, pivot, soft, x, z = linear.here, linear.wanted, linear.pivot, linear.soft, direction.p, direction.w
     f, first = mu * p[c, 0], (wanted[c, 0] - p[c, 0] * z[c, 0]) * pivot[c, 0]
     turn = wanted[c, 1] - gamma[c] * mu * first
     x[c, 0] = first
@@ -194,7 +194,7 @@ def change_contact(linear, mu, c, way, m):
         x[c, i] = wanted[c, 1 + i] - f * z[c, i] - mu * w[c, i] * first
         turn -= p[c, i] * z[c, i] + (w[c, i] + p[c, i] * soft[c, i]) * pivot[c, i] * x[c, i]
     turn *= pivot[c, m]
-    way.gamma[c] = turn
+    direction.gamma[c] = turn
     z[c, 0] += soft[c, 0] * first
     for i in range(1, m):
         x[c, i] = (x[c, i] - p[c, i] * turn) * pivot[c, i]
@@ -226,7 +226,7 @@ def linearise_products(shares, cones, linear):
 
 
 @borrower()
-def soften(shares, problem, stiffness, linear):
+def set_damping(shares, problem, stiffness, linear):
     """The springs in series with the products, C + d / K."""
     compliance, d, soft, (first, end) = problem.compliance, problem.d, linear.soft, shares.contacts
     for c in range(first, end):
@@ -238,7 +238,7 @@ def soften(shares, problem, stiffness, linear):
 def missing_velocity(shares, problem, here, tau, linear):
     """What w misses, H v + b + C p - w - tau far."""
     compliance, miss, far, (first, end) = problem.compliance, linear.miss, linear.far, shares.contacts
-    contact_velocity(shares, problem, problem.offset, here.v, miss)
+    law_velocity(shares, problem, here.v, miss)
     for c in range(first, end):
         for i in range(len(problem.m)):
             own = compliance[c, i] if len(compliance) else 0.0
@@ -246,30 +246,30 @@ def missing_velocity(shares, problem, here, tau, linear):
 
 
 @kernel()
-def interior_direction(shares, problem, work, cones, linear, way):
+def interior_direction(shares, problem, work, cones, linear, direction):
     """The direction that changes the products as wanted and takes all other residuals away.
 
     The factors are those of M + H^T B H with B the gains; ``work.scratch`` has H^T p - M (v - v_free).
     """
     (begin, stop), (first, end) = shares.rows, shares.contacts
-    way.w[first:end] = 0.0
-    change_contacts(shares, cones, linear, way)  # dp as long as the velocities do not change
-    copy_share(shares.rows, work.scratch, way.v)
+    direction.w[first:end] = 0.0
+    change_contacts(shares, cones, linear, direction)  # dp as long as the velocities do not change
+    copy_share(shares.rows, work.scratch, direction.v)
     wait(shares.team)
-    add_impulse(problem, way.p, begin, stop, way.v)
-    solve_by_first(shares, work.factor, way.v)
-    contact_change(shares, problem, way.v, way.w)
-    change_contacts(shares, cones, linear, way)
+    add_impulse(problem, direction.p, begin, stop, direction.v)
+    solve_by_first(shares, work.factor, direction.v)
+    contact_velocity(shares, problem, direction.v, direction.w)
+    change_contacts(shares, cones, linear, direction)
 
 
 @borrower()
-def change_contacts(shares, cones, linear, way):
+def change_contacts(shares, cones, linear, direction):
     """dp, dgamma and dw of a direction from the change of the velocities of the contacts, which is in the place of dw."""
     first, end = shares.contacts
     for c in range(first, end):
         for i in range(len(cones.m)):
-            way.w[c, i] += linear.miss[c, i]
-        change_contact(linear, cones.mu[c], c, way, len(cones.m))
+            direction.w[c, i] += linear.miss[c, i]
+        change_contact(linear, cones.mu[c], c, direction, len(cones.m))
 
 
 @borrower()
@@ -290,12 +290,12 @@ def allows_step(w, p, gamma, dw, dp, dgamma, mu, step, m):
 
 
 @borrower()
-def longest_step(shares, here, way, cones):
+def longest_step(shares, here, direction, cones):
     """Largest step along a direction that keeps every contact inside its cones, at most LONGEST.
 
     Cones are convex: a contact that allows the longest so far need not be asked for its own, which costs roots and divisions.
     """
-    (w, p, gamma, _), (dw, dp, dgamma, _), m, mu = here, way, len(cones.m), cones.mu
+    (w, p, gamma, _), (dw, dp, dgamma, _), m, mu = here, direction, len(cones.m), cones.mu
     turn, (first, end) = begin_sums(shares), shares.chunks
     for k in range(first, end):
         longest = LONGEST
@@ -309,28 +309,28 @@ def longest_step(shares, here, way, cones):
 
 
 @kernel()
-def judge(shares, problem, work, inside, answer):
+def keep_if_better(shares, problem, work, workspace, answer):
     """Take where a method is as the answer if its error is less; returns the error. Without friction there is no tangential impulse."""
-    p, impulse, friction, (first, end) = inside.here.p, inside.impulse, problem.mu, shares.contacts
+    p, impulse, friction, (first, end) = workspace.here.p, workspace.impulse, problem.mu, shares.contacts
     for c in range(first, end):
         for i in range(len(problem.m)):
             impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
-    error = map_norm(shares, problem, impulse, work.scratch, inside.v) / answer.size
-    keep_better(shares, answer, impulse, inside.v, error)
+    error = map_norm(shares, problem, impulse, work.scratch, workspace.v) / answer.size
+    keep_better(shares, answer, impulse, workspace.v, error)
     return error
 
 
 @borrower()
-def advance(shares, x, step, way, out):
-    """out = x + step way, for a point or direction x and a direction."""
-    add_share(shares.contacts, x.w, step, way.w, out.w)
-    add_share(shares.contacts, x.p, step, way.p, out.p)
-    add_share(shares.contacts, x.gamma, step, way.gamma, out.gamma)
-    add_share(shares.rows, x.v, step, way.v, out.v)
+def advance(shares, x, step, direction, out):
+    """out = x + step direction, for a point or direction x and a direction."""
+    add_share(shares.contacts, x.w, step, direction.w, out.w)
+    add_share(shares.contacts, x.p, step, direction.p, out.p)
+    add_share(shares.contacts, x.gamma, step, direction.gamma, out.gamma)
+    add_share(shares.rows, x.v, step, direction.v, out.v)
 
 
 @borrower()
-def begin_inside(shares, problem, answer, cones, distance, here, u):
+def start_inside_cones(shares, problem, answer, cones, distance, here, u):
     """The start: w, p and gamma inside the cones, near the answer, and v its velocities; u (C, m) are those of the contacts.
 
     Returns the distance from the walls as a speed, ``distance`` times the largest without impulses.

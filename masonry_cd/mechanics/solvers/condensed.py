@@ -18,14 +18,14 @@ from masonry_cd.mechanics.solvers.options import Options
 if TYPE_CHECKING:
     from masonry_cd.mechanics.solvers import Solver
 
-UNIFORM = 12  # unknowns of a block of uniform strain in space
+UNIFORM = {2: 6, 3: 12}  # unknowns of a block of uniform strain, in a plane and in space
 
 
 def in_condensed_unknowns(solver: Solver) -> Solver:
     """The solver, given equivalent problems where blocks have more unknowns than those of uniform strain, which contacts all feel."""
 
     def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
-        if not (isinstance(problem, FrictionProblem) and problem.v_free.shape[1] > UNIFORM and problem.contacts):
+        if not (isinstance(problem, FrictionProblem) and problem.contacts and problem.v_free.shape[1] > UNIFORM[problem.dimension]):
             return solver(problem, options, start)
         from masonry_cd.mechanics.friction.condensation import condense  # kernels, that rigid blocks have no use for
 

@@ -303,20 +303,17 @@ def size_of_twist(geometry: Geometry, m: int) -> tuple[int, ...]:
 
 
 @entry()
-def group_contacts(
-    given: ProblemArrays, index: np.ndarray, block: np.ndarray, symbolic: SymbolicFactor, size_s: tuple[int, ...]
-) -> ContactGroups:
+def group_contacts(given: ProblemArrays, symbolic: SymbolicFactor, size_s: tuple[int, ...]) -> ContactGroups:
     """Assign contacts to groups of joints, within subtrees; contacts between supports go to the last subtree.
 
     The frames and the table are to be filled by :func:`fill_group`.
 
     Args:
-        given: the problem.
-        index: (C, 2) places of the bodies of the contacts.
-        block: (C,) blocks that couple them.
+        given: the problem, with the places of its contacts in the order of elimination and the blocks that couple these.
         symbolic: of the matrix.
         size_s: as many zeros as a twist has components.
     """
+    index, block = given.places, given.block
     (contact, begin), s, size = sort_by_subtree(index, symbolic), len(size_s), len(symbolic.column) - 1
     shared = s > len(given.m)
     first, joint = split_into_joints(given.geometry, index, size, contact, begin, shared)

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Interior point and the path by its length: what ends the hardest steps of structures that slide or rock as a whole.
 
-**What is hard there.** Where friction couples normal and tangential impulses, without symmetry, the piecewise smooth equations of a step
-have pieces whose Jacobian has a negative determinant. Every path that leads to a solution by making some error or parameter smaller, be it
-Newton's, ADMM's or the central path, then meets points where it turns back, and the method stalls in front of them, at natural map errors
-of 1e-2 to 1e-5. Three things were found to help: springs in series with the contacts, soft enough for all determinants to be positive; to
-follow the path by its length, around its turning points; and to begin again from elsewhere.
+Where friction couples normal and tangential impulses, without symmetry, the piecewise smooth equations of a step have pieces whose Jacobian
+has a negative determinant. Every path that leads to a solution by making some error or parameter smaller, be it Newton's, ADMM's or the
+central path, meets points there where it turns back. Three things help: springs in series with the contacts, soft enough for all
+determinants to be positive; to follow the path by its length, around its turning points; and to begin again from elsewhere.
 
 **Interior point.** With the sliding speed gamma as an unknown of its own the law has no kink,
 
@@ -16,19 +15,15 @@ Coulomb's law back. Newton steps with Mehrotra's predictor and corrector lead to
 Optim. Appl., 2023, treat the convex part of the law so). Each factorises the unsymmetric matrix M + H^T B H, B from the linearised products
 with a spring in series, C + d / K: it is damped by proximal terms in p (Friedlander & Orban, Math. Program. Comput. 4, 2012). K grows
 fourfold with long steps, shrinks fourfold with short ones and tenfold where the determinant is negative. What the damping leaves of the
-other residuals is to vanish before tau does: tau is not aimed below a third of it, in the same units. Of 32 sliding steps, 27 instead of 17
-then end below 1e-6. Stiff springs beside rigid contacts settle what these leave open, and do so where K exceeds d / C: hence its bound of
-1e12. The start is any set of impulses, moved inside the cones along x = d p - w to products (distance times the largest speed)^2 / d.
+other residuals is to vanish before tau does: tau is not aimed below a third of it, in the same units. The start is any set of impulses,
+moved inside the cones along x = d p - w to products (distance times the largest speed)^2 / d.
 
 **The path by its length.** With all residuals of a start taken away in proportion to tau, and products tau times those of the start, a
 path leads from there to a solution, but tau may have to grow again on the way: it falls where the determinant of the linearised equations
 is positive and grows where it is negative (Allgower & Georg, Introduction to Numerical Continuation Methods, SIAM, 2003; Watson, SIAM J.
 Optim. 11, 2000). So tau is an unknown. Each factorisation, here with K = RIGID, serves the way back to the path, taken across the tangent,
 the tangent, and how the path bends; lengths are relative to the distance from the walls of the cones. The step is the longest that stays
-inside the cones and, by WIDE times the products, near the path. Where the path folds closely its branches are near one another: with
-longer steps the point wanders between them, and which it takes hangs on rounding. It takes 40 to 250 iterations, also where the damped path
-stalls at 1e-2. Paths from starts farther away are others, with folds elsewhere. Of walls thrown apart at random (mu 0.8 to 2.5),
-tests/mechanics/solvers/test_interior.py counts how many end below 1e-8: nine of ten at least.
+inside the cones and, by WIDE times the products, near the path: with longer steps the point wanders between branches where it folds.
 
 **Proximal points** finish, see newton.py: from some hundred times the tolerance they mostly take ten to twenty iterations.
 
@@ -44,10 +39,11 @@ import numpy as np
 
 from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution
-from masonry_cd.mechanics.solvers import admm, nlgs
-from masonry_cd.mechanics.solvers.linearised import Elimination, Settings
+from masonry_cd.mechanics.solvers import nlgs
+from masonry_cd.mechanics.solvers.linearised import Settings
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
 from masonry_cd.mechanics.solvers.options import Options
+from masonry_cd.mechanics.solvers.recall import recall
 
 DISTANCES = (1e-2, 1e-1, 1e-3)  # of the start from the walls of the cones, if there are impulses to start from
 FAR = 1.0  # without
@@ -74,13 +70,12 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return nlgs.solve(problem, options, start)
     arrays, velocity = problem.arrays(), np.empty(problem.v_free.shape)
     near = max(options.tolerance, min(LEAVE * options.tolerance, FAR_OFF))  # where the damped path is left
-    state, factors, index, block = admm.recall(problem, start)
-    elimination = Elimination(factors.pattern.order, factors.pattern.symbolic, index, block)
+    recalled = recall(problem, start)
 
     def method(by_team: Entry, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
             settings = Settings(distance, tolerance, allowed)
-            return over_bodies(by_team, arrays, elimination, settings, impulse, velocity, options.threads)
+            return over_bodies(by_team, arrays, recalled, settings, impulse, velocity, options.threads)
 
         return improve
 
@@ -92,7 +87,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     first, *others = [(*place, (damped, (proximal, TURN))) for place in (*starts, (nothing, FAR))]
     paths: list[Try] = [(nothing, distance, (path, (proximal, FINISH if distance == FAR else TURN))) for distance in FARTHER]
     best, iterations, error = _search([first, paths[0], *others, *paths[1:]], options)
-    return Solution(best, problem.body_velocity(best), iterations, options.reason("interior", error), state, error)
+    return Solution(best, problem.body_velocity(best), iterations, options.reason("interior", error), recalled.state, error)
 
 
 def _search(tries: list[Try], options: Options) -> tuple[np.ndarray, int, float]:

@@ -10,17 +10,17 @@ from masonry_cd.mechanics.linalg.threads import wait
 from masonry_cd.mechanics.solvers.central_path import (
     advance,
     are_inside,
-    begin_inside,
     complementarity,
     cones_of,
     interior_direction,
-    judge,
+    keep_if_better,
     linearise_products,
     longest_step,
     missing_velocity,
-    soften,
+    set_damping,
+    start_inside_cones,
 )
-from masonry_cd.mechanics.solvers.linearised import STIFFEST, body_velocity, contact_velocity, factorise, missing_momentum
+from masonry_cd.mechanics.solvers.linearised import STIFFEST, body_velocity, factorise, law_velocity, momentum_residual
 from masonry_cd.mechanics.solvers.shares import any_of, begin_sums, chunk_of, copy_share, sum_of_chunks
 
 STIFFNESS = 1e4  # K of the interior point method, to begin with
@@ -30,25 +30,25 @@ WIDE = 0.5  # how far products may be off the path, relative to those on it: muc
 
 
 @borrower()
-def corrector_rhs(shares, cones, way, linear, target, second):
+def corrector_rhs(shares, cones, direction, linear, target, second):
     """The changes of the products that lead to ``target``, with the second order of the last direction if ``second`` is set."""
     m, wanted, (first, end) = len(cones.m), linear.wanted, shares.contacts
     for c in range(first, end):
         if second:
-            complementarity(way.w[c], way.p[c], way.gamma[c], cones.mu[c], m, wanted[c])
+            complementarity(direction.w[c], direction.p[c], direction.gamma[c], cones.mu[c], m, wanted[c])
         for i in range(m + 1):
             wanted[c, i] = (target if i < 2 else 0.0) - linear.product[c, i] - (wanted[c, i] if second else 0.0)
 
 
 @borrower()
-def mean_second_order(shares, cones, way, wanted):
+def mean_second_order(shares, cones, direction, wanted):
     """The second order of a direction in the gap, mean over the contacts; uses ``wanted`` (C, m + 1) up."""
     contacts, turn, (first, end) = len(cones.mu), begin_sums(shares), shares.chunks
     for k in range(first, end):
         total = 0.0
         begin, stop = chunk_of(k, contacts)
         for c in range(begin, stop):
-            complementarity(way.w[c], way.p[c], way.gamma[c], cones.mu[c], len(cones.m), wanted[c])
+            complementarity(direction.w[c], direction.p[c], direction.gamma[c], cones.mu[c], len(cones.m), wanted[c])
             total += 0.5 * (wanted[c, 0] + wanted[c, 1])
         shares.sums[turn, 0, k] = total
     wait(shares.team)
@@ -69,38 +69,38 @@ def centring_share(gap, undone, second, longest, step):
 
 
 @kernel()
-def predict_and_correct(shares, problem, work, cones, inside, means, step):
+def predict_and_correct(shares, problem, work, cones, workspace, means, step):
     """Predictor, then corrector with the centring that the predictor asks for; a corrector that leads nowhere is left out.
 
     ``means`` are the gap and what w misses, see :func:`linearise_products`, ``step`` is the last one. Returns the longest step along the
     direction that stays inside the cones.
     """
-    (gap, undone), here, way, linear = means, inside.here, inside.ways.ahead, inside.linear
+    (gap, undone), here, direction, linear = means, workspace.here, workspace.directions.ahead, workspace.linear
     centring, longest = 0.0, 0.0
     for turn in range(3):
         if turn == 2 and longest >= 0.1:
             break
-        corrector_rhs(shares, cones, way, linear, centring * gap, turn == 1)
-        interior_direction(shares, problem, work, cones, linear, way)
-        longest = longest_step(shares, here, way, cones)
+        corrector_rhs(shares, cones, direction, linear, centring * gap, turn == 1)
+        interior_direction(shares, problem, work, cones, linear, direction)
+        longest = longest_step(shares, here, direction, cones)
         if turn == 0:
-            second = mean_second_order(shares, cones, way, linear.wanted)
+            second = mean_second_order(shares, cones, direction, linear.wanted)
             centring = centring_share(gap, undone, second, longest, step)
     return longest
 
 
 @kernel()
-def interior_point(shares, problem, work, inside, answer, settings):
-    """Interior point method from near ``answer``, which gets better, in the memory of an :class:`Inside`; returns the iterations."""
-    here, linear, cones, scratch = inside.here, inside.linear, cones_of(problem), work.scratch
-    contact_velocity(shares, problem, problem.offset, answer.velocity, linear.miss)
-    begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
+def interior_point(shares, problem, work, workspace, answer, settings):
+    """Interior point method from near ``answer``, which gets better; returns the iterations."""
+    here, linear, cones, scratch = workspace.here, workspace.linear, cones_of(problem), work.scratch
+    law_velocity(shares, problem, answer.velocity, linear.miss)
+    start_inside_cones(shares, problem, answer, cones, settings.distance, here, linear.miss)
     step, stiffness, iterations, short = 1.0, STIFFNESS, 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and short < 6:
         iterations += 1
         missing_velocity(shares, problem, here, 0.0, linear)
-        missing_momentum(shares, problem, problem.free, here.v, here.p, scratch)
-        soften(shares, problem, stiffness, linear)
+        momentum_residual(shares, problem, problem.free, here.v, here.p, scratch)
+        set_damping(shares, problem, stiffness, linear)
         means = linearise_products(shares, cones, linear)
         if not means[0] > 0.0:
             break
@@ -110,20 +110,20 @@ def interior_point(shares, problem, work, inside, answer, settings):
         if sign < 0.0 and stiffness > 1.0:
             stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
             continue
-        step = min(1.0, 0.99 * predict_and_correct(shares, problem, work, cones, inside, means, step))
-        advance(shares, here, step, inside.ways.ahead, here)
+        step = min(1.0, 0.99 * predict_and_correct(shares, problem, work, cones, workspace, means, step))
+        advance(shares, here, step, workspace.directions.ahead, here)
         short = short + 1 if step < 0.02 else 0
         if step > 0.5:  # long steps can do with stiffer contacts, short ones need softer
             stiffness = min(4.0 * stiffness, STIFFEST)
         elif step < 0.1:
             stiffness = max(0.25 * stiffness, 1.0)
-        if not judge(shares, problem, work, inside, answer) < np.inf:
+        if not keep_if_better(shares, problem, work, workspace, answer) < np.inf:
             break
     return iterations
 
 
 @borrower()
-def way_product(shares, a, b, here, cones):
+def direction_product(shares, a, b, here, cones):
     """Inner product of two directions, each relative to what it changes, mean over the contacts."""
     mu, m, (w, p, gamma, _) = cones.mu, len(cones.m), here
     turn, (first, end) = begin_sums(shares), shares.chunks
@@ -151,45 +151,45 @@ def is_near(product, goal):
 
 
 @kernel()
-def path_directions(shares, problem, work, cones, linear, level, tau, ways):
+def path_directions(shares, problem, work, cones, linear, level, tau, directions):
     """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,)."""
     m, wanted, (first, end), (begin, stop) = len(cones.m), linear.wanted, shares.contacts, shares.rows
-    missing_momentum(shares, problem, problem.free, linear.here.v, linear.here.p, work.scratch)
+    momentum_residual(shares, problem, problem.free, linear.here.v, linear.here.p, work.scratch)
     for c in range(first, end):
         for i in range(m + 1):
             wanted[c, i] = (tau * level[c] if i < 2 else 0.0) - linear.product[c, i]
-    interior_direction(shares, problem, work, cones, linear, ways.back)
+    interior_direction(shares, problem, work, cones, linear, directions.back)
     work.scratch[begin:stop] = 0.0
     for c in range(first, end):
         for i in range(m + 1):
             wanted[c, i] = tau * level[c] if i < 2 else 0.0
         for i in range(m):
             linear.miss[c, i] = -tau * linear.far[c, i]
-    interior_direction(shares, problem, work, cones, linear, ways.tangent)
-    dw, dp, dgamma, _ = ways.tangent
+    interior_direction(shares, problem, work, cones, linear, directions.tangent)
+    dw, dp, dgamma, _ = directions.tangent
     for c in range(first, end):
         complementarity(dw[c], dp[c], dgamma[c], cones.mu[c], m, wanted[c])
         for i in range(m + 1):
             wanted[c, i] = -wanted[c, i]
         for i in range(m):
             linear.miss[c, i] = 0.0
-    interior_direction(shares, problem, work, cones, linear, ways.bend)
+    interior_direction(shares, problem, work, cones, linear, directions.bend)
 
 
 @borrower()
-def turn_across(shares, ways, here, cones):
+def across_tangent(shares, directions, here, cones):
     """Turn ``back`` and ``bend`` across the tangent: this is what lets the path turn back. Returns the relative changes of tau in them."""
-    back, tangent, bend = ways.back, ways.tangent, ways.bend
-    length = 1.0 + way_product(shares, tangent, tangent, here, cones)
-    drop = -way_product(shares, back, tangent, here, cones) / length
-    curve = -way_product(shares, bend, tangent, here, cones) / length
+    back, tangent, bend = directions.back, directions.tangent, directions.bend
+    length = 1.0 + direction_product(shares, tangent, tangent, here, cones)
+    drop = -direction_product(shares, back, tangent, here, cones) / length
+    curve = -direction_product(shares, bend, tangent, here, cones) / length
     advance(shares, back, drop, tangent, back)
     advance(shares, bend, curve, tangent, bend)
     return drop, curve
 
 
 @kernel()
-def step_ahead(shares, here, ways, cones, level, tau, changes):
+def step_ahead(shares, here, directions, cones, level, tau, changes):
     """ahead = back + h tangent + h^2 bend with the largest h of 2 (0.97 where tau falls), 3/4 of it, and so on, that stays inside the cones
     and near the path.
 
@@ -204,16 +204,16 @@ def step_ahead(shares, here, ways, cones, level, tau, changes):
         if change <= -0.98:
             continue
         along = (h * sign, h * h, tau * (1.0 + change))
-        forbidding = first_forbidding(shares, here, ways, cones, forbidding, along, level, scratch)
+        forbidding = first_forbidding(shares, here, directions, cones, forbidding, along, level, scratch)
         if not any_of(shares, forbidding >= 0, len(level)):
             break
-    advance(shares, ways.back, h * sign, ways.tangent, ways.ahead)
-    advance(shares, ways.ahead, h * h, ways.bend, ways.ahead)
+    advance(shares, directions.back, h * sign, directions.tangent, directions.ahead)
+    advance(shares, directions.ahead, h * h, directions.bend, directions.ahead)
     return change
 
 
 @borrower()
-def first_forbidding(shares, here, ways, cones, last, along, level, scratch):
+def first_forbidding(shares, here, directions, cones, last, along, level, scratch):
     """A contact of the thread's that does not allow a step, -1 if there is none; see :func:`step_ahead`.
 
     The one that forbade the last step is asked first, since it mostly forbids the next one too. ``along`` are the shares of tangent and
@@ -222,18 +222,18 @@ def first_forbidding(shares, here, ways, cones, last, along, level, scratch):
     first, end = shares.contacts
     for k in range(first - 1 if last >= 0 else first, end):
         c = max(last, first) if k < first else k
-        if not _allows(here, ways, cones, c, along, along[2] * level[c], scratch):
+        if not _allows(here, directions, cones, c, along, along[2] * level[c], scratch):
             return c
     return -1
 
 
 @borrower()
-def _allows(here, ways, cones, c, along, goal, scratch):
+def _allows(here, directions, cones, c, along, goal, scratch):
     """Whether contact c stays inside the cones, a little beyond the step too, and near the path with products of ``goal`` at its end.
 
     The step is back + along[0] tangent + along[1] bend; ``scratch`` (3, m + 1) is overwritten.
     """
-    (back, tangent, bend, _), (first, second, _), m, mu = ways, along, len(cones.m), cones.mu[c]
+    (back, tangent, bend, _), (first, second, _), m, mu = directions, along, len(cones.m), cones.mu[c]
     w, p, product, gamma = scratch[0], scratch[1], scratch[2], 0.0
     for share in (BEYOND, 1.0):
         for i in range(m):
@@ -247,29 +247,28 @@ def _allows(here, ways, cones, c, along, goal, scratch):
 
 
 @kernel()
-def choose_step(shares, here, ways, cones, level, tau, sign):
+def choose_step(shares, here, directions, cones, level, tau, sign):
     """Fill ``ahead``: back to the path first, and along it from near; returns the relative change of tau, whose sign is given."""
-    drop, curve = turn_across(shares, ways, here, cones)
-    longest = 0.9 * longest_step(shares, here, ways.back, cones)
+    drop, curve = across_tangent(shares, directions, here, cones)
+    longest = 0.9 * longest_step(shares, here, directions.back, cones)
     if longest < 1.0:
-        advance(shares, ways.back, longest - 1.0, ways.back, ways.ahead)
+        advance(shares, directions.back, longest - 1.0, directions.back, directions.ahead)
         return longest * drop
-    return step_ahead(shares, here, ways, cones, level, tau, (drop, sign, curve))
+    return step_ahead(shares, here, directions, cones, level, tau, (drop, sign, curve))
 
 
 @kernel()
-def path_by_length(shares, problem, work, inside, answer, settings):
-    """The central path followed by its length from near ``answer``, which gets better, in the memory of an :class:`Inside`; returns the
-    iterations."""
-    here, linear, ways, cones, scratch = inside.here, inside.linear, inside.ways, cones_of(problem), work.scratch
+def path_by_length(shares, problem, work, workspace, answer, settings):
+    """The central path followed by its length from near ``answer``, which gets better; returns the iterations."""
+    here, linear, directions, cones, scratch = workspace.here, workspace.linear, workspace.directions, cones_of(problem), work.scratch
     # a point on the path at tau = 1, where w is off by far
-    contact_velocity(shares, problem, problem.offset, answer.velocity, linear.miss)
-    shift = begin_inside(shares, problem, answer, cones, settings.distance, here, linear.miss)
+    law_velocity(shares, problem, answer.velocity, linear.miss)
+    shift = start_inside_cones(shares, problem, answer, cones, settings.distance, here, linear.miss)
     level = shift * shift / problem.d
     body_velocity(shares, problem, here.p, scratch, here.v)
     missing_velocity(shares, problem, here, 0.0, linear)
     copy_share(shares.contacts, linear.miss, linear.far)
-    soften(shares, problem, RIGID, linear)
+    set_damping(shares, problem, RIGID, linear)
     tau, iterations = 1.0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance:
         iterations += 1
@@ -280,10 +279,10 @@ def path_by_length(shares, problem, work, inside, answer, settings):
         sign = factorise(shares, problem, work, linear.gain)
         if sign == 0.0:
             break
-        path_directions(shares, problem, work, cones, linear, level, tau, ways)
-        change = choose_step(shares, here, ways, cones, level, tau, -sign)
-        advance(shares, here, 1.0, ways.ahead, here)
+        path_directions(shares, problem, work, cones, linear, level, tau, directions)
+        change = choose_step(shares, here, directions, cones, level, tau, -sign)
+        advance(shares, here, 1.0, directions.ahead, here)
         tau *= 1.0 + change
-        if not judge(shares, problem, work, inside, answer) < np.inf:
+        if not keep_if_better(shares, problem, work, workspace, answer) < np.inf:
             break
     return iterations

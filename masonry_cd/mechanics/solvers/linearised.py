@@ -16,28 +16,17 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.operators import (
     add_impulse,
     body_velocity_of,
-    missing_momentum_of,
+    momentum_residual_of,
     squared_map_norm_of,
     velocity_of_contact,
 )
-from masonry_cd.mechanics.linalg.ldu import factorise_ldu_by_team
-from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, Factor
-from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
+from masonry_cd.mechanics.linalg.factor import BlockFactor, factorise_ldu
 from masonry_cd.mechanics.linalg.threads import take, wait
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
-from masonry_cd.mechanics.solvers.augmented import NUMBERS, augment_blocks, turn_blocks
-from masonry_cd.mechanics.solvers.shares import begin_sums, chunk_of, copy_share, sum_of_chunks
+from masonry_cd.mechanics.solvers.augmented import NUMBERS, augment_blocks, rotate_blocks
+from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, sum_of_chunks
 
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
-
-
-class Elimination(NamedTuple):
-    """The order in which bodies are eliminated, and where the contacts stand in it."""
-
-    order: np.ndarray  # (B,) body at each place
-    symbolic: SymbolicFactor
-    places: np.ndarray  # (C, 2) places of the bodies; B: a support
-    block: np.ndarray  # (C,) the block that couples them, -1: none
 
 
 class Settings(NamedTuple):
@@ -59,12 +48,10 @@ class Answer(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Memory for the matrix of a problem whose law is linearised, for its factors, and for one more array."""
+    """Memory for the matrix of a problem whose law is linearised and its factors, and for two more arrays."""
 
-    matrix: BlockMatrix
-    factor: Factor
+    factor: BlockFactor
     world: np.ndarray  # (C, NUMBERS) the blocks of contacts between rigid blocks in space, see augmented.py, or (0, NUMBERS)
-    signs: np.ndarray  # (K,) of the determinants of the subtrees
     scratch: np.ndarray  # (B + 1, n), as velocities
 
 
@@ -72,10 +59,12 @@ class Work(NamedTuple):
 def allocate_work(arena, symbolic, size, velocity, world):
     """:class:`Work` for blocks of a size, see small_blocks.py, velocities of a shape, and as many contacts as ``world`` has."""
     n, nodes, pairs = len(size), len(symbolic.column) - 1, len(symbolic.row)
-    matrix = BlockMatrix(take(arena, (nodes, n, n)), take(arena, (pairs, n, n)), take(arena, (pairs, n, n)))
-    panel = n * n * symbolic.panel[-1]
-    factor = Factor(symbolic, take(arena, (n * n * symbolic.square[-1],)), take(arena, (panel,)), take(arena, (panel,)), size)
-    return Work(matrix, factor, take(arena, (world, NUMBERS)), take(arena, (len(symbolic.subtree) - 1,)), take(arena, velocity))
+    diagonal, lower, upper = take(arena, (nodes, n, n)), take(arena, (pairs, n, n)), take(arena, (pairs, n, n))
+    squares, panel, signs = take(arena, (n * n * symbolic.square[-1],)), n * n * symbolic.panel[-1], len(symbolic.subtree) - 1
+    factor = BlockFactor(
+        symbolic, False, diagonal, lower, upper, squares, take(arena, (panel,)), take(arena, (panel,)), take(arena, (signs,)), size
+    )  # fmt: skip
+    return Work(factor, take(arena, (world, NUMBERS)), take(arena, velocity))
 
 
 @borrower()
@@ -98,34 +87,30 @@ def keep_better(shares, answer, p, v, error):
 
 
 @borrower()
-def contact_velocity(shares, problem, offset, v, u):
-    """u = H v + b (C, m) for body velocities v (B + 1, n) and b = ``offset`` (C, m)."""
+def contact_velocity(shares, problem, v, u):
+    """u = H v (C, m) for body velocities, or a change of them, v (B + 1, n)."""
     first, end = shares.contacts
     wait(shares.team)
     for c in range(first, end):
         u0, u1, u2 = velocity_of_contact(problem, v, c)
-        u[c, 0], u[c, 1] = u0 + offset[c, 0], u1 + offset[c, 1]
-        if len(problem.m) == 3:
-            u[c, 2] = u2 + offset[c, 2]
-
-
-@borrower()
-def contact_change(shares, problem, change, u):
-    """u = H dv (C, m) for a change of the body velocities (B + 1, n), when all threads have theirs."""
-    first, end = shares.contacts
-    for c in range(first, end):
-        u0, u1, u2 = velocity_of_contact(problem, change, c)
         u[c, 0], u[c, 1] = u0, u1
         if len(problem.m) == 3:
             u[c, 2] = u2
 
 
 @borrower()
-def missing_momentum(shares, problem, free, v, p, out):
+def law_velocity(shares, problem, v, u):
+    """u = H v + b (C, m)."""
+    contact_velocity(shares, problem, v, u)
+    add_share(shares.contacts, u, 1.0, problem.offset, u)
+
+
+@borrower()
+def momentum_residual(shares, problem, free, v, p, out):
     """out = M (v_free - v) + H^T p (B + 1, n), v_free = ``free``; its last row, of the supports, is left as it is."""
     first, end = shares.rows
     wait(shares.team)
-    missing_momentum_of(problem, free, v, first, end, out)
+    momentum_residual_of(problem, free, v, first, end, out)
     add_impulse(problem, p, first, end, out)
 
 
@@ -155,11 +140,11 @@ def map_norm(shares, problem, p, scratch, v):
 @kernel()
 def factorise(shares, problem, work, blocks):
     """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
-    turn_blocks(problem, blocks, shares.contacts[0], shares.contacts[1], work.world)
+    rotate_blocks(problem, blocks, shares.contacts[0], shares.contacts[1], work.world)
     wait(shares.team)
-    augment_blocks(problem, blocks, work.world, work.factor.symbolic, shares.rows, work.matrix)
+    augment_blocks(problem, blocks, work.world, shares.rows, work.factor)
     wait(shares.team)
-    return factorise_ldu_by_team(shares.team, work.matrix, work.factor, work.signs)
+    return factorise_ldu(shares.team, work.factor)
 
 
 @kernel()

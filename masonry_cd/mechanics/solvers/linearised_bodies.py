@@ -15,24 +15,24 @@ from masonry_cd.foundation.jit import Entry, entry, kernel
 from masonry_cd.mechanics.friction.operators import (
     ProblemArrays,
     put_in_order,
-    room_in_order,
     squared_size_of,
 )
+from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.threads import SharedArena, ThreadTeam, own_arena, run_by_team, take, wait
-from masonry_cd.mechanics.solvers.central_path import allocate_inside
+from masonry_cd.mechanics.solvers.central_path import allocate_interior
 from masonry_cd.mechanics.solvers.interior_kernels import interior_point, path_by_length
 from masonry_cd.mechanics.solvers.linearised import (
     Answer,
-    Elimination,
     Settings,
     Work,
     allocate_work,
-    contact_velocity,
     largest,
+    law_velocity,
     map_norm,
 )
 from masonry_cd.mechanics.solvers.newton_kernels import allocate_newton, newton_points
 from masonry_cd.mechanics.solvers.pivoting_kernels import allocate_pivoting, pivoting_points
+from masonry_cd.mechanics.solvers.recall import Recalled
 from masonry_cd.mechanics.solvers.shares import allocate_sums, copy_share, shares_of
 
 
@@ -46,9 +46,9 @@ class Common(NamedTuple):
 
 
 @kernel()
-def allocate_common(arena, problem, elimination):
+def allocate_common(arena, problem, symbolic):
     """:class:`Common` for ProblemArrays."""
-    shape, (bodies, n), symbolic = problem.offset.shape, problem.free.shape, elimination.symbolic
+    shape, (bodies, n) = problem.offset.shape, problem.free.shape
     rows = (bodies + 1, n)
     work = allocate_work(arena, symbolic, problem.n, rows, len(problem.geometry.frame))
     return Common(allocate_sums(arena, shape[0], bodies), take(arena, rows), take(arena, shape), work)
@@ -59,7 +59,7 @@ def answer_of(shares, common, problem, impulse):
     """The answer to begin with: ``impulse`` (C, m) itself, and its velocities and error."""
     v, q, error = common.v, common.q, np.empty(1)
     copy_share(shares.rows, problem.free, v)
-    contact_velocity(shares, problem, problem.offset, v, q)
+    law_velocity(shares, problem, v, q)
     square = squared_size_of(problem, v, 0, len(q))
     size = np.sqrt(square) if square > 0.0 else 1.0
     wait(shares.team)
@@ -68,11 +68,11 @@ def answer_of(shares, common, problem, impulse):
 
 
 @entry()
-def room_needed(problem: ProblemArrays, elimination: Elimination) -> int:
+def room_needed(problem: ProblemArrays, symbolic: SymbolicFactor) -> int:
     """Entries of the :class:`SharedArena` of a team, enough for each of these methods."""
     arena, shape = own_arena(), problem.offset.shape
-    rows = allocate_common(arena, problem, elimination).v.shape
-    allocate_inside(arena, shape, rows)
+    rows = allocate_common(arena, problem, symbolic).v.shape
+    allocate_interior(arena, shape, rows)
     allocate_newton(arena, shape, rows)
     return int(arena.used[0])
 
@@ -82,7 +82,8 @@ class Given(NamedTuple):
 
     problem: ProblemArrays
     ordered: ProblemArrays  # room for it in order of elimination
-    elimination: Elimination
+    order: np.ndarray  # (B,) body at each place
+    symbolic: SymbolicFactor
     settings: Settings
     impulse: np.ndarray  # (C, m) the start, and then the best answer found
     velocity: np.ndarray  # (B, n) its own
@@ -92,15 +93,15 @@ class Given(NamedTuple):
 @kernel()
 def improve(method, allocate, team, given):
     """Iterations and natural map error of a method, which works on what ``allocate`` makes, by a thread of a team."""
-    problem, ordered, elimination, settings, impulse, velocity, values = given
-    order, arena = elimination.order, SharedArena(values, np.zeros(1, dtype=np.int64))
-    common = allocate_common(arena, problem, elimination)
+    problem, ordered, order, symbolic, settings, impulse, velocity, values = given
+    arena = SharedArena(values, np.zeros(1, dtype=np.int64))
+    common = allocate_common(arena, problem, symbolic)
     shares = shares_of(team, len(impulse), len(order), common.sums)
     put_in_order(problem, order, shares.rows[0], shares.rows[1], ordered)
     wait(team)
     answer = answer_of(shares, common, ordered, impulse)
-    inside = allocate(arena, impulse.shape, common.v.shape)
-    iterations = method(shares, ordered, common.work, inside, answer, settings)
+    workspace = allocate(arena, impulse.shape, common.v.shape)
+    iterations = method(shares, ordered, common.work, workspace, answer, settings)
     for b in range(shares.rows[0], shares.rows[1]):
         for i in range(len(ordered.n)):
             velocity[order[b], i] = answer.velocity[b, i]
@@ -122,19 +123,19 @@ def pivoting_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
 @entry()
 def interior_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
     """The interior point method."""
-    return improve(interior_point, allocate_inside, team, given)
+    return improve(interior_point, allocate_interior, team, given)
 
 
 @entry()
 def path_by_team(team: ThreadTeam, given: Given) -> tuple[int, float]:
     """The path by its length."""
-    return improve(path_by_length, allocate_inside, team, given)
+    return improve(path_by_length, allocate_interior, team, given)
 
 
 def over_bodies(
     by_team: Entry,
     problem: ProblemArrays,
-    elimination: Elimination,
+    recalled: Recalled,
     settings: Settings,
     impulse: np.ndarray,
     velocity: np.ndarray,
@@ -144,7 +145,8 @@ def over_bodies(
 
     Returns iterations, one factorisation each, and the natural map error.
     """
-    values = np.zeros(room_needed(problem, elimination) if threads > 1 else 0)
-    ordered = room_in_order(problem, elimination.order, elimination.places, elimination.block)
-    found: tuple[int, float] = run_by_team(by_team, threads, Given(problem, ordered, elimination, settings, impulse, velocity, values))
+    pattern = recalled.factors.pattern
+    values = np.zeros(room_needed(problem, pattern.symbolic) if threads > 1 else 0)
+    given = Given(problem, recalled.ordered, pattern.order, pattern.symbolic, settings, impulse, velocity, values)
+    found: tuple[int, float] = run_by_team(by_team, threads, given)
     return found

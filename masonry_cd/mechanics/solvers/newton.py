@@ -27,10 +27,11 @@ import numpy as np
 
 from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
-from masonry_cd.mechanics.solvers import admm, nlgs
-from masonry_cd.mechanics.solvers.linearised import Elimination, Settings
+from masonry_cd.mechanics.solvers import nlgs
+from masonry_cd.mechanics.solvers.linearised import Settings
 from masonry_cd.mechanics.solvers.linearised_bodies import newton_by_team, over_bodies
 from masonry_cd.mechanics.solvers.options import Options
+from masonry_cd.mechanics.solvers.recall import recall
 
 LIMIT = 240  # factorisations
 
@@ -53,8 +54,7 @@ def solve_by_proximal_points(
     if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
     impulse, velocity = first_impulse(problem, start), np.empty(problem.v_free.shape)
-    state, factors, index, block = admm.recall(problem, start)
-    elimination = Elimination(factors.pattern.order, factors.pattern.symbolic, index, block)
+    recalled = recall(problem, start)
     settings = Settings(0.0, options.tolerance, options.limit(limit))
-    iterations, error = over_bodies(by_team, problem.arrays(), elimination, settings, impulse, velocity, threads)
-    return Solution(impulse, velocity, iterations, options.reason(name, error), state, error)
+    iterations, error = over_bodies(by_team, problem.arrays(), recalled, settings, impulse, velocity, threads)
+    return Solution(impulse, velocity, iterations, options.reason(name, error), recalled.state, error)

@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Proximal points by pivoting: the method for structures in a plane that slide or rock as a whole.
 
-**Proximal points** (Rockafellar, SIAM J. Control Optim. 14, 1976). Springs in series with the contacts, at rest in the impulses p of a
-centre, leave a problem in the velocities alone,
+The problem of a centre is that of newton.py,
 
-    M (v - v_free) = H^T P(x),     x = p - K / d (H v + b + C P(x)),     P: p_n = max(0, x_n), p_t = x_t clipped to mu p_n,
-
-whose solution P(x) is the next centre. The stiffer the springs, the more of the error a centre takes away.
+    M (v - v_free) = H^T P(x),     x = p - K / d (H v + b + C P(x)),     P: p_n = max(0, x_n), p_t = x_t clipped to mu p_n.
 
 **Pivoting.** In a plane P is piecewise linear: a contact is open, sticks, or slips to one side or the other, and the residual is linear in
 v as long as no contact changes its status. So the residual can be taken away exactly, in proportion, along a path that is straight in each
@@ -19,10 +16,7 @@ what the tolerance leaves.
 **Folds.** Friction makes B unsymmetric, and with stiff springs some pieces have a negative determinant, in which the path turns back. With
 springs soft enough no piece has one: there is one solution, and the path leads to it. So K grows tenfold from one centre to the next; where
 the path meets a fold, which the sign of the ratio of the determinants tells, K falls as much, and changes by the root of that from then on.
-Beyond a fold the path goes on, with its direction reversed, and ends at a solution; but that is a long way: of 60 steps of the demo it
-solved 31 within 240 factorisations, where softer springs solved all, with 22 in the mean.
 
-Over the demo (``python -m benchmarks.profile``) ``interior`` takes 61 factorisations a step, and this 17 with some 25 pivots on each.
 What it does not solve is left to the interior point method, as are problems in space, where the cone of friction is round, and those given
 by W alone.
 """

@@ -16,7 +16,7 @@ from masonry_cd.mechanics.solvers.linearised import factorise
 from masonry_cd.mechanics.solvers.proximal_kernels import (
     FREE,
     HELD,
-    Course,
+    Continuation,
     allocate_springs,
     proximal_points,
     softness,
@@ -25,7 +25,7 @@ from masonry_cd.mechanics.solvers.proximal_kernels import (
 )
 
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
-PIVOTING = Course(softest=1e3, stiffest=1e3, growth=10.0, leap=1.0, fall=10.0, calm=0.5, iterations=10**9, failures=16, ties=1e-3)
+PIVOTING = Continuation(softest=1e3, stiffest=1e3, growth=10.0, leap=1.0, fall=10.0, calm=0.5, iterations=10**9, failures=16, ties=1e-3)
 
 
 class Path(NamedTuple):
@@ -167,7 +167,7 @@ def next_kink(problem, springs, path, taken):
 
 
 @kernel()
-def set_out(shares, problem, work, springs, stiffness, path, left, held):
+def start_piece(shares, problem, work, springs, stiffness, path, left, held):
     """Factorise where the path is, and find its rate there; False if the matrix is singular."""
     spring_residual(shares, problem, springs, stiffness, path.v, held, path.residual)
     spring_blocks(shares, problem, springs, stiffness)
@@ -181,7 +181,7 @@ def set_out(shares, problem, work, springs, stiffness, path, left, held):
 
 
 @kernel()
-def follow(shares, problem, work, springs, stiffness, goal, most, path):
+def follow_path(shares, problem, work, springs, stiffness, goal, most, path):
     """Follow the path from v until the residual vanishes; there is one thread.
 
     Returns whether it does, and the number of factorisations: not where the path folds back, ends in a ray, or takes more than ``most``.
@@ -192,7 +192,7 @@ def follow(shares, problem, work, springs, stiffness, goal, most, path):
     left = 1.0  # share of the residual at the start
     held: np.bool = FREE  # whether statuses are known, or follow the trial impulses
     for spent in range(1, most + 1):
-        if not set_out(shares, problem, work, springs, stiffness, path, left, held):
+        if not start_piece(shares, problem, work, springs, stiffness, path, left, held):
             return False, spent
         held, taken = HELD, 0.0
         for k in range(UPDATES):
@@ -210,6 +210,6 @@ def follow(shares, problem, work, springs, stiffness, goal, most, path):
 
 
 @kernel()
-def pivoting_points(shares, problem, work, inside, answer, settings):
+def pivoting_points(shares, problem, work, workspace, answer, settings):
     """Proximal points by pivoting from ``answer`` on, which gets better; returns the iterations."""
-    return proximal_points(follow, shares, problem, work, inside, PIVOTING, answer, settings)
+    return proximal_points(follow_path, shares, problem, work, workspace, PIVOTING, answer, settings)

@@ -15,7 +15,7 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
 from masonry_cd.mechanics.friction.operators import has_unit_masses
 from masonry_cd.mechanics.linalg.threads import take, wait
-from masonry_cd.mechanics.solvers.linearised import STIFFEST, contact_change, contact_velocity, keep_better, map_norm, missing_momentum
+from masonry_cd.mechanics.solvers.linearised import STIFFEST, contact_velocity, keep_better, law_velocity, map_norm, momentum_residual
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, copy_share, sum_of
 
 GOLDEN, TIGHT = 0.6180339887498949, 1e-8
@@ -39,7 +39,7 @@ class Springs(NamedTuple):
     offset: np.ndarray  # (C, m) H v + b
 
 
-class Course(NamedTuple):
+class Continuation(NamedTuple):
     """How stiff the springs are from one centre to the next, and when to give up."""
 
     softest: float  # K to begin with: the reciprocal of the error, within these
@@ -114,20 +114,20 @@ def spring_residual(shares, problem, springs, stiffness, v, held, out):
     """
     m, compliance, d, x, p, centre = len(problem.m), problem.compliance, problem.d, springs.x, springs.p, springs.centre
     mu, status, (first, end) = problem.mu, springs.status, shares.contacts
-    contact_velocity(shares, problem, springs.offset, v, x)
+    contact_velocity(shares, problem, v, x)
     for c in range(first, end):
         soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
         for i in range(m):
             soft = soft_n if i == 0 else soft_t
             own = compliance[c, i] if len(compliance) else 0.0
-            x[c, i] = ((soft - own) * centre[c, i] - x[c, i]) / soft
+            x[c, i] = ((soft - own) * centre[c, i] - (x[c, i] + springs.offset[c, i])) / soft
         length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
         if not held:
             status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
         share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
         for i in range(m):
             p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
-    missing_momentum(shares, problem, springs.free, v, springs.p, out)
+    momentum_residual(shares, problem, springs.free, v, springs.p, out)
     return norm_of_momentum(shares, problem, out)
 
 
@@ -152,8 +152,7 @@ def norm_of_momentum(shares, problem, momentum):
 def spring_changes(shares, problem, springs, stiffness, change):
     """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
     dx, m, (first, end) = springs.dx, len(problem.m), shares.contacts
-    wait(shares.team)
-    contact_change(shares, problem, change, dx)
+    contact_velocity(shares, problem, change, dx)
     for c in range(first, end):
         soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, m)
         for i in range(m):
@@ -161,37 +160,41 @@ def spring_changes(shares, problem, springs, stiffness, change):
 
 
 @kernel()
-def proximal_points(settle, shares, problem, work, inside, course, answer, settings):
+def proximal_points(solve_centre, shares, problem, work, workspace, continuation, answer, settings):
     """Proximal points from ``answer`` on, which gets better; returns the iterations.
 
-    ``settle`` solves the problem of a centre, ``inside`` are :class:`Springs` and its memory, which has velocities v.
+    ``solve_centre`` solves the problem of a centre, ``workspace`` are :class:`Springs` and its memory, which has velocities v.
     Centres that the springs leave where they are, without a factorisation, have the same limit as those: near what rounding leaves there
     may be no end of them.
     """
-    springs, search = inside
+    springs, iterate = workspace
     copy_share(shares.contacts, answer.impulse, springs.centre)
     copy_share(shares.contacts, answer.impulse, springs.p)
     copy_share(shares.rows, answer.velocity, springs.v)
     error = answer.error[0]
-    stiffness, growth, fall = min(max(1.0 / max(error, 1e-300), course.softest), course.stiffest), course.growth, course.fall
+    stiffness, growth, fall = (
+        min(max(1.0 / max(error, 1e-300), continuation.softest), continuation.stiffest),
+        continuation.growth,
+        continuation.fall,
+    )
     iterations, failed, idle = 0, 0, 0
-    while max(iterations, idle) < settings.limit and answer.error[0] > settings.tolerance and failed < course.failures:
+    while max(iterations, idle) < settings.limit and answer.error[0] > settings.tolerance and failed < continuation.failures:
         goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
-        most = min(settings.limit - iterations, course.iterations)
+        most = min(settings.limit - iterations, continuation.iterations)
         add_share(shares.rows, problem.free, -1.0, springs.v, springs.free)
-        contact_velocity(shares, problem, problem.offset, springs.v, springs.offset)
-        search.v[shares.rows[0] : shares.rows[1]] = 0.0
-        if course.ties > 0.0:
-            break_ties(springs.offset, course.ties * min(settings.tolerance, TIGHT) * answer.speed)
-        solved, spent = settle(shares, problem, work, springs, stiffness, goal, most, search)
+        law_velocity(shares, problem, springs.v, springs.offset)
+        iterate.v[shares.rows[0] : shares.rows[1]] = 0.0
+        if continuation.ties > 0.0:
+            break_ties(springs.offset, continuation.ties * min(settings.tolerance, TIGHT) * answer.speed)
+        solved, spent = solve_centre(shares, problem, work, springs, stiffness, goal, most, iterate)
         iterations += spent
         idle += spent == 0
         new = map_norm(shares, problem, springs.p, work.scratch, springs.own) / answer.size
         if not solved and not new < WON * error:
             stiffness, failed = max(stiffness / fall, 1e-3), failed + 1
-            growth, fall = course.growth**course.calm, course.fall**course.calm
+            growth, fall = continuation.growth**continuation.calm, continuation.fall**continuation.calm
             continue
-        leap = growth**course.leap if new > 0.5 * error else growth
+        leap = growth**continuation.leap if new > 0.5 * error else growth
         if not solved:
             stiffness /= growth
         elif spent <= 8:
@@ -199,6 +202,6 @@ def proximal_points(settle, shares, problem, work, inside, course, answer, setti
         stiffness = min(stiffness, STIFFEST)
         error, failed = new, 0
         copy_share(shares.contacts, springs.p, springs.centre)
-        add_share(shares.rows, springs.v, 1.0, search.v, springs.v)
+        add_share(shares.rows, springs.v, 1.0, iterate.v, springs.v)
         keep_better(shares, answer, springs.p, springs.own, error)
     return iterations

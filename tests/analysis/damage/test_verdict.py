@@ -24,7 +24,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.io.summary_tables import Solver
 from masonry_cd.mechanics.model.state import State
-from masonry_cd.studies.study.task import of_run
+from masonry_cd.studies.study.task import numbers_of_run
 from reports import damage as damage_files
 from reports.compare.comparison import compare
 from reports.damage import damage_of, write_joint_damage, write_part_damage
@@ -163,7 +163,7 @@ def test_a_comparison_and_a_study_give_it_no_grade(tmp_path):
     for folder in (cut, ended):
         with Results.open(folder / "result.h5") as results:
             summary = write_joint_damage(results, folder, Report()) | Summary(steps=1, solver=Solver(steps_missed=0, error_max=0.0))
-        exceeded.append(state.exceeded_by(RunRow(DONE, numbers=of_run(folder / "result.h5", summary, scene)[0])))
+        exceeded.append(state.exceeded_by(RunRow(DONE, numbers=numbers_of_run(folder / "result.h5", summary, scene)[0])))
     assert exceeded == [None, True]
 
 

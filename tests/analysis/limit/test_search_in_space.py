@@ -5,15 +5,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from limit_loads import joined, push_loads
 from models import box, ground
 
+from masonry_cd.analysis.limit import descent
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, with_more_starts
-from masonry_cd.analysis.limit.search import CAP, Search, least_factor, polished
-from masonry_cd.analysis.limit.solution import merged
+from masonry_cd.analysis.limit.descent import Search
+from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.programme import largest
+from masonry_cd.analysis.limit.search import CAP, least_factor, polished
+from masonry_cd.analysis.limit.solution import Optimum, merged
 from masonry_cd.limit.case import limit_case
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -64,6 +69,43 @@ def test_a_least_pair_whose_solver_ended_early_is_reported_and_no_other() -> Non
     (line,) = analysis.remarks
     assert line.startswith("the least factor: the solver ended before its tolerance (MaxIterations after ")
     assert with_more_starts(analysis, assembly, joints, 2, 8, 0).remarks == ()  # of the least pair then, which converged
+
+
+def towers(*halves: float) -> LimitProblem:
+    """Towers of three cubes in a row, of a width of twice each of ``halves``, pushed along x, which each overturn at their slenderness."""
+    blocks = [ground(40.0)]
+    for k, half in enumerate(halves):
+        blocks += [box(f"{k}.{i}", (-half, 3.0 * k, float(i)), (half, 3.0 * k + 1.0, i + 1.0)) for i in range(3)]
+    assembly, joints = joined(blocks, 0.8)
+    return analyse(assembly, joints, push_loads(assembly, (1.0, 0.0, 0.0)), Options(starts=0)).problem
+
+
+def test_rounds_among_the_blocks_that_move_lead_to_the_pair_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, sizes = towers(0.6, 0.4, 0.6, 0.7, 0.6), list[int]()
+    forces = Search._forces
+
+    def counted(search: Search, *given: Any) -> Optimum:
+        sizes.append(search.problem.points.count)
+        return forces(search, *given)
+
+    monkeypatch.setattr(Search, "_forces", counted)
+    monkeypatch.setattr(descent, "LARGE", 0)
+    associated = largest(problem, problem.dead, problem.live, 10.0)
+    least = least_factor(problem, associated, 2, 0)
+    assert least is not None and least.optimum.factor == pytest.approx(0.4 / 1.5, rel=1e-4)
+    assert least.optimum.force.shape == (problem.points.count, 3) and problem.unknowns == len(least.optimum.velocity)
+    assert min(sizes) == problem.points.count // 5 and sizes[-1] == problem.points.count
+
+
+def test_a_mechanism_that_forces_elsewhere_do_not_go_with_is_no_pair() -> None:
+    """The wider tower does not overturn, as the other one has before."""
+    problem = towers(0.6, 0.4)
+    search, n = Search(problem, 10.0), problem.unknowns // 2
+    for own, slenderness in ((slice(n, None), 0.4 / 1.5), (slice(0, n), None)):
+        alone = np.where(np.isin(np.arange(problem.unknowns), np.arange(problem.unknowns)[own]), 1.0, 0.0)
+        found = largest(problem, problem.dead * alone, problem.live * alone, 10.0)
+        pair = search.confirmed(found.velocity * alone / float(problem.live @ (found.velocity * alone)))
+        assert (pair is None) if slenderness is None else pair is not None and pair[0].factor == pytest.approx(slenderness, rel=1e-4)
 
 
 def test_programmes_that_are_set_up_once_give_what_each_gives_by_itself() -> None:

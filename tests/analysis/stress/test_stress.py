@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from datasets import contents
 from made_run import at_rest, write_run
 from models import stepper, still, wall
 from pictures import main_colours
-from typer.testing import CliRunner
 
 from masonry_cd.analysis.stress.peaks import principal, stress_peaks, tensors
 from masonry_cd.analysis.stress.summary import stress_lines, stress_summary
@@ -23,7 +23,6 @@ from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.run_loop import Checkpoints, Plan, run
 from masonry_cd.app.scene import read_scene
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.layout import EDGE_STRESS, MEAN_NORMAL_FORCE, STRESS
@@ -137,7 +136,7 @@ def test_nothing_is_kept_that_is_not_asked_for(tmp_path):
         assert not results.has_stress and f"joints/{EDGE_STRESS}" not in results.file
         with pytest.raises(InputError, match=r"kept no stress; report\.stress = true"):
             stress_peaks(results, 1e-4)
-    done = CliRunner().invoke(app, ["report", str(tmp_path / "out"), "--stress-map", "--no-crack-map"])
+    done = masonry_cd("report", tmp_path / "out", "--stress-map", "--no-crack-map")
     assert done.exit_code == 2 and "kept no stress" in done.output
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from block_on_joint import AREA, HEIGHT, MASS, SIDES, STIFFNESS, block, history, on_joint
-from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
+from models import GRAVITY, advance, box, gravity, ground, stepper, still, tower, turned, wall
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.contact_set import ContactSet
@@ -240,8 +240,7 @@ def test_stiff_joints_slip_like_rigid_ones():
     velocity[:, 0, 0] = 0.5 * GRAVITY * np.minimum(np.arange(steps + 1) * dt, 0.2)
     joints = {"default": JointLaw(normal_stiffness=1e12)}
     machine = stepper(block(0.1), steps, friction=0.3, joints=joints, support_velocity=velocity)
-    for _ in range(steps):
-        machine.step()
+    advance(machine, steps)
     moved = machine.state.position - machine.assembly.centre
     assert moved[0, 0] - moved[1, 0] == pytest.approx(0.0654, rel=1e-3)
     assert abs(machine.energy["balance"]) < 1e-9 * machine.energy["base_work"]
@@ -285,8 +284,7 @@ def test_a_joint_sticks_elastically_below_its_friction_and_slips_above(planar):
     below, above = (pushed(steps, ramp(steps, top), normal_stiffness=1e9, planar=planar) for top in (0.49, 0.52))
     for machine in (below, above):
         settle(machine)
-        for _ in range(steps):
-            machine.step()
+        advance(machine, steps)
     stuck, slipped = (m.state.position[1, 0] - m.assembly.centre[1, 0] for m in (below, above))
     assert stuck == pytest.approx(0.49 * weight / (1e9 / 2.4), rel=0.02)
     assert slipped > 1e3 * stuck
@@ -303,16 +301,14 @@ def test_cohesion_holds_a_shear_up_to_its_strength_and_not_a_second_time(stiffne
     holds = pushed(steps, ramp(steps, 0.97 * strength), **law)
     breaks = pushed(steps, ramp(steps, 1.03 * strength), **law)
     for machine in (holds, breaks):
-        for _ in range(steps):
-            machine.step()
+        advance(machine, steps)
     assert abs(holds.state.position[1, 0]) < 1e-6
     assert breaks.state.position[1, 0] > 1e-3
     pair_joint, joints = np.zeros(1, dtype=np.int64), find_joints(holds.assembly)
     assert holds.joint_bonds(pair_joint, joints) == pytest.approx([1.0], rel=1e-6)
     assert breaks.joint_bonds(pair_joint, joints) == [0.0]
     again = pushed(steps, np.where(np.arange(steps + 1) < 250, ramp(steps, 1.03 * strength), 0.6), **law)
-    for _ in range(steps):
-        again.step()
+    advance(again, steps)
     assert again.state.velocity[1, 0] > breaks.state.velocity[1, 0] * 0.1  # friction alone does not stop it at 0.6 g
     assert again.joint_bonds(pair_joint, joints) == [0.0]
 
@@ -353,8 +349,7 @@ def test_a_joint_bends_up_to_the_tensile_strength_at_its_edge(planar):
         pull[:, 0] = GRAVITY * ramp(steps, factor * share)
         machine = stepper(block(), steps, friction=0.5, joints={"default": law}, acceleration=pull, planar=planar)
         settle(machine)
-        for _ in range(steps):
-            machine.step()
+        advance(machine, steps)
         bonded.append(int(machine.motion.joints.bonded.sum()))
     assert bonded == [len(machine.last.rows.active), 0]
 
@@ -382,8 +377,7 @@ def test_a_mortar_wall_stays_bonded_through_a_shake_that_moves_a_dry_one():
     )
     for machine in (dry, mortar):
         settle(machine)
-        for _ in range(steps):
-            machine.step()
+        advance(machine, steps)
     moved = [np.abs((m.state.position - m.state.position[0]) - (m.assembly.centre - m.assembly.centre[0])).max() for m in (dry, mortar)]
     assert moved[0] > 1e-3 > 20 * moved[1]
     assert mortar.motion.joints.bonded.sum() == len(mortar.last.rows.active)
@@ -398,15 +392,13 @@ def test_a_resumed_stepper_continues_to_the_same_bits():
     make = {"support_velocity": velocity, "joints": {"default": JointLaw(normal_stiffness=1e10, cohesion=2e4)}, "tolerance": 1e-6}
     first = stepper(wall(2, 3), steps, **make)
     settle(first)
-    for _ in range(60):
-        first.step()
+    advance(first, 60)
     assert 0 < first.motion.joints.bonded.sum() < len(first.last.rows.active)  # amid the breaking
     saved = {name: array.copy() for name, array in first.snapshot().items()}
     second = stepper(wall(2, 3), steps, **make)
     second.restore(saved)
     for machine in (first, second):
-        for _ in range(60):
-            machine.step()
+        advance(machine, 60)
     assert first.state.position.tobytes() == second.state.position.tobytes()
     assert first.energy == second.energy
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, ground, stepper, still
+from models import GRAVITY, advance, box, ground, stepper, still
 
 from masonry_cd.mechanics.dynamics.islands import EASY, HARD, REVIEW, Islands, gather_islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
@@ -82,12 +82,10 @@ def test_a_sleeping_island_wakes_when_it_is_hit():
 
 def test_a_resumed_stepper_continues_to_the_same_bits():
     first, second = towers(*PLACES), towers(*PLACES)
-    for _ in range(150):
-        first.step()
+    advance(first, 150)
     second.restore({name: array.copy() for name, array in first.snapshot().items()})
     for machine in (first, second):
-        for _ in range(60):
-            machine.step()
+        advance(machine, 60)
     assert first.state.position.tobytes() == second.state.position.tobytes()
     assert first.islands.sleeping == second.islands.sleeping
 

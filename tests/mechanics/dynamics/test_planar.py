@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from models import box, gravity, ground, stepper, still, tower, turned, wall
+from models import advance, box, gravity, ground, stepper, still, tower, turned, wall
 
 from masonry_cd.mechanics.dynamics.planar import find_plane
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -46,8 +46,7 @@ def test_friction_acts_in_any_plane(axis):
     plate_low[down], plate_high[down] = -1.0, -0.5
     blocks = [box("plate", tuple(plate_low), tuple(plate_high), fixed=True), box("cube", tuple(low), tuple(high))]
     run = stepper(blocks, steps, friction=mu, acceleration=gravity(steps, tuple(acceleration)))
-    for _ in range(steps):
-        run.step()
+    advance(run, steps)
     assert run.plane is not None
     assert run.plane.axis == axis
     assert run.state.position[1, along] == pytest.approx(0.5 * (push - mu * pull) * 0.2**2, rel=1e-6)

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, gravity, ground, material_of, stepper
+from models import GRAVITY, advance, box, gravity, ground, material_of, stepper
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
@@ -37,8 +37,7 @@ def rolling(speed: float, direction: float, steps: int, dt: float, **settings: o
 
 
 def advanced(machine: Stepper, steps: int) -> Stepper:
-    for _ in range(steps):
-        machine.step()
+    advance(machine, steps)
     return machine
 
 

@@ -8,7 +8,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from models import BOX_FACES, GRAVITY, box, ground, material_of, stepper, still, tower, turned
+from models import BOX_FACES, GRAVITY, advance, box, ground, material_of, stepper, still, tower, turned
 
 from loads.bars import Forces, PointLoad
 from masonry_cd.foundation.arrays import Stored
@@ -69,8 +69,7 @@ def test_uniform_stress_passes_between_meshes_that_do_not_match(planar: bool) ->
     assert machine.system.strains is not None
     assert machine.system.strains.warps is not None
     assert len({len(mesh.nodes) for mesh in machine.system.strains.warps.meshes}) > 1
-    for _ in range(25):
-        machine.step()
+    advance(machine, 25)
     assert misfit(machine) < 1e-9
 
 
@@ -89,8 +88,7 @@ def test_corners_of_whole_faces_fail_the_patch_test() -> None:
     """Without the facets, forces at the corners of the faces' overlap bend the meshes between them."""
     machine = pressed_stack(True)
     machine.detector = Detector(machine.assembly)
-    for _ in range(25):
-        machine.step()
+    advance(machine, 25)
     assert misfit(machine) > 0.1
 
 
@@ -118,8 +116,7 @@ def test_each_element_of_a_pressed_stack_has_the_same_stress(planar: bool) -> No
     """Patch test of the stress: the pressure, and nothing else, whatever the mesh."""
     press = 1e3
     machine = pressed_stack(planar, press)
-    for _ in range(24):
-        machine.step()
+    advance(machine, 24)
     record = recorded(machine, 1)
     pressure = press / (0.8 * 0.4)
     assert len(record.of_elements()) > 3 * (4 if planar else 12)
@@ -202,8 +199,7 @@ def test_energy_closes_where_blocks_fall_spin_and_slide() -> None:
     first = np.zeros((3, 6))
     first[2] = [0.3, 0.0, -0.5, 0.2, 0.5, 0.1]
     machine.kick(first)
-    for _ in range(steps):
-        machine.step()
+    advance(machine, steps)
     energy = machine.energy
     assert energy["friction"] > 0.0
     assert energy["impact"] > 0.0
@@ -237,8 +233,7 @@ def test_two_forces_that_pull_at_a_block_stretch_it_in_the_mean(planar: bool) ->
     run = Run(dt=1e-3, duration=1.0, solver="nlgs", tolerance=1e-10, planar=planar, gravity=(0.0, 0.0, 0.0))
     assembly = Assembly.from_blocks(blocks, material_of(0.5, None, meshed(poisson=0.0, strain_theta=1.0)))
     machine = Stepper(assembly, still(steps), np.zeros((steps + 1, 3)), run, forces=forces)
-    for _ in range(steps):
-        machine.step()
+    advance(machine, steps)
     assert machine.system.strains is not None
     v = machine.motion.v
     own = machine.system.strains.stresses(machine.state.strain, v, v, np.tile(np.eye(3), (2, 1, 1)))
@@ -281,8 +276,7 @@ def test_a_bonded_block_hangs() -> None:
     blocks = [box("top", (-0.5, -0.5, 0.0), (0.5, 0.5, 0.5), fixed=True), box("b", (-0.25, -0.25, -0.5), (0.25, 0.25, 0.0))]
     law = {"default": JointLaw(normal_stiffness=1e10, cohesion=1e5)}
     machine = stepper(blocks, 40, joints=law, material=meshed(strain_theta=1.0), tolerance=1e-10, solver="auto")
-    for _ in range(40):
-        machine.step()
+    advance(machine, 40)
     assert machine.state.position[1, ZZ] == pytest.approx(-0.25, abs=1e-4)
     assert machine.state.strain[1, ZZ] > 0.0
 

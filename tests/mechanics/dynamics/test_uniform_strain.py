@@ -8,7 +8,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from models import BOX_FACES, GRAVITY, box, gravity, ground, material_of, stepper, still, tower, turned, wall
+from models import BOX_FACES, GRAVITY, advance, box, gravity, ground, material_of, stepper, still, tower, turned, wall
 
 from loads.bars import Forces, PointLoad
 from masonry_cd.mechanics.dynamics.equilibrium import settle
@@ -141,8 +141,7 @@ def test_a_push_shears_a_block_by_its_mean_stress(planar: bool) -> None:
     machine = stepper(
         blocks, steps, acceleration=pull, material=soft(poisson=poisson, strain_theta=1.0), planar=planar, dt=1e-3, tolerance=1e-12
     )
-    for _ in range(steps):
-        machine.step()
+    advance(machine, steps)
     shear = DENSITY * 2.0 * height / 2.0 / (YOUNG / (2.0 * (1.0 + poisson)))
     assert abs(strained(machine, 1)[XZ]) == pytest.approx(shear, rel=1e-6)
     np.testing.assert_allclose(strained(machine, 1)[[YZ, XY]], 0.0, atol=1e-9 * shear)
@@ -158,8 +157,7 @@ def test_a_bond_under_pressure_has_the_same_stress_everywhere(planar: bool) -> N
     material = soft(deformable={"block": "uniform"}, poisson=poisson, strain_theta=1.0, damping=0.5, damping_frequency=100.0)
     assembly = Assembly.from_blocks(blocks, material_of(0.0, None, material))
     machine = Stepper(assembly, still(steps), np.zeros((steps + 1, 3)), run, forces=forces)
-    for _ in range(steps):
-        machine.step()
+    advance(machine, steps)
     strain = -press / (0.8 * 0.2) / YOUNG
     expected = strain * np.array([-poisson, -poisson, 1.0, 0.0, 0.0, 0.0])
     np.testing.assert_allclose(machine.state.strain[1:-1], np.tile(expected, (len(blocks) - 2, 1)), atol=1e-9 * abs(strain))
@@ -175,8 +173,7 @@ def test_two_forces_that_pull_at_a_block_stretch_it() -> None:
     run = Run(dt=1e-3, duration=1.0, solver="nlgs", tolerance=1e-10, planar=False, gravity=(0.0, 0.0, 0.0))
     assembly = Assembly.from_blocks(blocks, material_of(0.5, None, soft(poisson=0.25, strain_theta=1.0)))
     machine = Stepper(assembly, still(steps), np.zeros((steps + 1, 3)), run, forces=forces)
-    for _ in range(steps):
-        machine.step()
+    advance(machine, steps)
     stress = 2.0 * np.outer(force, arm) / (0.4 * 0.6 * 1.0)
     strain = 1.25 / YOUNG * stress - 0.25 / YOUNG * np.trace(stress) * np.eye(3)
     expected = [*np.diag(strain), 2.0 * strain[1, 2], 2.0 * strain[0, 2], 2.0 * strain[0, 1]]
@@ -195,8 +192,7 @@ def test_strains_turn_with_the_frame() -> None:
         blocks = [Block(b.name, b.vertices @ rotation.T, b.faces, b.density, b.group, b.fixed) for b in tower(2, side=0.5, height=0.25)]
         down = rotation @ [1.0, 0.5, -GRAVITY]
         machine = stepper(blocks, steps, acceleration=gravity(steps, tuple(down)), material=soft(strain_theta=1.0), tolerance=1e-12)
-        for _ in range(steps):
-            machine.step()
+        advance(machine, steps)
         machines.append(machine)
     upright, inclined = (
         body_maps(m.assembly, m.state.orientation, m.state.strain) - body_maps(m.assembly, m.state.orientation, 0.0 * m.state.strain)
@@ -213,8 +209,7 @@ def test_energy_closes_where_blocks_fall_spin_and_slide() -> None:
     start = turned(Assembly.from_blocks(blocks, 0.3), 2, (0.6, 0.8, 0.0), 0.3, (0.0, 0.0, 0.6))
     start.strain = np.zeros((3, 6))
     machine = stepper(blocks, steps, friction=0.3, material=material, start=start)
-    for _ in range(steps):
-        machine.step()
+    advance(machine, steps)
     energy = machine.energy
     assert energy["friction"] > 0.0
     assert energy["impact"] > 0.0
@@ -244,8 +239,7 @@ def test_rigid_blocks_beside_soft_ones_stay_rigid() -> None:
     material = ElasticBlocks.model_validate({"deformable": {"pad": "uniform"}, "young": {"pad": YOUNG}, "poisson": 0.0})
     machine = stepper(blocks, 20, friction=0.3, material=material, tolerance=1e-12)
     settle(machine)
-    for _ in range(20):
-        machine.step()
+    advance(machine, 20)
     assert not machine.state.strain[[0, 1, 3]].any()
     assert strained(machine, 2)[ZZ] == pytest.approx(-DENSITY * GRAVITY * 0.25 * 1.5 / YOUNG, rel=1e-7)
 

@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 
 from masonry_cd.mechanics.linalg import ordering
-from masonry_cd.mechanics.linalg.cholesky import factorise_cholesky
 from masonry_cd.mechanics.linalg.elimination_tree import SUBTREE, partition_tree
-from masonry_cd.mechanics.linalg.ldu import factorise_ldu
+from masonry_cd.mechanics.linalg.factor import BlockFactor
 from masonry_cd.mechanics.linalg.ordering import Pattern
-from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, allocate_factors
 from masonry_cd.mechanics.linalg.symbolic import analyse
-from masonry_cd.mechanics.linalg.triangular import solve_cholesky, solve_ldu
 
 
 def grid(columns: int, rows: int) -> tuple[int, np.ndarray, np.ndarray]:
@@ -104,27 +101,25 @@ def test_a_factorised_matrix_solves_as_a_dense_one_does(
     dense[symbolic.row, :, column, :] = lower
     dense[column, :, symbolic.row, :] = upper.transpose(0, 2, 1)
     matrix, right = dense.reshape(nodes * n, nodes * n), random.normal(size=(nodes, n))
-    size = (0,) * n
-    factor = allocate_factors(symbolic, size)
-    x = right.copy()
-    if symmetric:
-        assert factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size)
-        solve_cholesky(symbolic, factor.squares, factor.panels, x, size)
-    else:
-        assert factorise_ldu(BlockMatrix(diagonal, lower, upper), factor) == np.linalg.slogdet(matrix).sign
+    factor, x = BlockFactor.set(symbolic, (0,) * n, symmetric), right.copy()
+    factor.update(diagonal, lower, None if symmetric else upper)
+    assert factor.factor() == np.linalg.slogdet(matrix).sign
+    if not symmetric:
         diagonal[0, 0] *= -1.0
         dense[np.arange(nodes), :, np.arange(nodes), :] = diagonal
-        assert factorise_ldu(BlockMatrix(diagonal, lower, upper), factor) == np.linalg.slogdet(matrix).sign
-        solve_ldu(factor, x)
+        factor.update(diagonal, lower, upper)
+        assert factor.factor() == np.linalg.slogdet(matrix).sign
+    factor.solve(x)
     np.testing.assert_allclose(x.ravel(), np.linalg.solve(matrix, right.ravel()), rtol=0.0, atol=1e-12 * np.abs(x).max())
 
 
 @pytest.mark.parametrize("graph", [grid(5, 5), comb(3, 3)], ids=["supernodes", "columns"])
 def test_a_singular_block_is_reported(graph: tuple[int, np.ndarray, np.ndarray]) -> None:
     nodes, first, second = graph
-    symbolic, size = Pattern.of(nodes, first, second).symbolic, (0, 0, 0)
+    symbolic = Pattern.of(nodes, first, second).symbolic
     diagonal, lower = np.tile(np.eye(3), (nodes, 1, 1)), np.zeros((len(symbolic.row), 3, 3))
     diagonal[4] = 0.0
-    factor = allocate_factors(symbolic, size)
-    assert factorise_ldu(BlockMatrix(diagonal, lower, lower), factor) == 0.0
-    assert not factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size)
+    for symmetric in (False, True):
+        factor = BlockFactor.set(symbolic, (0, 0, 0), symmetric)
+        factor.update(diagonal, lower, None if symmetric else lower)
+        assert factor.factor() == 0.0

@@ -6,11 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from masonry_cd.mechanics.linalg.cholesky import factorise_cholesky
-from masonry_cd.mechanics.linalg.ldu import factorise_ldu
+from masonry_cd.mechanics.linalg.factor import BlockFactor
 from masonry_cd.mechanics.linalg.ordering import Pattern
-from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, allocate_factors
-from masonry_cd.mechanics.linalg.triangular import solve_cholesky, solve_ldu
 
 N = 20
 
@@ -52,24 +49,23 @@ def test_wide_blocks_are_factorised_as_dense_ones(symmetric: bool, full: bool) -
     dense[column, :, symbolic.row, :] = upper.transpose(0, 2, 1)
     whole, size = dense.reshape(nodes * N, nodes * N), np.zeros(N)
     right = np.where(np.arange(N) < own[:, None], np.random.default_rng(6).normal(size=(nodes, N)), 0.0)
-    factor, x = allocate_factors(symbolic, size), right.copy()
-    if symmetric:
-        assert factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size)
-        solve_cholesky(symbolic, factor.squares, factor.panels, x, size)
-    else:
-        assert factorise_ldu(BlockMatrix(diagonal, lower, upper), factor) == np.linalg.slogdet(whole).sign
+    factor, x = BlockFactor.set(symbolic, size, symmetric), right.copy()
+    factor.update(diagonal, lower, None if symmetric else upper)
+    assert factor.factor() == np.linalg.slogdet(whole).sign
+    if not symmetric:
         diagonal[1] *= -1.0
         diagonal[1, 0] *= -1.0
         whole = dense_with(dense, diagonal).reshape(nodes * N, nodes * N)
-        assert factorise_ldu(BlockMatrix(diagonal, lower, upper), factor) == np.linalg.slogdet(whole).sign
-        solve_ldu(factor, x)
+        factor.update(diagonal, lower, upper)
+        assert factor.factor() == np.linalg.slogdet(whole).sign
+    factor.solve(x)
     np.testing.assert_allclose(x.ravel(), np.linalg.solve(whole, right.ravel()), rtol=0.0, atol=1e-11 * np.abs(x).max())
     diagonal[3, :4, :4] = 0.0
     diagonal[3, 0] = 0.0
     diagonal[3, :, 0] = 0.0
     if not symmetric:
-        lower[:], upper[:] = 0.0, 0.0
-        assert factorise_ldu(BlockMatrix(diagonal, lower, upper), factor) == 0.0
+        factor.update(diagonal, np.zeros_like(lower), np.zeros_like(upper))
+        assert factor.factor() == 0.0
 
 
 def dense_with(dense: np.ndarray, diagonal: np.ndarray) -> np.ndarray:

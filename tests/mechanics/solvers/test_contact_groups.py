@@ -12,7 +12,7 @@ import scenes
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.natural_map import project_to_cone
-from masonry_cd.mechanics.friction.operators import ProblemArrays, put_in_order
+from masonry_cd.mechanics.friction.operators import ProblemArrays, put_in_order, room_in_order
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.vectors import LANES, load_four
@@ -66,13 +66,12 @@ def projections(x, mu, stretch, out):
 
 
 def grouped(problem: FrictionProblem) -> tuple[ProblemArrays, Pattern, ContactGroups]:
-    """The contacts of a problem by groups of joints."""
-    given = problem.arrays()
+    """The contacts of a problem by groups of joints, with room for it in the order of elimination."""
     pattern = Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
     found = pattern.locate(problem.bodies, problem.bodies)
     assert found is not None
-    index, block, _ = found
-    return given, pattern, group_contacts(given, index, block, pattern.symbolic, size_of_twist(problem.geometry, problem.dimension))
+    ordered = room_in_order(problem.arrays(), pattern.order, *found[:2])
+    return ordered, pattern, group_contacts(ordered, pattern.symbolic, size_of_twist(problem.geometry, problem.dimension))
 
 
 def uneven() -> FrictionProblem:
@@ -115,12 +114,10 @@ PROBLEMS = {"rigid": uneven, "coupled": coupled, "planar": planar, "odd rows": o
 def test_groups_have_the_operators_of_the_rows(name: str) -> None:
     """u = H v, H^T p, d and the blocks of M + H^T R H, each summed up from the rows of H in numpy."""
     problem = PROBLEMS[name]()
-    given, pattern, groups = grouped(problem)
-    found = pattern.locate(problem.bodies, problem.bodies)
-    assert found is not None
+    ordered, pattern, groups = grouped(problem)
     assert len(groups.s) - problem.dimension == {"rigid": 3, "coupled": 3, "planar": 1}.get(name, 0)
     kept = tuple(np.empty(0, dtype=np.float32) for _ in range(2))
-    work = allocate_workspace(given, pattern, groups, found[0], (*kept, np.empty(problem.contacts)))
+    work = allocate_workspace(ordered, pattern, groups, (*kept, np.empty(problem.contacts)))
     generator, (blocks, n), m = np.random.default_rng(1), problem.v_free.shape, problem.dimension
     v, impulse = generator.normal(size=(blocks, n)), generator.normal(size=(problem.contacts, m))
     v_sorted, p, u = (
@@ -132,7 +129,7 @@ def test_groups_have_the_operators_of_the_rows(name: str) -> None:
     for i in range(m):
         p[:, LANES * i : LANES * (i + 1)][on] = impulse[groups.contact[on], i]
     work.iterates.momentum[:] = 0.0
-    products(given, pattern.order, work, v_sorted, p, u)
+    products(problem.arrays(), pattern.order, work, v_sorted, p, u)
 
     assert np.array_equal(np.sort(groups.contact[on]), np.arange(problem.contacts))
     h = problem.jacobian_matrix().toarray()

@@ -21,7 +21,7 @@ from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem,
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 from masonry_cd.mechanics.solvers.central_path import Iterate, Linearisation, allows_step, change_contact, contact_step, linearise_contact
 from masonry_cd.mechanics.solvers.interior import TURN
-from masonry_cd.mechanics.solvers.newton_kernels import first_change
+from masonry_cd.mechanics.solvers.newton_kernels import first_status_change
 
 solve = SOLVERS["interior"]
 
@@ -169,7 +169,7 @@ def test_contact_keeps_the_status_that_it_moves_into(side: float, status: int, o
     """Rounding leaves a contact on either side of the cone where it changed: on its way into its new status it does not change back."""
     mu, x = np.array([0.5]), np.array([[2.0, side, 0.0]])
     dx = np.array([[0.1, 0.1 + outward, 0.0]])
-    step, _, _ = first_change(mu, np.array([status]), x, dx, 0, 1, (0, 0, 0))
+    step, _, _ = first_status_change(mu, np.array([status]), x, dx, 0, 1, (0, 0, 0))
     assert step > 1.0
 
 

@@ -13,9 +13,10 @@ from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
 from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.linalg import ordering
-from masonry_cd.mechanics.solvers import SOLVERS, Options, admm
-from masonry_cd.mechanics.solvers.linearised import Elimination, Settings
+from masonry_cd.mechanics.solvers import SOLVERS, Options
+from masonry_cd.mechanics.solvers.linearised import Settings
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
+from masonry_cd.mechanics.solvers.recall import recall
 from masonry_cd.mechanics.solvers.shares import CHUNK
 
 METHODS = {"newton": newton_by_team, "interior": interior_by_team, "path": path_by_team}
@@ -30,19 +31,11 @@ def sliding_wall(elastic: bool = False) -> FrictionProblem:
     return scenes.softened(problem, 0.1) if elastic else problem
 
 
-def answer(
-    problem: FrictionProblem, elimination: Elimination, method: str, limit: int, threads: int
-) -> tuple[np.ndarray, np.ndarray, tuple[float, ...]]:
+def answer(problem: FrictionProblem, method: str, limit: int, threads: int) -> tuple[np.ndarray, np.ndarray, tuple[float, ...]]:
     """Impulses (C, 3) and velocities (B, 6) after a number of iterations from nothing, and what the method returns."""
     impulse, velocity = np.zeros((problem.contacts, 3)), np.empty(problem.v_free.shape)
     settings = Settings(1.0, 1e-12, limit)
-    return impulse, velocity, over_bodies(METHODS[method], problem.arrays(), elimination, settings, impulse, velocity, threads)
-
-
-def eliminated(problem: FrictionProblem) -> Elimination:
-    """How its bodies are eliminated."""
-    _, factors, places, block = admm.recall(problem, None)
-    return Elimination(factors.pattern.order, factors.pattern.symbolic, places, block)
+    return impulse, velocity, over_bodies(METHODS[method], problem.arrays(), recall(problem, None), settings, impulse, velocity, threads)
 
 
 @pytest.mark.parametrize("blocks", [10, ordering.SUBTREE])
@@ -52,13 +45,12 @@ def test_threads_change_no_bit(method: str, elastic: bool, blocks: int, monkeypa
     """By one, two and three threads, from subtrees of so many blocks."""
     monkeypatch.setattr(ordering, "SUBTREE", blocks)
     problem = sliding_wall(elastic)
-    elimination = eliminated(problem)
     assert problem.contacts > 4 * CHUNK
-    assert (len(elimination.symbolic.level) > 2) == (blocks == 10)
-    impulse, velocity, found = answer(problem, elimination, method, LIMIT[method], 1)
+    assert (len(recall(problem, None).factors.pattern.symbolic.level) > 2) == (blocks == 10)
+    impulse, velocity, found = answer(problem, method, LIMIT[method], 1)
     assert impulse.any()
     for threads in (2, 3):
-        p, v, other = answer(problem, elimination, method, LIMIT[method], threads)
+        p, v, other = answer(problem, method, LIMIT[method], threads)
         np.testing.assert_array_equal(p, impulse)
         np.testing.assert_array_equal(v, velocity)
         np.testing.assert_array_equal(other, found)
@@ -80,6 +72,6 @@ def test_rigid_blocks_have_the_matrix_of_any_others(elastic: bool) -> None:
     """Assembled by cross products and from the rows of H it differs by rounding: so do the impulses after a few iterations."""
     problem = sliding_wall(elastic)
     by_rows = replace(problem, geometry=Geometry.by_rows(problem.jacobian))
-    one, other = (answer(each, eliminated(each), "interior", 4, 1)[0] for each in (problem, by_rows))
+    one, other = (answer(each, "interior", 4, 1)[0] for each in (problem, by_rows))
     np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * np.abs(other).max())
     assert (one != other).any()

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scenes
+from models import advance
 from places import EXAMPLES
 
 from benchmarks.ours import stepper, stepper_of_file
@@ -83,8 +84,7 @@ def test_solves_an_aqueduct_that_slides_as_a_whole() -> None:
 def test_a_wall_that_friction_holds_does_not_move() -> None:
     """With friction of 10 a step has several solutions. At 1 g the wall goes with its base: none that moves is taken for it."""
     machine = stepper(replace(wall(6, 6), friction=10.0, amplitude=9.81 / (4.0 * np.pi), frequency=2.0), 500)
-    for _ in range(500):
-        machine.step()
+    advance(machine, 500)
     moved = machine.state.position - machine.assembly.centre
     assert np.abs(moved - moved[np.argmax(machine.assembly.fixed)]).max() < 1e-9
 

@@ -15,6 +15,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.geometry import mass_properties
+from reports.drawing.solids import fill_layer, structure_scene
 from structures import Made
 
 SPAN = {"span": 6.0, "rise": 1.5, "thickness": 0.5, "voussoirs": 12}
@@ -86,6 +87,24 @@ def test_any_two_shapes_stand_on_a_pier_with_walls_that_fill_the_space_up_to_the
     assert volume(of(bridge, "spandrel_front")) == pytest.approx((filled + over) * 0.5 / 3.0, rel=1e-9)
 
 
+@pytest.mark.parametrize("step", [0.3, -0.8])
+def test_the_higher_of_two_springings_over_a_pier_is_in_its_top_stone_which_lies_on_all_of_it(step: float) -> None:
+    low, high = max(-step, 0.0), max(step, 0.0)
+    other = {"span": 4.4, "rise": 1.3, "thickness": 0.45, "voussoirs": 15, "springing": high}
+    bridge = made({**SPAN, "springing": low}, other, piers=[{"width": 1.6, "height": 3.0}], walls={**WALLS, "thickness": 0.5}, width=4.0)
+    pier = of(bridge, "pier1")
+    assert len({block.name for block in pier}) == len(pier)
+    top = max(pier, key=lambda block: float(block.vertices[:, 2].max()))
+    bed = top.vertices[np.abs(top.vertices[:, 2] - top.vertices[:, 2].min()) < 1e-9]
+    assert np.ptp(bed, axis=0) == pytest.approx([1.6, 4.0, 0.0], abs=1e-9)
+    assembly = Assembly.from_blocks(bridge.blocks, 0.6)
+    joints, names = find_joints(assembly), assembly.names
+    pairs = [(names[a], names[b]) for a, b in zip(joints.block_a.tolist(), joints.block_b.tolist(), strict=True)]
+    met = {b if a == top.name else a for a, b in pairs if top.name in (a, b)}
+    assert {"arch1.v12", "arch2.v1"} <= met  # both skewbacks are cut from it
+    assert built_gap(assembly) < 1e-9
+
+
 def test_fill_rides_on_the_blocks_below_it_as_one_body_with_them() -> None:
     bridge = made(SPAN, width=2.0, cover=0.3)
     plain = {block.name: mass_properties(block.vertices, block.faces) for block in bridge.blocks}
@@ -104,6 +123,21 @@ def test_fill_rides_on_the_blocks_below_it_as_one_body_with_them() -> None:
     assert again.unit_inertia * 2000.0 == pytest.approx(moved.inertia[number])
     extrados = sum(abs(f.area[2]) * f.pressed(bridge.fills[0].level)[0] for f in bridge.fills[0].faces if f.kind == "extrados")
     assert sum(b.carried.mass for b in bridge.blocks if b.carried) == pytest.approx(2000.0 * extrados)
+
+
+@pytest.mark.parametrize("walls", [None, {**WALLS, "thickness": 0.5}])
+def test_pictures_show_all_of_the_fill(walls: dict | None) -> None:
+    bridge = made(SPAN, width=2.0, cover=0.3, skew=15.0, walls=walls)
+    layer = fill_layer(bridge.fills)
+    volume = 0.0  # by the divergence theorem, as a sum of tetrahedra
+    for first, end in pairwise(layer.loop_start.tolist()):
+        a, *rest = layer.points[layer.loops[first:end]]
+        volume += sum(float(a @ np.cross(b, c)) for b, c in pairwise(rest)) / 6.0
+    faces = [face for face in bridge.fills[0].faces if face.kind in ("extrados", "top")]
+    assert volume == pytest.approx(sum(abs(f.area[2]) * f.pressed(bridge.fills[0].level)[0] for f in faces), rel=1e-9)
+    scene = structure_scene(bridge.blocks, "bridge", fills=bridge.fills)
+    x, y = scene.view.plane(layer.points).T
+    assert scene.window.left < x.min() < x.max() < scene.window.right and scene.window.bottom < y.min() < y.max() < scene.window.top
 
 
 def test_a_strip_without_walls_is_its_own_mirror_image_and_stands_on_one_foot_to_a_pier() -> None:

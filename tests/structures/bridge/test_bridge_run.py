@@ -10,10 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import masonry_cd
 from datasets import contents
-from typer.testing import CliRunner
 
-from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
@@ -44,7 +43,7 @@ def test_a_bridge_stands_is_crossed_and_is_shaken_and_the_balance_of_energy_clos
 ) -> None:
     path = tmp_path / "b.toml"
     path.write_text(SCENE.format(load=load, duration=duration))
-    done = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "out"), "--quiet"])
+    done = masonry_cd("run", path, "-o", tmp_path / "out", "--quiet")
     assert done.exit_code == 0, done.output
     found = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert (found["displacement_max"] > 5e-3) == moves
@@ -77,7 +76,7 @@ def walled(folder: Path, thickness: float, load: str = "", duration: float = 0.2
 
 
 def ran(scene: Path, out: Path) -> dict:
-    done = CliRunner().invoke(app, ["run", str(scene), "-o", str(out), "--quiet"])
+    done = masonry_cd("run", scene, "-o", out, "--quiet")
     assert done.exit_code == 0, done.output
     return json.loads((out / "summary.json").read_text())
 
@@ -124,7 +123,7 @@ def test_a_walled_bridge_that_is_shaken_resumes_to_the_same_bits(tmp_path: Path,
         return advance(self)
 
     monkeypatch.setattr(Stepper, "step", step)
-    assert CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "parts"), "-q"]).exit_code == 130
+    assert masonry_cd("run", scene, "-o", tmp_path / "parts", "-q").exit_code == 130
     monkeypatch.setattr(Stepper, "step", advance)
-    assert CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "parts"), "-q", "--resume"]).exit_code == 0
+    assert masonry_cd("run", scene, "-o", tmp_path / "parts", "-q", "--resume").exit_code == 0
     assert contents(tmp_path / "whole" / "result.h5") == contents(tmp_path / "parts" / "result.h5")

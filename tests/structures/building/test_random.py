@@ -3,19 +3,22 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import random_plans
+import shapely
 from plans import free_volume, prepare, volume_of_plan, wall
 from solids import build
 from statics3d import assembled, can_stand, in_one_piece
 
 import structures
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.contact.find_joints import built_gap
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 from structures.geometry.cells import Part
 
 WALLS = [
@@ -88,7 +91,44 @@ def test_a_roof_thrusts_or_is_tied_and_weighs_what_it_says(tied: bool) -> None:
     assert np.ptp([block.vertices[:, 2].max() for block in roof]) < 1e-12
 
 
+@pytest.mark.parametrize("tied", [False, True])
+def test_a_hipped_roof_bears_on_four_walls_and_weighs_what_it_says(tied: bool) -> None:
+    roof = {"walls": ["s", "n", "e", "w"], "rise": 0.8, "mass": 150.0, "tied": tied, "spacing": 1.0}
+    made = structures.make({"kind": "building", "walls": ROOM, "roofs": [roof]}, 2000.0, Path())
+    rafters = {block.name: block for block in made.blocks if block.group == "roof"}
+    total = sum(block.density * block.mass_properties.volume for block in rafters.values())
+    assert total == pytest.approx(150.0 * 3.4 * 3.0)  # feet reach to the middle of the walls
+    assert built_gap(Assembly.from_blocks(made.blocks, 0.7)) < 1e-9
+    assert can_stand(made.blocks, 0.7)
+    ends = [(bar.points[k], rafters[bar.blocks[k]].vertices) for bar in made.ties for k in (0, 1)]
+    assert all((own.min(axis=0) < point).all() and (point < own.max(axis=0)).all() for point, own in ends) and bool(ends) == tied
+
+
+@pytest.mark.parametrize("degrees", [3.0, 9.5, 11.0])
+def test_walls_out_of_parallel_carry_a_roof_up_to_10_degrees(degrees: float) -> None:
+    more = 4.0 * math.tan(math.radians(degrees))
+    corners = [(0.0, 0.0), (4.0, -more), (4.0, 3.4), (0.0, 3.4)]
+    walls = [
+        {"name": name, "axis": [a, b], "thickness": 0.6, "height": 2.4}
+        for name, a, b in zip("senw", corners, [*corners[1:], corners[0]], strict=True)
+    ]
+    keys = {"kind": "building", "walls": walls, "roofs": [{"walls": ["s", "n"], "rise": 0.8, "mass": 150.0, "tied": True, "spacing": 0.8}]}
+    if degrees > 10.0:
+        with pytest.raises(InputError, match="walls s and n are not parallel"):
+            structures.make(keys, 2000.0, Path())
+        return
+    made = structures.make(keys, 2000.0, Path())
+    roof = [block for block in made.blocks if block.group == "roof"]
+    assert all(np.abs(block.vertices[:, 2] - 3.2).min() < 1e-9 for block in roof)  # the underside of a level ridge
+    assert sum(bool(block.vertices[:, 2].min() == pytest.approx(2.4)) for block in roof) == len(roof) > 6
+    total = sum(block.density * block.mass_properties.volume for block in roof)
+    over = sum(float(shapely.MultiPoint(block.vertices[:, :2]).convex_hull.area) for block in roof)
+    assert total == pytest.approx(150.0 * over)
+    assert built_gap(Assembly.from_blocks(made.blocks, 0.7)) < 1e-9
+
+
 @pytest.mark.parametrize(("roof", "said"), [
+    ({"walls": ["s", "n", "e"]}, "roof roof1: give the two walls that carry it, or all four of a hipped one, got 3"),
     ({"walls": ["s", "x"]}, 'roof roof1: there is no wall "x"'),
     ({"walls": ["s", "e"]}, "roof roof1: walls s and e are not parallel"),
     ({"walls": ["s", "n"], "thickness": 0.1}, "roof roof1: its thickness must be at least 0.183 m for a bearing of 0.3 m, got 0.1"),

@@ -8,15 +8,15 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from command_line import masonry_cd
 from drawings import Drawing
 from json_schema import faults
 from places import EXAMPLES
-from typer.testing import CliRunner
 
 from masonry_cd.app.scene_schema import PLAN_FILE, plan_schema_text
-from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
-from structures.kinds.building import build, plan_tables
+from reports.drawing.palette import FAULTY
+from structures.kinds.building import WALLS, build, plan_of
 from structures.plans import open_plan
 
 SCENE = """title = "Hut"
@@ -50,7 +50,7 @@ def hut(tmp_path: Path) -> Path:
 
 
 def built(folder: Path, scene: str, out: str) -> str:
-    result = CliRunner().invoke(app, ["build", str(folder / scene), "-o", str(folder / out), "--no-picture"])
+    result = masonry_cd("build", folder / scene, "-o", folder / out, "--no-picture")
     assert result.exit_code == 0, result.output
     return result.output
 
@@ -76,7 +76,7 @@ def test_keys_of_the_scene_win_over_the_plan_and_lists_add_to_it(hut: Path):
         "course_height": 0.25,
         "walls": [{"name": "x", "axis": [[9, 0], [9, 3]], "thickness": 0.5, "height": 1.0}],
     }
-    keys, _ = plan_tables(own, hut)
+    keys = plan_of(own, hut).tables
     assert keys["course_height"] == 0.25
     assert keys["block_length"] == 1.0
     assert [wall["name"] for wall in keys["walls"]] == ["w1", "w2", "w3", "w4", "x"]
@@ -86,7 +86,7 @@ def test_a_wrong_key_in_a_plan_is_named(hut: Path):
     (hut / "first").mkdir()
     (hut / "first" / "plan.json").write_text('{"walls": [{"name": "a", "axis": [[0, 0], [3, 0]], "thicknes": 0.5, "height": 3.0}]}')
     (hut / "again.toml").write_text(SCENE.format(plan="first/plan.json", more=""))
-    result = CliRunner().invoke(app, ["build", str(hut / "again.toml"), "-o", str(hut / "out"), "--no-picture"])
+    result = masonry_cd("build", hut / "again.toml", "-o", hut / "out", "--no-picture")
     assert result.exit_code == 2
     assert 'walls[0].thicknes: unknown key (did you mean "thickness"?)' in result.stderr
     assert not (hut / "out").exists()
@@ -101,6 +101,19 @@ def test_faults_of_a_drawing_far_from_the_origin_are_at_its_own_places(tmp_path:
         build({"plan": "hut.dxf"}, 2000.0, tmp_path)
     with pytest.raises(InputError, match=r"^hut\.dxf: walls\[0\]\.openings\[0\]: .* at x = 450000\.00 m, y = 90000\.25 m"):
         build({"plan": "hut.dxf", "wall_height": 3.0}, 2000.0, tmp_path)
+
+
+@pytest.mark.parametrize(("code", "fits"), [(6, '"cm" (9 m)'), (4, '"cm" (9 m)')])
+def test_the_unit_is_asked_for_where_walls_are_too_large_or_too_small_for_a_building(tmp_path: Path, code: int, fits: str):
+    drawing = Drawing()
+    drawing.box((0.0, 0.0), (900.0, 600.0))
+    drawing.box((50.0, 50.0), (850.0, 550.0))
+    drawing.document.header["$INSUNITS"] = code
+    drawing.document.saveas(tmp_path / "hut.dxf")
+    with pytest.raises(InputError, match=r"^structure\.units: ") as failure:
+        build({"plan": "hut.dxf", "wall_height": 3.0}, 2000.0, tmp_path)
+    assert fits in str(failure.value)
+    assert len(open_plan(tmp_path / "hut.dxf", {"units": "cm"}).tables["walls"]) == 4
 
 
 def test_the_schema_of_plans_takes_what_build_writes_and_no_more(hut: Path):
@@ -128,3 +141,41 @@ def test_the_plans_of_the_examples_stand_as_they_are_drawn(name: str, walls: set
     keys = tomllib.loads((EXAMPLES / "plans" / f"{name}.toml").read_text())["structure"]
     blocks = build({"plan": f"{name}.dxf", **{k: keys[k] for k in ("block_length", "course_height")}}, 2000.0, EXAMPLES / "plans").blocks
     assert {block.group for block in blocks} >= walls
+
+
+def test_a_plan_that_is_refused_is_written_with_its_faults_in_red(tmp_path: Path):
+    walls = [
+        {"name": "south", "axis": [[0, 0], [6, 0]], "thickness": 0.6, "height": 3.0, "openings": [{"at": 5.7, "width": 1.0}]},
+        {"name": "east", "axis": [[6, 0], [6, 4]], "thickness": 0.5, "height": 3.0},
+        {"name": "west", "axis": [[0, 3.4], [0, 0.9]], "thickness": 0.5, "height": 3.0},
+    ]
+    (tmp_path / "own.json").write_text(json.dumps({"walls": walls}))
+    (tmp_path / "scene.toml").write_text(SCENE.format(plan="own.json", more=""))
+    result = CliRunner().invoke(app, ["build", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out")])
+    assert (result.exit_code, "walls[0].openings[0]" in result.stderr) == (2, True)
+    assert {path.name for path in (tmp_path / "out").glob("[!.]*")} == {"plan.json", "plan.svg", "plan_junctions.csv"}
+    assert [wall["name"] for wall in json.loads((tmp_path / "out" / "plan.json").read_text())["walls"]] == ["south", "east", "west"]
+    assert (tmp_path / "out" / "plan.svg").read_text().count(FAULTY) >= 3  # the wall in plan and elevation, and the line
+    rows = (tmp_path / "out" / "plan_junctions.csv").read_text().splitlines()
+    assert rows[1] == "corner,6.0,0.0,south; east,0.6; 0.5,90.0,,"
+    assert rows[2:] == [
+        "free end,0.0,0.0,south,0.6,,west,0.6",
+        "free end,6.0,4.0,east,0.5,,south,3.7",
+        "free end,0.0,3.4,west,0.5,,south,3.1",
+        "free end,0.0,0.9,west,0.5,,south,0.6",
+    ]
+
+
+def test_measures_of_a_plan_are_those_of_faces(tmp_path: Path):
+    reach = {outline.name: outline.reach for outline in plan_of({"walls": WALLS}, tmp_path).walls}
+    assert reach == {"south": (0.25, 0.25), "east": (0.25, 0.25), "north": (0.25, 0.25), "west": (0.25, 0.25)}
+
+
+def test_single_lines_are_drawn_all_in_red(tmp_path: Path):
+    drawing = Drawing()
+    for k in range(4):
+        drawing.lines((2.0 * k, 0), (2.0 * k, 4.0))
+    drawing.text("CAMERA", (2.6, 2.0), "TEXT")
+    drawing.document.saveas(tmp_path / "hut.dxf")
+    plan = plan_of({"plan": "hut.dxf"}, tmp_path)
+    assert plan.wrong == {wall.name for wall in plan.walls} and plan.walls

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drawings import Drawing
+from drawings import Drawing, axes
 
 from structures.files.foreign import Piece
 from structures.plans.entities import from_pieces
@@ -114,3 +114,23 @@ def test_a_line_beyond_all_bounds_is_left_out_with_its_reason(tmp_path: Path) ->
     plan = drawing.plan(tmp_path)
     assert len(plan.tables["walls"]) == 4
     assert [left.why for left in plan.left] == ["damaged: places that are no numbers, or beyond all bounds"]
+
+
+@pytest.mark.parametrize("gap", [0.003, 0.012, 0.019])
+def test_ends_that_miss_by_up_to_20_mm_are_brought_to_where_the_lines_cross_and_listed(tmp_path: Path, gap: float) -> None:
+    drawing = Drawing()
+    for low, high in (((0.0, 0.0), (6.0, 4.0)), ((0.5, 0.5), (5.5, 3.5))):
+        (x, y), (u, v) = low, high
+        drawing.lines((x + gap, y), (u, y), (u, v), (x, v), (x, y))  # the lower left corner is open
+    found = drawing.plan(tmp_path)
+    corners = [(0.25, 0.25), (5.75, 0.25), (5.75, 3.75), (0.25, 3.75)]
+    assert sorted(axes(found)) == sorted((*sorted(pair), 0.5) for pair in zip(corners, [*corners[1:], corners[0]], strict=True))
+    said = [note for note in found.notes if f"{1e3 * gap:.3g} mm" in note]
+    assert len(said) == 1 and "x = 0 m, y = 0 m; x = 0.5 m, y = 0.5 m" in said[0]
+
+
+def test_ends_that_miss_by_more_are_left(tmp_path: Path) -> None:
+    drawing = Drawing()
+    drawing.lines((0.03, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0))
+    drawing.lines((0.53, 0.5), (5.5, 0.5), (5.5, 3.5), (0.5, 3.5), (0.5, 0.5))
+    assert not [note for note in drawing.plan(tmp_path).notes if " mm" in note]
