@@ -148,9 +148,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--friction", type=float, default=FRICTION, help="of the joints; where it is great, nothing slides")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="JSON with all trials, written as they go")
     parser.add_argument("--sizes", type=float, nargs="+", metavar="LENGTH", help="of the blocks of churches [m]: what the solver takes")
-    parser.add_argument(
-        "--searched", type=Path, nargs="+", metavar="SCENE", help="with a check: what its search takes"
-    )
+    parser.add_argument("--searched", type=Path, nargs="+", metavar="SCENE", help="with a check: what its search takes")
     parser.add_argument("--walls", action="store_true", help="the dry walls of Ferris & Tin-Loi, three starts each")
     asked = parser.parse_args(arguments)
     unknown = [kind for kind in asked.kinds if kind not in NAMES]

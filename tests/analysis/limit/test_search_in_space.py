@@ -16,9 +16,9 @@ from masonry_cd.analysis.limit import descent
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, with_more_starts
 from masonry_cd.analysis.limit.descent import Search
 from masonry_cd.analysis.limit.problem import LimitProblem
-from masonry_cd.analysis.limit.programme import largest
+from masonry_cd.analysis.limit.programme import Programme, largest
 from masonry_cd.analysis.limit.search import CAP, least_factor, polished
-from masonry_cd.analysis.limit.solution import Optimum, merged
+from masonry_cd.analysis.limit.solution import merged
 from masonry_cd.limit.case import limit_case
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -82,13 +82,13 @@ def towers(*halves: float) -> LimitProblem:
 
 def test_rounds_among_the_blocks_that_move_lead_to_the_pair_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
     problem, sizes = towers(0.6, 0.4, 0.6, 0.7, 0.6), list[int]()
-    forces = Search._forces
+    priced = Programme.priced
 
-    def counted(search: Search, *given: Any) -> Optimum:
-        sizes.append(search.problem.points.count)
-        return forces(search, *given)
+    def counted(self: Programme, *given: Any) -> Programme:
+        sizes.append(self.problem.points.count)
+        return priced(self, *given)
 
-    monkeypatch.setattr(Search, "_forces", counted)
+    monkeypatch.setattr(Programme, "priced", counted)
     monkeypatch.setattr(descent, "LARGE", 0)
     associated = largest(problem, problem.dead, problem.live, 10.0)
     least = least_factor(problem, associated, 2, 0)

@@ -151,7 +151,7 @@ def test_a_plan_that_is_refused_is_written_with_its_faults_in_red(tmp_path: Path
     ]
     (tmp_path / "own.json").write_text(json.dumps({"walls": walls}))
     (tmp_path / "scene.toml").write_text(SCENE.format(plan="own.json", more=""))
-    result = CliRunner().invoke(app, ["build", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out")])
+    result = masonry_cd("build", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out"))
     assert (result.exit_code, "walls[0].openings[0]" in result.stderr) == (2, True)
     assert {path.name for path in (tmp_path / "out").glob("[!.]*")} == {"plan.json", "plan.svg", "plan_junctions.csv"}
     assert [wall["name"] for wall in json.loads((tmp_path / "out" / "plan.json").read_text())["walls"]] == ["south", "east", "west"]
