@@ -122,7 +122,7 @@ def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, lim
         (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
         code = _run(folder, limits)
         if (folder / "refused").is_file():
-            raise InputError(*(_line(word.encode()) for word in json.loads((folder / "refused").read_bytes())))
+            raise InputError(*(_line(_utf8(word)) for word in json.loads((folder / "refused").read_bytes())))
         if code != 0 or not (folder / "answer.npz").is_file():
             raise InputError(path.name, f"cannot be read: {_ending(code, limits, advice, folder)}")
         try:
@@ -161,6 +161,11 @@ def _ending(code: int | None, limits: Limits, advice: str, folder: Path) -> str:
         return f"its reader crashed ({crash}); it is damaged, or needs more than {memory}"
     said = (folder / "said").read_bytes()[-2000:].strip().splitlines()
     return f"its reader ended with code {code} and no answer{': ' + _line(said[-1]) if code and said else ''}"
+
+
+def _utf8(word: str) -> bytes:
+    """A word in UTF-8; bytes that a library could not read, which it hands on as surrogates, become question marks."""
+    return word.encode(errors="replace")
 
 
 def _line(text: bytes) -> str:
@@ -293,7 +298,15 @@ def _unpacked(arrays: Mapping[str, np.ndarray]) -> Answer:
     of_vertices, of_faces = (list(pairwise(arrays[name].tolist())) for name in ("vertex_start", "face_start"))
     names = zip(*(arrays[name].tolist() for name in ("number", "name", "group", "fixed", "density")), strict=True)
     pieces = [
-        Piece(number, name, arrays["vertices"][a:b].copy(), tuple(faces[c:d]), group, bool(fixed), density)
+        Piece(
+            number,
+            _utf8(name).decode(),
+            arrays["vertices"][a:b].copy(),
+            tuple(faces[c:d]),
+            _utf8(group).decode(),
+            bool(fixed),
+            density,
+        )
         for (number, name, group, fixed, density), (a, b), (c, d) in zip(names, of_vertices, of_faces, strict=True)
     ]
-    return Answer(pieces, arrays["figures"].tolist(), [_line(note.encode(errors="replace")) for note in arrays["notes"].tolist()[:NOTES]])
+    return Answer(pieces, arrays["figures"].tolist(), [_line(_utf8(note)) for note in arrays["notes"].tolist()[:NOTES]])

@@ -145,3 +145,16 @@ def test_bodies_of_lmgc90_in_a_plane(tmp_path: Path) -> None:
     with pytest.raises(InputError) as refused:
         structures.build(keys, 2000.0, tmp_path)
     assert refused.value.place == "structure.thickness"
+
+
+def test_layers_whose_bytes_are_no_text_are_shown_with_question_marks(tmp_path: Path) -> None:
+    """ezdxf hands bytes on that it cannot read; they get neither into a message nor into a group."""
+    elevation().saveas(tmp_path / "good.dxf")
+    data = (tmp_path / "good.dxf").read_bytes().replace(b"C1\r\n", b"C\x81\r\n").replace(b"C1\n", b"C\x81\n")
+    (tmp_path / "a.dxf").write_bytes(data)
+    keys = {"kind": "file", "path": "a.dxf", "up": "z", "thickness": 0.5}
+    blocks = structures.build(keys, 2000.0, tmp_path)
+    assert all(block.group.encode() for block in blocks)
+    (tmp_path / "a.dxf").write_bytes(b"  0\nSECTION\n\x81\x82\nX\n  0\nEOF\n")
+    with pytest.raises(InputError, match=r"a\.dxf"):
+        structures.build(keys, 2000.0, tmp_path)
