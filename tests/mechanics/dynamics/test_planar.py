@@ -31,6 +31,7 @@ def test_what_breaks_the_symmetry_is_seen():
     assert plane_of([ground(), box("a", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))]) is None
     tilted = plane_of(tower(2), start=lambda a: turned(a, 2, (0.0, 1.0, 0.0), 0.01, (0.25, 0.0, 0.25)))
     assert tilted.axis == 1
+    assert plane_of(tower(2), start=lambda a: turned(a, 2, (0.0, 0.0, 1.0), 0.01, (0.0, 0.0, 0.0))) is None  # about an axis in the plane
 
 
 @pytest.mark.parametrize("axis", range(3))
