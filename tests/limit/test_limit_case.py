@@ -230,10 +230,16 @@ def test_what_does_not_stand_is_not_checked(tmp_path):
     assert "limit.check: no check: there is no load factor at which a mechanism would start" in said(found)
 
 
-def test_the_page_shows_the_check_the_pictures_and_the_certificate(tmp_path):
-    path, folder = scene(tmp_path, pillar(), f"title = '<Pillar>'\n[limit]\npush = 'x'\n{CHECK}"), tmp_path / "out"
-    write(limit_case(path), folder)
-    page = (folder / "limit.html").read_text()
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory):
+    """What is written of a pillar that is checked, with pictures."""
+    folder = tmp_path_factory.mktemp("checked")
+    write(limit_case(scene(folder, pillar(), f"title = '<Pillar>'\n[limit]\npush = 'x'\n{CHECK}")), folder / "out")
+    return folder / "out"
+
+
+def test_the_page_shows_the_check_the_pictures_and_the_certificate(checked):
+    page = (checked / "limit.html").read_text()
     assert page.count("data:image/png;base64,") == 3  # with the spectrum of the check
     assert "&lt;Pillar&gt;" in page and "<Pillar>" not in page
     assert "//" not in page.partition("<body>")[2].replace("data:image/png;base64,", "").split("<img")[0]  # no address
@@ -276,13 +282,11 @@ def test_the_page_of_what_falls_says_so_and_has_no_certificate(tmp_path):
 
 
 @pytest.mark.parametrize("width", [390, 1400])
-def test_the_page_fits_a_telephone_and_a_desk(width, tmp_path):
+def test_the_page_fits_a_telephone_and_a_desk(width, checked, tmp_path):
     if browser.missing():
         pytest.skip(browser.missing())
-    path, folder = scene(tmp_path, pillar(), f"[limit]\npush = 'x'\n{CHECK}"), tmp_path / "out"
-    write(limit_case(path), folder)
     with browser.browser(tmp_path / "browser", width, 900) as window:
-        window.open(folder / "limit.html")
+        window.open(checked / "limit.html")
         assert window.run("return document.documentElement.scrollWidth <= window.innerWidth")
         assert window.run("return [...document.images].every(image => image.naturalWidth > 0)")
 
