@@ -13,13 +13,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import limit_scenes
 import made_run
 import numpy as np
 from block_files import write_plate_and_block, write_plate_scene
 from bridge_scenes import bridge
 from command_line import masonry_cd, refusal
 from hostile import TETRA
-from models import box
+from models import box, ground
 from places import ROOT
 from studied import write_records, write_study
 from typer.testing import Result
@@ -130,6 +131,23 @@ def structure(folder: Path, group: Mapping[str, Any], changes: Mapping[str, Any]
     return lambda: structures.build(changed(group["base"], changes, dropped), 2000.0, folder)
 
 
+def building(
+    folder: Path, group: Mapping[str, Any], changes: Mapping[str, Any], walls: Mapping[str, Any] | None = None, more: Sequence[Any] = ()
+) -> Callable[[], Any]:
+    """A building with other keys, and other keys of its walls by their names, of which "" leaves one out; and more walls."""
+    keys = changed(group["base"], changes)
+    own = [wall | (walls or {}).get(wall["name"], {}) for wall in keys["walls"]]
+    keys["walls"] = [{key: value for key, value in wall.items() if value != ""} for wall in own] + [*more]
+    return lambda: structures.build(keys, 2000.0, folder)
+
+
+def limit(folder: Path, group: Mapping[str, Any], tables: str) -> Callable[[], Any]:
+    """Limit analysis of boxes on a ground, by their names and corners, under tables of a scene."""
+    stones = [ground(8.0), *(box(*stone) for stone in group["boxes"])]
+    path = limit_scenes.scene(folder, stones, tables)
+    return lambda: raised(masonry_cd("limit", path, "-o", folder / "out"))
+
+
 def study(folder: Path, group: Mapping[str, Any], lines: Mapping[str, str]) -> Callable[[], Any]:
     """A study of a block on a plate, by three motions if need be: some of its lines, by what they begin with, are others."""
     write_records(folder)
@@ -182,6 +200,8 @@ DOORS: dict[str, Door] = {
     "scene": scene,
     "set": changes,
     "structure": structure,
+    "building": building,
+    "limit": limit,
     "study": study,
     "command": command,
     "blocks": blocks,

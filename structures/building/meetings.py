@@ -48,7 +48,8 @@ def meetings_of(table: BuildingTable, origin: Sequence[float] = (0.0, 0.0)) -> M
     legs, faults = list[Leg](), Faults()
     for k, keys in enumerate(table.walls):
         with faults.of():
-            legs += legs_of(k, keys if keys.height or keys.top else keys.model_copy(update={"height": 1.0}))
+            own = legs_of(k, keys if keys.height or keys.top else keys.model_copy(update={"height": 1.0}))
+            legs += own if all(Polygon(junctions.strip(leg, facet)).is_valid for leg in own for facet in leg.facets) else []
     met = junctions.find(legs, table, faults)
     found = [_junction(legs, junction, origin) for junction in met]
     reach = {leg.keys.name: (0.0, 0.0) for leg in legs}

@@ -6,6 +6,7 @@ An ending that is known decides. Any other file is taken for what its first byte
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import NamedTuple
 
@@ -70,7 +71,7 @@ def format_of(path: Path) -> str | None:
     Raises:
         InputError: not readable.
     """
-    if path.is_dir():
+    if os.path.isdir(path):  # as Path.is_dir, and False of a name that is too long
         return FOLDER
     known = next((name for name, format_ in FORMATS.items() if path.suffix.lower() in format_.endings), None)
     if known not in (None, "json"):

@@ -67,7 +67,7 @@ def plan_of(table: Mapping[str, Any], folder: Path, faults: Sequence[Fault] = ()
     walls = [outline_of(wall, met.reach.get(wall["name"], (0.0, 0.0))) for wall in tables.get("walls", ())]
     files = [file for file, _ in plan.entries.get("walls", ())]
     numbers = [[*dict.fromkeys(files)].index(file) for file in files] + [0] * (len(walls) - len(files))
-    walls = [wall._replace(storey=number) for wall, number in zip(walls, numbers, strict=True)]
+    walls = [wall._replace(storey=number) for wall, number in zip(walls, numbers, strict=True) if not wall.ground.is_empty]
     wrong = {name for fault in faults if (name := _named(fault, tables, plan))}
     return DrawnPlan(tables, walls, plan.left, met.found, frozenset(wrong | set(plan.faults)))
 

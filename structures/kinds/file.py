@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -82,7 +83,7 @@ def _fill_of(keys: FileTable, folder: Path) -> tuple[Mapping[str, Any], str]:
 def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], list[str]]:
     """The blocks, and lines on what was changed in them."""
     path = Path(keys.path)
-    if not is_file(folder / path) and not (folder / path).is_dir():
+    if not is_file(folder / path) and not os.path.isdir(folder / path):
         raise InputError("structure.path", f'no file "{path}"' + ("" if path.is_absolute() else f" in {folder}"))
     path = folder / path
     format_ = format_of(path)

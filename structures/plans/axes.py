@@ -169,6 +169,8 @@ def _meetings(band: Band, point: np.ndarray, out: np.ndarray, other: Band) -> li
     axis = other.axis
     if axis.centre is not None:
         return _meetings_arc(point, out, other) + _tangent(band, point, out, other)
+    if not axis.length:  # drawn out from both sides to one corner, it is none
+        return []
     d = (axis.end - axis.start) / axis.length
     sine = float(out[0] * d[1] - out[1] * d[0])
     if abs(sine) < math.sin(FLATTEST):

@@ -74,19 +74,6 @@ def test_the_curve_of_a_pillar_is_written(tmp_path):
     assert (drawn == [0xD5, 0x5E, 0x00]).all(axis=2).sum() > 50  # its hinges
 
 
-@pytest.mark.parametrize(
-    ("tables", "fault"),
-    [
-        ("[limit]\npush = 'x'\ncurve = {control = 'z'}\n", 'limit.curve.control: there is no block "z"'),
-        ("[limit]\npush = 'x'\ncurve = {control = 'ground'}\n", 'limit.curve.control: block "ground" is a support'),
-        ("[limit]\npush = 'x'\ncurve = {steps = 3}\n", "limit.curve.steps"),
-    ],
-)
-def test_a_curve_that_cannot_be_followed_is_refused_by_its_key(tables, fault, tmp_path):
-    with pytest.raises(InputError, match=fault):
-        limit_case(scene(tmp_path, pillar(), tables))
-
-
 def test_without_being_asked_no_curve_is_followed(tmp_path):
     found = limit_case(scene(tmp_path, pillar(), PUSH))
     assert found.whole.curve is None
@@ -181,29 +168,6 @@ def test_what_falls_by_itself_is_named(tmp_path):
     assert json.loads((tmp_path / "out" / "limit.json").read_text())["stands"] is False
 
 
-@pytest.mark.parametrize(
-    ("tables", "message"),
-    [
-        ("", "no load to multiply"),
-        (PUSH + TILT, "several patterns"),
-        (PUSH + PUSH.replace('"x"', '"y"'), "several patterns"),
-        ("[limit]\npush = 'x'\ntilt = 'y'\n", "one pattern"),
-        ("[limit]\npush = ['x', 'y']\n", "vector of three numbers"),
-        ("[limit]\ntilt = 'z'\n", "must be level"),
-        ("[limit]\nlive = [0]\n", "no load of this scene"),
-        ("[limit]\nlive = [0, 0]\n", "each of the [[loads]] once"),
-        ("[limit]\npsuh = 'x'\n", 'did you mean "push"'),
-        ("gravity = 1\n[limit]\npush = 'x'\n", "unknown key"),
-    ],
-)
-def test_bad_input_is_one_line(tables, message, tmp_path):
-    path = scene(tmp_path, pillar(), tables)
-    with pytest.raises(InputError, match=r"scene\.toml|limit") as refused:
-        limit_case(path)
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)
-
-
 def test_an_unknown_view_is_refused_before_anything_is_written(tmp_path):
     done = masonry_cd("limit", scene(tmp_path, pillar(), PUSH), "-o", tmp_path / "out", "--view", "below")
     assert done.exit_code == 2
@@ -264,23 +228,6 @@ def test_what_does_not_stand_is_not_checked(tmp_path):
     assert found.check is None
     assert facts(found)["check"] is None
     assert "limit.check: no check: there is no load factor at which a mechanism would start" in said(found)
-
-
-POINT = '[[loads]]\nkind = "point"\nblock = "a"\nforce = [1.0, 0, 0]\npoint = [0.25, 0, 1.5]\n'
-
-
-@pytest.mark.parametrize(
-    ("tables", "message"),
-    [
-        (f"{POINT}[limit]\nlive = [0]\n{CHECK}", "limit.check: needs a push or a tilt, not live loads"),
-        (f"{POINT}[limit]\ntilt = 'x'\n{CHECK}", "needs a push where point loads or ties act"),
-        (f"[limit]\npush = [1.0, 0.0, 0.1]\n{CHECK}", "the push must be level"),
-        (f"[limit]\npush = 'x'\n{CHECK}height = 3.0\n", r"scene\.toml:\d+: limit\.check: building_height: missing"),
-    ],
-)
-def test_loads_that_no_code_speaks_of_are_not_checked(tables, message, tmp_path):
-    with pytest.raises(InputError, match=message):
-        limit_case(scene(tmp_path, pillar(), tables))
 
 
 def test_the_page_shows_the_check_the_pictures_and_the_certificate(tmp_path):

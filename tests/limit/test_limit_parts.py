@@ -159,31 +159,6 @@ def test_the_command_writes_a_table_a_page_and_pictures_and_one_verdict(tmp_path
     assert html.unescape(page).count(made["verdict"]["reason"]) == 1 and ">1.50<" in page
 
 
-REFUSED = {
-    "no block": ("[[limit.mechanism]]\nbox = [[50, 50, 50], [51, 51, 51]]\n", "limit.mechanism[0]: names no block that is free to move"),
-    "support": ('[[limit.mechanism]]\ngroup = "base"\n', "limit.mechanism[0]: names no block that is free to move"),
-    "group": ('[[limit.mechanism]]\ngroup = "towr"\n', 'limit.mechanism[0].group: there is no group "towr"'),
-    "block": ('[[limit.mechanism]]\nblocks = ["slob"]\n', 'limit.mechanism[0].blocks: there is no block "slob" (did you mean "slab"?)'),
-    "part": ('[[limit.mechanism]]\npart = "facade"\n', 'limit.mechanism[0].part: there is no "facade"'),
-    "two": ('[[limit.mechanism]]\ngroup = "a"\nblocks = ["slab"]\n', "group and blocks given"),
-    "none": ('[[limit.mechanism]]\nname = "x"\n', "nothing given; name the blocks by one of part, group, blocks or box"),
-    "slope": (SLAB.replace('"-x"', '"z"'), "limit.mechanism[0].direction: must be level"),
-    "mechanism": (SLAB.replace("overturning", "falling over"), "limit.mechanism[0].mechanisms"),
-    "foundation": (f'[limit.check]\nspectrum = "EC8"\nag = 1.0\nfoundation = 6.4\n{BUILDING}{SLAB}',
-        "limit.check.foundation: z = 6.4 m is above the lowest block"),
-    "SLC": ('[limit.check]\nspectrum = "EC8"\nag = 1.0\nlimit_state = "SLC"\n' + SLAB, "limit.check.limit_state: SLC"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("tables, words", REFUSED.values(), ids=list(REFUSED))
-def test_what_cannot_be_is_one_line(tables: str, words: str, tmp_path: Path) -> None:
-    path = scene(tmp_path, slabs(), tables)
-    done = masonry_cd("limit", path, "-o", tmp_path / "out")
-    assert done.exit_code == 2, done.output
-    assert words in done.output and len(done.output.strip().splitlines()) == 1
-    assert not (tmp_path / "out").exists()
-
-
 def test_the_damage_of_a_run_stands_next_to_macro_elements_only(tmp_path: Path) -> None:
     path = scene(tmp_path, slabs(), SLAB)
     refused = masonry_cd("limit", path, "-o", tmp_path / "out", "--run", tmp_path)

@@ -155,38 +155,6 @@ def test_same_table_gives_the_same_bits() -> None:
         assert one.vertices.tobytes() == other.vertices.tobytes()
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"spans": 0}, "structure.spans: must be a whole number above 0, or a list with one per tier, got 0"),
-        ({"spans": 2.5}, "structure.spans: must be a whole number above 0"),
-        ({"clear_span": [5.0, 4.0]}, "structure.clear_span: one value or one per tier, 1, got 2"),
-        ({"clear_span": "5"}, 'structure.clear_span: "5" states no unit; write a number in m'),
-        ({"pier_width": 1.3}, "structure.pier_width: must be at least 1.4 m, which seats two rings"),
-        ({"voussoirs": 101}, "structure.voussoirs: must be 3 to 55 for courses of 0.5 m, got 101"),
-        ({"cover": 0.1}, "structure.cover: must be at least half a course, 0.25 m, got 0.1"),
-        ({"unit_length": 0.1}, "structure.unit_length: must be at least half a course"),
-        ({"tiers": 4}, "structure.tiers: input should be less than or equal to 3"),
-        ({"tiers": 2, "spans": [2, 3]}, "structure.spans: tier 2 is 23 m long, longer than the 16 m below; at most 2 spans"),
-        ({"tiers": 2, "width": [2.0, 2.5]}, "structure.width: tier 2 must be at most as wide as the one below"),
-        ({"tiers": 2, "spans": [3, 2], "ends": "abutment"}, "structure.ends: abutments need tiers of one length"),
-        ({"tiers": 2, "pier_width": [2.0, 8.0]}, "structure.pier_width: must be below the pitch, 7 m, in tier 2"),
-        ({"channel_width": 1.9}, "structure.channel_width: must be at most 1.8 m, which leaves two walls, got 1.9"),
-        (
-            {"channel_width": 0.8, "channel_height": 5e-10},
-            "structure.channel_height: the walls of the channel must be at least 0.05 m high, got 5e-10",
-        ),
-        ({"channel_height": 1.0}, "structure.channel_width: missing; it makes the channel whose height is given"),
-        ({"pier_corses": 8}, 'structure.pier_corses: unknown key (did you mean "pier_courses"?)'),
-    ],
-)
-def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build(**keys)
-    assert str(failure.value).startswith(message)
-    assert "\n" not in str(failure.value)
-
-
 def test_rings_and_piers_are_those_of_the_bridge_that_it_is_a_preset_of() -> None:
     keys = {"spans": 2, "clear_span": 4.7, "pier_width": 2.1, "pier_courses": 5, "pier_blocks": 1}
     (tier,) = aqueduct.tiers_of(aqueduct.AqueductTable.model_validate(keys))

@@ -13,7 +13,6 @@ from solids import moved_at_rest
 from statics import can_stand, section
 
 import structures
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.geometry import mass_properties
@@ -156,55 +155,3 @@ def test_every_joint_is_found_and_gravity_moves_nothing(keys: dict[str, object])
     if keys.get("shape") != "flat":  # its joints are longer the more they lean
         assert np.sort(depth)[: len(names)] == pytest.approx(0.6, rel=1e-6)  # all but that at the apex of a pointed one
     assert moved_at_rest(blocks) < 1e-4
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"thickness": 0.5}, "structure.span: missing"),
-        ({"radius": 2.0}, "structure.thickness: missing"),
-        ({"radius": 2.0, "thicknes": 0.5}, 'structure.thicknes: unknown key (did you mean "thickness"?)'),
-        ({"radius": 2.5, "thickness": 6.0}, "structure.thickness: must be below twice the radius, 5 m, got 6"),
-        ({"span": 4.0, "thickness": 4.0}, "structure.thickness: must be below the clear span, 4 m, got 4"),
-        ({"span": 4.0, "rise": 1.0, "thickness": 5.0}, "structure.thickness: must be below the clear span, 4 m, got 5"),
-        ({"radius": 2.5, "thickness": -1.0}, "structure.thickness: input should be greater than 0, got -1.0"),
-        ({"radius": "wide", "thickness": 0.5}, "structure.radius: input should be a valid number, got 'wide'"),
-        ({"radius": 2.0, "thickness": 0.5, "span": 4.0}, "structure.span: must be at most twice the intrados radius"),
-        ({"radius": 2.0, "thickness": 0.5, "rise": 2.0}, "structure.rise: must be at most the intrados radius"),
-        ({"span": 4.0, "thickness": 0.5, "rise": 2.5}, "structure.rise: must be at most half the span, 2 m, got 2.5"),
-        ({"span": 4.0, "thickness": 0.5, "radius": 5.0, "embrace": 90.0}, "structure.span: 4 contradicts"),
-        ({"span": 4.0, "thickness": 0.5, "rise": 1.0, "embrace": 90.0}, "structure.embrace: 90 contradicts span, rise"),
-        ({"radius": 2.0, "thickness": 0.5, "embrace": 200.0}, "structure.embrace: input should be less than or equal to 180"),
-        ({"radius": 2.0, "thickness": 0.5, "voussoirs": 1}, "structure.voussoirs: input should be greater than or equal to 2"),
-        ({"radius": 2.0, "thickness": 0.5, "abutment": 0.0}, "structure.abutment: must be true, false or the depth"),
-        (
-            {"span": 4.0, "thickness": 0.5, "shape": "pointed"},
-            "structure.voussoirs: a pointed arch has a joint at its apex",
-        ),
-        ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "rise": 1.5}, "structure.rise: of a pointed arch must exceed half the span"),
-        ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "radius": 2.0}, "structure.radius: of a pointed arch must exceed"),
-        ({"span": 4.0, "thickness": 0.5, "shape": "trefoil"}, "structure.shape: input should be 'circular', 'pointed', 'three-centred' or"),
-        (
-            {"span": 4.0, "thickness": 0.5, "shape": "three-centred", "rise": 2.5},
-            "structure.rise: of a three-centred arch must be between 0.5359",
-        ),
-        (
-            {"span": 4.0, "thickness": 0.5, "shape": "three-centred", "embrace": 90.0},
-            "structure.embrace: says nothing of a three-centred arch",
-        ),
-        ({"thickness": 0.5, "shape": "flat"}, "structure.span: missing; a flat arch is given by its clear span"),
-        ({"span": 4.0, "thickness": 0.5, "skew": 10.0}, "structure.skew: belongs to a flat arch"),
-        ({"span": 4.0, "thickness": 0.5, "buttress_height": 2.0}, "structure.buttress_width: missing"),
-        ({"span": 4.0, "thickness": 0.5, "embrace": 5e-324}, "structure.embrace: 4.94066e-324 degrees over a span of 4 m make a radius"),
-        ({"span": 4.0, "thickness": 5e-324}, "structure.thickness: should be at least 1e-12"),
-        (
-            {"span": 4.0, "thickness": 0.5, "buttress_width": 0.3},
-            "structure.buttress_width: must be at least the width of the springing, 0.5 m",
-        ),
-    ],
-)
-def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build(**keys)
-    assert str(failure.value).startswith(message)
-    assert "\n" not in str(failure.value)

@@ -11,7 +11,6 @@ import pytest
 from solids import bonded_share, build, free_volume, moved_at_rest, outline, touching_area, volume_of_walls
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.geometry import mass_properties
@@ -166,32 +165,6 @@ def test_any_block_length_makes_a_sound_church(length: float) -> None:
         assembly, joints = assembled(blocks)
         assert in_one_piece(assembly, joints), keys
         assert assembly.shapes.size.min() > 0.05, keys
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"thickness": 4.0}, "structure.thickness: must be at most a third of the width, 3 m, got 4"),
-        ({"apse_radius": 5.0}, "structure.apse_radius: must be at most half the width of the nave, 4.5 m, got 5"),
-        ({"apse_height": 9.0}, "structure.apse_height: must be at most what the wall behind it hides"),
-        ({"tower_height": 11.0}, "structure.tower_height: must be at least 1.2 of the height, 12 m, got 11"),
-        ({"tower_place": 1.0}, "structure.tower_place: must be between"),
-        ({"arch_span": 7.0}, "structure.arch_span: must be between"),
-        ({"aisles": True, "aisle_height": 8.0}, "structure.aisle_height: must be at most 0.7 of the height, 7 m, got 8"),
-        ({"windows": 14}, "structure.windows: must be at most"),
-        ({"buttresses": 4}, "structure.buttresses: must be 3, one between every two windows, or 0, got 4"),
-        ({"buttresses": 3, "buttress_depth": 0.05}, "structure.buttress_depth: must be at least 0.15 m, got 0.05"),
-        ({"vault_thickness": 0.5}, 'structure.vault_thickness: belongs to roof = "vault"'),
-        ({"aisles": True, "bays": 20}, "structure.bays: must be at most"),
-        ({"block_length": 4.0}, "structure.block_length: must be at most a third of the width, 3 m, got 4"),
-        ({"gabel": 2.0}, 'structure.gabel: unknown key (did you mean "gable"?)'),
-    ],
-)
-def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build("church", **keys)
-    assert str(failure.value).startswith(message)
-    assert "\n" not in str(failure.value)
 
 
 def test_outline_of_a_gable_has_five_corners() -> None:

@@ -11,7 +11,6 @@ import pytest
 from solids import build, exposed, free_volume, moved_at_rest
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.polygon import polygon_area, polygon_centroid
 from structures.courser import rings
 
@@ -98,25 +97,3 @@ def test_free_lunes_have_a_joint_along_every_meridian_and_the_volume_of_a_dome_i
     assert free_volume(free) == pytest.approx(free_volume(bonded), rel=1e-12)
     assert all(len(block.parts) < 2 for block in free)
     assert sum(block.group == "dome" for block in free) == 8 * 6
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"oculus": 6.0}, "structure.oculus: must be at most 0.9 of the span, 5.4 m, got 6"),
-        ({"drum_thickness": 0.8}, "structure.drum_height: missing"),
-        ({"drum_height": 1.0, "drum_thickness": 0.3}, "structure.drum_thickness: must be at least that of the dome, 0.5 m, got 0.3"),
-        ({"bonded": False, "unit_length": 0.8}, "structure.unit_length: belongs to a dome in bond"),
-        ({"sides": 3}, "structure.sides: input should be greater than or equal to 4"),
-        (
-            {"span": 4.0, "thickness": 0.4, "sides": 8, "drum_height": 1.0, "drum_thickness": 6e8},  # rounding would part its corners
-            "structure.drum_thickness: input should be less than or equal to 1000000, got 600000000",
-        ),
-        ({"span": 4.0, "thickness": 4e8}, "structure.thickness: input should be less than or equal to 1000000, got 400000000"),
-        ({"span": 1e-7, "thickness": 1e-8, "unit_length": 2e-8, "sides": 4}, 'block "dome.2.5": its parts have no face of their own; '),
-    ],
-)
-def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build("dome", **keys)
-    assert str(failure.value).startswith(message)

@@ -10,7 +10,6 @@ import pytest
 from scipy.spatial.distance import pdist, squareform
 from solids import build
 
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 
 CASES: dict[str, dict[str, object]] = {
@@ -76,29 +75,6 @@ def test_the_ring_of_a_cylinder_touches_its_circle() -> None:
         plan = wall.vertices[:, :2]
         middle = plan.mean(axis=0) / np.linalg.norm(plan.mean(axis=0))
         assert (plan @ middle).min() == pytest.approx(0.3, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("keys", "line"),
-    [
-        ({"count": 10, "fill": 0.2}, r"structure\.count: either count or fill"),
-        ({"count": 0}, r"structure\.count: "),
-        ({"diameters": ()}, r"structure\.diameters: "),
-        ({"diameters": (0.1, -0.1)}, r"structure\.diameters\[1\]: "),
-        ({"diameters": (0.1, 1.2)}, r"structure\.diameters\[1\]: must be at most the smaller measure of the box, 1 m, got 1.2"),
-        ({"form": "cylinder", "diameters": (0.8,)}, r"structure\.diameters\[0\]: must be at most .* 0.7071 m, got 0.8"),
-        ({"diameters": (0.1, 0.2), "shares": (1.0,)}, r"structure\.shares: must have one for each of the 2 diameters, got 1"),
-        ({"diameters": (0.1, 0.2), "shares": (1.0, 1e-6), "count": 50}, r"structure\.shares\[1\]: leaves no sphere of 0.2 m among 50"),
-        ({"diameter": 0.5}, r'structure\.diameter: belongs to form = "cylinder"'),
-        ({"form": "cylinder", "width": 0.5}, r'structure\.width: belongs to form = "box"'),
-        ({"walls": False, "height": 0.5}, r"structure\.height: belongs to walls"),
-        ({"diameters": (1e-4,)}, r"structure\.fill: makes about 5\.7e\+11 blocks"),
-        ({"count": 200_000}, r"structure\.count: makes about 2e\+05 blocks"),
-    ],
-)
-def test_what_says_nothing_or_two_things_is_refused(keys: dict[str, object], line: str) -> None:
-    with pytest.raises(InputError, match=line):
-        build("packing", **keys)
 
 
 def test_the_default_fills_what_it_says() -> None:

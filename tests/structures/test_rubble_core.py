@@ -9,7 +9,6 @@ from models import advance, gravity, material_of, still
 from scipy.optimize import nnls
 from solids import build
 
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
@@ -99,24 +98,3 @@ def test_a_single_sphere_falls_to_the_floor_of_a_slot_and_rests_between_two() ->
     z = np.sort(made.centre[:, 2])
     assert z[:2] == pytest.approx([0.04995] * 2)
     assert z[2] > 1.4 * z[1]
-
-
-@pytest.mark.parametrize(
-    ("keys", "line"),
-    [
-        ({"core": "brick"}, r"structure\.core: "),
-        ({"core_thickness": 0.2}, r'structure\.core_thickness: belongs to core = "solid" or "rubble"'),
-        ({"core": "solid", "core_seed": 1}, r'structure\.core_seed: belongs to core = "rubble", and the core is "solid"'),
-        ({"core": "rubble", "leaves": 2}, r"structure\.leaves: a wall with a core has three"),
-        ({"core": "rubble", "gable": 1.0}, r'structure\.gable: a wall with core = "rubble" has none'),
-        ({"core": "rubble", "openings": [{"centre": 0.0}]}, r'structure\.openings: a wall with core = "rubble" has none'),
-        ({"core": "solid", "core_thickness": 0.4}, r"structure\.core_thickness: must be below the thickness of the wall, 0\.4 m"),
-        ({"core": "rubble", "core_diameters": (0.05, 0.2)}, r"structure\.core_diameters\[1\]: must be below .* 0\.1333 m, got 0\.2"),
-        ({"core": "rubble", "core_shares": (1.0,)}, r"structure\.core_shares: must have one for each of the 2 diameters, got 1"),
-        ({"core": "rubble", "core_diameters": (1e-3,)}, r"structure\.core_diameters: makes about 1\.8e\+09 blocks"),
-        ({"core": "rubble", "core_density": 0.0}, r"structure\.core_density: "),
-    ],
-)
-def test_what_does_not_go_together_is_refused(keys: dict[str, object], line: str) -> None:
-    with pytest.raises(InputError, match=line):
-        build("wall", **keys)

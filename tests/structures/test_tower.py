@@ -10,7 +10,6 @@ import pytest
 from solids import bonded_share, build, exposed, free_volume, moved_at_rest, volume_of_walls
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.foundation.errors import InputError
 from structures.courser import wall_plan
 from structures.kinds import tower
 
@@ -59,23 +58,3 @@ def test_inclination_is_a_rotation_with_the_base() -> None:
     for one, other in zip(upright, leaning, strict=True):
         assert np.allclose(other.vertices[:, 0], one.vertices[:, 0] * math.cos(a) + one.vertices[:, 2] * math.sin(a))
     assert free_volume(leaning) == pytest.approx(free_volume(upright))
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"thickness": 2.5}, "structure.thickness: must be below half the side, 2.5 m, got 2.5"),
-        ({"belfry_sill": 18.0}, "structure.belfry_sill: must be above 0 and at most"),
-        (
-            {"belfry_width": 3.0},
-            "structure.belfry_width and belfry_height: with its head it lies over the junction with wall west",
-        ),
-        ({"door_height": 25.0, "belfry_width": 0.0}, "structure.door_width and door_height: with its head it reaches up to z = 25.33 m"),
-        ({"inclination": 30.0}, "structure.inclination: input should be less than or equal to 15"),
-        ({"hight": 3.0}, 'structure.hight: unknown key (did you mean "height"?)'),
-    ],
-)
-def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build("tower", **keys)
-    assert str(failure.value).startswith(message)

@@ -10,7 +10,6 @@ import pytest
 from solids import build, exposed, free_volume, moved_at_rest
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.polygon import polygon_area, polygon_centroid
 
 
@@ -78,21 +77,3 @@ def test_vaults_stand_and_a_thin_one_falls() -> None:
         assert can_stand(blocks, mu=0.6), keys
         assert moved_at_rest(blocks) < 1e-4, keys
     assert not can_stand(build("vault", thickness=0.18, voussoirs=27, length=1.0), mu=0.6)
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"form": "cross", "rise": 1.0}, "structure.rise: a cross vault springs from level beds"),
-        ({"form": "cross", "shape": "flat"}, "structure.shape: a cross vault springs from level beds"),
-        ({"form": "cross", "pier": 0.4}, "structure.pier: must exceed the thickness of the vault, 0.5 m, got 0.4"),
-        ({"form": "cross", "length": 5.0}, "structure.length: belongs to a barrel"),
-        ({"pier": 0.8}, "structure.pier: belongs to a cross vault"),
-        ({"rise": 3.0}, "structure.rise: must be at most half the span, 2 m, got 3"),
-        ({"form": "fan"}, "structure.form: input should be 'barrel' or 'cross', got 'fan'"),
-    ],
-)
-def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build("vault", **keys)
-    assert str(failure.value).startswith(message)

@@ -10,7 +10,6 @@ import pytest
 from solids import build, exposed, free_volume, holes_of, moved_at_rest, volume_of_walls
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.polygon import polygon_area
 from structures.courser import wall_plan
 from structures.kinds import wall
@@ -98,35 +97,3 @@ def test_same_table_gives_the_same_bits() -> None:
     for one, other in zip(build("wall", **CASES["two leaves"]), build("wall", **CASES["two leaves"]), strict=True):
         assert one.name == other.name
         assert one.vertices.tobytes() == other.vertices.tobytes()
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"openings": [{"centre": 0.0, "widht": 1.0}]}, 'structure.openings[0].widht: unknown key (did you mean "width"?)'),
-        ({"openings": [{"centre": 3.0}]}, "structure.openings[0].centre: must be between -1.5 and 1.5 m for an opening inside the wall"),
-        ({"openings": [{"centre": 0.0, "width": 5.0}]}, "structure.openings[0].width: must be below the length of the wall, 4 m"),
-        (
-            {"openings": [{"centre": 0.0, "height": 3.0}]},
-            "structure.openings[0]: with its head it reaches up to z = 3.25 m",
-        ),
-        (
-            {"openings": [{"centre": 0.0, "head": "round", "rise": 0.2}]},
-            "structure.openings[0]: rise belongs to another shape",
-        ),
-        (
-            {"openings": [{"centre": 0.0, "head": "segmental", "rise": 0.6}]},
-            "structure.openings[0]: its rise must be 0.01 m or more",
-        ),
-        ({"openings": [{"centre": 0.0}, {"centre": 0.6}]}, "structure.openings[1]: with its head it overlaps structure.openings[0]"),
-        ({"course_height": 4.0}, "structure.course_height: must be at most the height, 3 m, got 4"),
-        ({"unit_length": 5.0}, "structure.unit_length: must be at most the length of the wall, 4 m, got 5"),
-        ({"gable": 0.1}, "structure.gable: must be 0, or at least a course"),
-        ({"leafs": 2}, 'structure.leafs: unknown key (did you mean "leaves"?)'),
-    ],
-)
-def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError) as failure:
-        build("wall", **keys)
-    assert str(failure.value).startswith(message)
-    assert "\n" not in str(failure.value)

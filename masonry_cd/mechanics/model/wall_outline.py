@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+SPOT = 1e-9  # length of what has no direction [m]
+
 
 class WallOutline(NamedTuple):
     """A wall as drawn."""
@@ -24,12 +26,12 @@ class WallOutline(NamedTuple):
     def drawn_out(self) -> np.ndarray:
         """The axis (P, 2) from end to end [m]."""
         (a, b), (y, z) = self.line[:2], self.line[-2:]
-        start, end = (self.reach[k] * (q - p) / np.hypot(*(q - p)) for k, (p, q) in enumerate(((a, b), (y, z))))
+        start, end = (by * (q - p) / max(np.hypot(*(q - p)), SPOT) for by, (p, q) in zip(self.reach, ((a, b), (y, z)), strict=True))
         return np.concatenate([[a - start], self.line[1:-1], [z + end]])
 
     @property
     def ground(self) -> Any:
-        """The polygon of shapely that it covers."""
+        """The polygon of shapely that it covers; an empty one of an axis that stays on the spot."""
         import shapely
 
         return shapely.LineString(self.drawn_out).buffer(0.5 * self.thickness, cap_style="flat", join_style="mitre")

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faults of different parts of a building: all wrong keys at once, then all elements that are wrong by themselves, then where they meet and
-what stands on them, then floors and ties; the first fault of each, in a line, and none that only follows from another."""
+"""Faults of a building that lies in several files: each has its file and line. Those of one table are in tests/refusals/buildings.toml."""
 
 from __future__ import annotations
 
@@ -18,9 +17,7 @@ import structures
 from masonry_cd.foundation.errors import InputError
 
 CORNERS = [[0, 0], [6, 0], [6, 4], [0, 4], [0, 0]]
-FLOOR = {"height": 2.1, "thickness": 0.2, "mass": 300.0, "walls": ["south", "north"]}
 BARREL = {"shape": "barrel", "walls": ["south", "north"], "springing": 1.5}
-TIE = {"along": "y", "height": 2.0, "diameter": 0.02}
 KEYS = {"kind": "building", "block_length": 1.6, "course_height": 0.6}
 SHARP = wall("sharp", [[1, 0], [5, 0.9]])
 
@@ -35,183 +32,6 @@ def opening(at: float, **keys: float) -> dict[str, Any]:
     return {"openings": [{"at": at, "width": 0.8, "height": 1.5} | keys]}
 
 
-KEYS_OF_ALL = {
-    "walls": box(
-        north={"thicknes": 0.3},
-        south={"openings": [{"at": 2.0, "width": -1.0}, {"at": 5.9, "width": 0.8}]},
-    ),
-    "vaults": [BARREL, BARREL | {"rise": "3 kg"}, BARREL | {"walls": ["east", "x"]}],
-    "junctions": [{"walls": ["south", "east"], "bond": "but"}, {"walls": ["east", "west"]}],
-    "floors": [FLOOR, FLOOR | {"thickness": -1.0, "mas": 3.0}],
-}
-CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
-    "units that are none": (
-        KEYS_OF_ALL,
-        [
-            'structure.vaults[1].rise: "kg" is no unit of a length',
-            'structure.floors[1].mas: unknown key (did you mean "mass"?)',
-            "structure.floors[1].thickness: input should be greater than 0, got -1.0 m",
-        ],
-    ),
-    "keys that are wrong": (
-        KEYS_OF_ALL | {"vaults": [BARREL, BARREL | {"walls": ["east", "x"]}]},
-        [
-            'structure.walls[2].thicknes: unknown key (did you mean "thickness"?)',
-            "structure.walls[0].openings[0].width: input should be greater than 0, got -1.0 m",
-            "structure.junctions[0].bond: input should be 'bonded' or 'butt', got 'but'",
-            'structure.floors[1].mas: unknown key (did you mean "mass"?)',
-            "structure.floors[1].thickness: input should be greater than 0, got -1.0 m",
-        ],
-    ),
-    "junctions, openings and vaults": (
-        {
-            "walls": box(south={"openings": [{"at": 2.0, "width": 1.0}, {"at": 5.9, "width": 0.8}]}),
-            "vaults": [BARREL, BARREL | {"walls": ["east", "x"]}],
-            "junctions": [{"walls": ["south", "east"]}, {"walls": ["east", "west"]}],
-        },
-        [
-            "structure.junctions[1].walls: walls east and west do not meet",
-            "structure.walls[0].openings[1]: opening o2 of wall south at 5.9 m: with its head it lies over the junction with wall east",
-            'structure.vaults[1]: vault vault2: there is no wall "x"',
-        ],
-    ),
-    "an opening over a corner, a vault without its wall": (
-        {"walls": box(south=opening(0.4)), "vaults": [BARREL | {"walls": ["east", "x"]}]},
-        [
-            "structure.walls[0].openings[0]: opening o1 of wall south at 0.4 m: with its head it lies over the junction with wall west",
-            'structure.vaults[0]: vault vault1: there is no wall "x"',
-        ],
-    ),
-    "floors without their walls": (
-        {
-            "walls": box(),
-            "floors": [FLOOR | {"anchors": {"walls": ["est"]}}, FLOOR | {"walls": ["south", "nort"]}, FLOOR | {"height": 9.0}],
-            "ties": [TIE | {"parts": ["soth"]}],
-        },
-        [
-            'structure.floors[0].anchors.walls: "est" is no group or block',
-            'structure.floors[1].walls: "nort" is no group or block (did you mean "north"?)',
-            "structure.floors[2].height: no block of south, north stands",
-        ],
-    ),
-    "floors that find no seat and no room": (
-        {
-            "walls": box(),
-            "floors": [FLOOR | {"bearing": 0.9}, FLOOR | {"height": 1.2, "inside": [3.0, 0.1]}, FLOOR | {"inside": [20.0, 2.0]}],
-        },
-        [
-            "structure.floors[0].bearing: must be at most the depth of its wall in the north, 0.6 m, got 0.9",
-            "structure.floors[1].inside: no room about x = 3 m, y = 0.1 m at this height",
-            "structure.floors[2].inside: no room about x = 20 m, y = 2 m",
-        ],
-    ),
-    "a wall without height: nothing is said of what names it": (
-        {
-            "walls": box(north={"height": None} | opening(9.0)),
-            "floors": [FLOOR],
-            "ties": [TIE],
-            "junctions": [{"walls": ["north", "east"]}, {"walls": ["south", "x"]}],
-            "vaults": [BARREL, BARREL | {"walls": ["east", "west"], "springing": 3.0}],
-            "buttresses": [{"wall": "north", "at": 9.0, "width": 0.5, "depth": 0.5, "height": 2.0}],
-            "roofs": [{"walls": ["east", "y"], "rise": 1.0, "mass": 100.0}],
-        },
-        ["structure.walls[2]: wall north: give height, or top"],
-    ),
-    "what names walls that are not there, and stands on none": (
-        {
-            "walls": box(),
-            "junctions": [{"walls": ["north", "east"]}, {"walls": ["south", "x"]}],
-            "vaults": [BARREL, BARREL | {"walls": ["east", "west"], "springing": 3.0}],
-            "roofs": [{"walls": ["east", "y"], "rise": 1.0, "mass": 100.0}],
-        },
-        [
-            'structure.junctions[1].walls: there is no wall "x"',
-            "structure.vaults[1]: vault vault2: no wall to stand on",
-            'structure.roofs[0]: roof roof1: there is no wall "y"',
-        ],
-    ),
-    "columns and a masonry": (
-        {
-            "walls": box(east={"masonry": "cheese"}),
-            "columns": [{"name": "half", "at": [2.0, 2.0], "to": [4.0, 2.0], "height": 2.0}],
-            "arcades": [{"columns": "rows"}],
-        },
-        [
-            "structure.columns[0]: columns half: a row from at to to has a number of columns",
-            'structure.walls[1]: wall east: masonry "cheese" is none of',
-        ],
-    ),
-    "arcades and buttresses": (
-        {
-            "walls": box(),
-            "columns": [{"name": "row", "at": [2.0, 0.1], "height": 2.0, "size": 0.4}],
-            "arcades": [{"columns": "rows"}, {"columns": "row"}],
-            "buttresses": [
-                {"wall": "south", "at": 9.0, "width": 0.5, "depth": 0.5, "height": 2.0},
-                {"wall": "eest", "at": 1.0, "width": 0.5, "depth": 0.5, "height": 2.0},
-            ],
-        },
-        [
-            'structure.arcades[0]: arcade arcade1: columns "rows": there are no columns of this name',
-            'structure.arcades[1]: arcade arcade2: columns "row": they are one column',
-            "structure.buttresses[0]: buttress buttress1: at 9 m it is beyond wall south",
-            'structure.buttresses[1]: buttress buttress2: there is no wall "eest"',
-        ],
-    ),
-    "walls at a sharp angle; a tie along nothing": (
-        {"walls": [*box(), SHARP], "ties": [TIE | {"along": "q"}]},
-        ["structure.walls[4]: walls south and sharp: their strips overlap", "structure.ties[0].along: input should be 'x' or 'y', got 'q'"],
-    ),
-    "ties on nothing": (
-        {"walls": box(), "ties": [TIE | {"parts": ["soth"]}, TIE | {"at": [30.0]}]},
-        [
-            'structure.ties[0].parts: "soth" is no group or block (did you mean "south"?)',
-            "structure.ties[1]: the line along y at x = 30 m, z = 2 m meets no block",
-        ],
-    ),
-    "one name twice, an axis on the spot; what may stand on that wall is left alone": (
-        {
-            "walls": [*box(west={"axis": [[0, 4], [0, 4]]}), wall("south", [[0, 2], [5, 2]]), wall("up", [[1, 8], [2, 8]], base=2.6)],
-            "vaults": [{"shape": "cross", "corners": [[9, 9], [12, 9], [12, 12], [9, 12]], "springing": 1.5}],
-            "floors": [FLOOR | {"walls": ["w*"]}],
-        },
-        [
-            "structure.walls[3]: wall west: its axis stays on the spot at x = 0 m, y = 4 m",
-            "structure.walls[4]: wall south: another wall has this name, too",
-        ],
-    ),
-    "nothing under a wall or a vault": (
-        {
-            "walls": [*box(south=opening(3.0, rise=0.2)), wall("up", [[1, 8], [2, 8]], base=2.6)],
-            "vaults": [{"shape": "cross", "corners": [[9, 9], [12, 9], [12, 12], [9, 12]], "springing": 1.5}],
-        },
-        [
-            "structure.walls[0].openings[0]: opening o1 of wall south at 3 m: rise belongs to another shape",
-            "structure.vaults[0]: vault vault1: no wall to stand on",
-            "structure.walls[4]: wall up: nothing is under it at x = 1 m, y = 8 m",
-        ],
-    ),
-    "a misspelt list of walls": (
-        {"wals": box(), "floors": [FLOOR], "vaults": [BARREL, BARREL | {"springing": -1.0}]},
-        ['structure.wals: unknown key (did you mean "walls"?)', "structure.vaults[1].springing: input should be greater than"],
-    ),
-    "too many blocks": ({"walls": [*box(), SHARP], "block_length": 1e-7}, ["structure.block_length: makes about"]),
-    "courses that do not interlock, tops of two heights": (
-        {
-            "walls": box(east={"course_height": 0.25} | opening(2.0, rise=0.2), north={"height": 3.0}),
-            "roofs": [{"walls": ["south", "north"], "rise": 1.0, "mass": 100.0}],
-            "floors": [FLOOR | {"inside": [20.0, 2.0]}, FLOOR],
-        },
-        [
-            "structure.walls[1].openings[0]: opening o1 of wall east at 2 m: rise belongs to another shape",
-            "structure.walls[1]: walls south and east at x = 6 m, y = 0 m: courses of 0.6 and 0.25 m do not interlock",
-            "structure.walls[2]: walls east and north at x = 6 m, y = 4 m: courses of 0.25 and 0.6 m do not interlock",
-            "structure.roofs[0]: roof roof1: walls south and north do not end at one height",
-        ],
-    ),
-}  # fmt: skip
-
-
 def lines(keys: dict[str, Any], folder: Path = Path()) -> list[str]:
     """What is said of a building."""
     with pytest.raises(InputError) as failure:
@@ -222,13 +42,6 @@ def lines(keys: dict[str, Any], folder: Path = Path()) -> list[str]:
 def said(found: list[str], begins: list[str]) -> bool:
     """Whether lines begin as they should, in any order, and there is no other."""
     return len(found) == len(begins) and all(sum(line.startswith(begin) for line in found) == 1 for begin in begins)
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_all_faults_are_in_one_report_and_none_that_follows_from_another(case: str) -> None:
-    keys, begins = CASES[case]
-    found = lines(keys)
-    assert said(found, begins), "\n".join(found)
 
 
 def test_faults_in_a_plan_name_its_file_and_those_in_the_scene_their_key(tmp_path: Path) -> None:

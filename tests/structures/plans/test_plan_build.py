@@ -151,7 +151,7 @@ def test_a_plan_that_is_refused_is_written_with_its_faults_in_red(tmp_path: Path
     ]
     (tmp_path / "own.json").write_text(json.dumps({"walls": walls}))
     (tmp_path / "scene.toml").write_text(SCENE.format(plan="own.json", more=""))
-    result = masonry_cd("build", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out"))
+    result = masonry_cd("build", tmp_path / "scene.toml", "-o", tmp_path / "out")
     assert (result.exit_code, "walls[0].openings[0]" in result.stderr) == (2, True)
     assert {path.name for path in (tmp_path / "out").glob("[!.]*")} == {"plan.json", "plan.svg", "plan_junctions.csv"}
     assert [wall["name"] for wall in json.loads((tmp_path / "out" / "plan.json").read_text())["walls"]] == ["south", "east", "west"]
@@ -179,3 +179,17 @@ def test_single_lines_are_drawn_all_in_red(tmp_path: Path):
     drawing.document.saveas(tmp_path / "hut.dxf")
     plan = plan_of({"plan": "hut.dxf"}, tmp_path)
     assert plan.wrong == {wall.name for wall in plan.walls} and plan.walls
+
+
+def test_walls_that_are_none_do_not_keep_a_refused_plan_from_being_drawn(tmp_path: Path):
+    walls = [
+        {"name": "spot", "axis": [[1, 1], [1, 1]], "thickness": 0.5, "height": 3.0},
+        {"name": "broad", "axis": [[6, 2], [1, 0], [0, 0]], "thickness": 900.0, "height": 3.0},
+        {"name": "high", "axis": [[0, 0], [5, 0]], "thickness": 0.5},
+    ]
+    with pytest.raises(InputError) as refused:
+        build({"walls": walls}, 2000.0, tmp_path)
+    plan = plan_of({"walls": walls}, tmp_path, refused.value.faults)
+    assert plan.wrong >= {"spot", "high"}
+    assert [wall.name for wall in plan.walls] == ["broad", "high"]
+    assert [meeting[0] for meeting in plan.meetings] == 2 * ["free end"]
