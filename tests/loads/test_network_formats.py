@@ -164,3 +164,10 @@ def test_the_first_of_several_series_below_headings_that_count_them(tmp_path: Pa
     one = head + "\n".join(files.rows(files.WAVE, 8, "{:9.5f}")) + "\n"
     record = load(tmp_path, one + one.replace("AC", "VL"))
     assert (record.step, record.unit, len(record.values), len(record.notes)) == (0.01, None, files.COUNT, 1)
+
+
+def test_an_interval_of_nothing_is_refused_with_its_place_in_the_header(tmp_path: Path) -> None:
+    text = files.cosmos().replace(f"{1e3 * files.STEP:13.6f}", f"{0.0:13.6f}")
+    (tmp_path / "quake.v1").write_text(text)
+    with pytest.raises(InputError, match="real-header value 62"):
+        read(Source.open(tmp_path / "quake.v1", "p"), "cosmos", Request())

@@ -165,3 +165,15 @@ def test_what_has_fallen_may_roll_while_the_rest_is_still() -> None:
     assert rests.next_step(100, state) == 100  # no pause
     assert rests.over(6, 100) is not None
     assert rests.over(5, 6) is None
+
+
+def test_what_vibrates_about_a_place_is_still_by_its_mean_velocity_over_a_step() -> None:
+    """At 1.2 and 0.4 of the speed below which a block counts as still, 0.8 in the mean; the velocity at the end alone is too large."""
+    assembly = Assembly.from_blocks([ground(), box("b", (0, -0.5, 0), (1, 0.5, 0.2))], MU)
+    state, before = State.at_rest(assembly), np.zeros((2, 6))
+    state.velocity[1, 0], before[1, 0] = 1.2e-3, 0.4e-3
+    ends = []
+    for earlier in (None, before):
+        pauses = Pauses(assembly, PAUSES, SHOCKS, STEPS)
+        ends.append([pauses.next_step(step, state, earlier=earlier) for step in range(51, 61)][-1])
+    assert ends == [60, 250]

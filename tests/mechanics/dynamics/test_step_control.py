@@ -36,6 +36,14 @@ def test_steps_grow_while_it_is_quiet_and_each_begins_at_a_multiple_of_its_lengt
     assert {span for _, span in steps[40:-1]} == {LONGEST}
 
 
+@pytest.mark.parametrize(("quiet", "span"), [(QUIET - 1, 1), (QUIET, 2)])
+def test_a_step_grows_after_a_number_of_quiet_ones_and_not_before(quiet, span):
+    control = StepControl(LONGEST, 1)
+    for _ in range(quiet):
+        control.judge(1, 0.0, False, False)
+    assert control.next_span(LONGEST, 99, freely) == span
+
+
 def test_every_instant_asked_for_is_met():
     stops = np.unique(np.random.default_rng(5).integers(1, 4000, 60)).tolist()
     met = {ticks for ticks, _ in walk(lambda t, s: 0.0, end=4000, room=lambda t: min((x for x in stops if x > t), default=9999) - t)}

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from models import box, ground, tower
@@ -10,10 +12,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components as by_scipy
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly, Carried
 from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.geometry import mass_properties
-from masonry_cd.mechanics.model.polygon import clip, clip_loops
+from masonry_cd.mechanics.model.polygon import clip, clip_loops, polygon_centroid
 from masonry_cd.mechanics.model.state import rotation_matrices
 
 
@@ -24,6 +26,16 @@ def test_box_has_its_textbook_inertia_wherever_it_stands():
     assert p.centre == pytest.approx([101.0, -49.5, 4.5], rel=1e-13)
     assert np.diag(p.unit_inertia) == pytest.approx([6 / 12 * (1 + 9), 6 / 12 * (4 + 9), 6 / 12 * (4 + 1)], rel=1e-12)
     assert np.abs(p.unit_inertia - np.diag(np.diag(p.unit_inertia))).max() < 1e-11
+
+
+def test_a_pyramid_has_its_centre_at_a_quarter_and_a_triangle_at_a_third_of_its_height():
+    """Neither is the mean of the corners' heights."""
+    base = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 3]], dtype=float) + [5.0, -2.0, 1.0]
+    p = mass_properties(base, ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)))
+    assert p.volume == pytest.approx(1.0)
+    assert p.centre == pytest.approx([5.5, -1.5, 1.75])
+    cut = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 3.0]])  # a corner in the middle of a side counts for nothing
+    assert polygon_centroid(cut + [5.0, -2.0]) == pytest.approx([5.0 + 2.0 / 3.0, -1.0])
 
 
 def test_tetrahedron_has_the_inertia_of_its_closed_form():
@@ -93,3 +105,14 @@ def test_components_are_those_of_scipy():
         first, second = random.integers(0, nodes, links), random.integers(0, nodes, links)
         expected = by_scipy(coo_array((np.ones(links), (first, second)), shape=(nodes, nodes)), directed=False)[1]
         assert connected_components(first, second, nodes).tolist() == expected.tolist()
+
+
+def test_a_block_that_carries_another_one_has_mass_centre_and_inertia_of_both() -> None:
+    """Halves of a box, of which one rides on the other: the box by its closed form."""
+    lower, upper, both = (box(name, (0.0, 0.0, low), (1.0, 2.0, high)) for name, low, high in (("a", 0, 1), ("b", 1, 3), ("c", 0, 3)))
+    of_upper, whole = upper.mass_properties, both.mass_properties
+    load = Carried(2000.0 * of_upper.volume, of_upper.centre, 2000.0 * of_upper.unit_inertia)
+    found = replace(lower, carried=load).mass_properties
+    assert found.volume == pytest.approx(whole.volume)
+    assert found.centre == pytest.approx(whole.centre)
+    assert found.unit_inertia == pytest.approx(whole.unit_inertia)
