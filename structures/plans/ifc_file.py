@@ -49,7 +49,7 @@ def read(path: Path) -> Answer:
         model = ifcopenshell.open(str(path))
     except Exception as failure:  # of ifcopenshell, of several kinds
         raise Refused(path.name, f"cannot be read as IFC: {(str(failure).splitlines() or [''])[0]}") from None
-    settings = geom.settings()
+    settings: Any = geom.settings()
     for key, value in (("use-world-coords", True), ("disable-opening-subtractions", True), ("weld-vertices", True)):
         settings.set(key, value)
     unread: Counter[str] = Counter()

@@ -228,7 +228,7 @@ class Search:
         return neighbours(self.problem, velocity) if self.problem.points.count >= LARGE else None
 
     def among(self, near: Neighbours) -> Search:
-        """A search in which some blocks move and no others, with the cap and the memory of this one."""
+        """A search likewise among some blocks."""
         search = Search(near.problem, self.cap)
         search.known, search.beyond, search.exact = self.known, self.beyond, self.exact
         return search
