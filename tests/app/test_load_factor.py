@@ -14,7 +14,7 @@ from limit_scenes import pillar, said, scene
 from models import GRAVITY, box, ground
 from small_runs import ran, write_scene
 
-from masonry_cd.analysis.limit import search
+from masonry_cd.analysis.limit import descent
 from masonry_cd.app.carried import largest_carried
 from masonry_cd.app.case import prepare
 from masonry_cd.app.closing_lines import NOT_THE_LEAST, closing_lines, factor_lines
@@ -78,7 +78,7 @@ def test_a_slab_wedged_between_cheeks_has_its_least_factor_beside_the_one_of_the
 
 
 def test_an_upper_value_is_not_the_least_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search, "EXACT", -1.0)  # no start comes to an end
+    monkeypatch.setattr(descent, "EXACT", -1.0)  # no start comes to an end
     push = 'kind = "push"\nrate = 0.1\ninitial = 0.1'
     held = push_over(tmp_path, [ground(), box("b", (0, -0.2, 0), (0.6, 0.2, 0.2))], push, 0.4, 5e-3, 0.01)
     assert vars(held.load_factor.limit_analysis) == {"least_found": None, "associated": pytest.approx(0.4, abs=1e-6)}

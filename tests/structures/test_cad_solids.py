@@ -60,7 +60,7 @@ def test_curved_faces_are_facets_within_the_chord(tmp_path: Path) -> None:
     assert np.hypot(*drum.vertices[:, :2].T) == pytest.approx(0.5)
     assert 0.97 < drum.mass_properties.volume / (0.25 * np.pi) < 1.0
     (tmp_path / "a.obj").write_text("v 0 0 0\n")
-    with pytest.raises(InputError, match=r"structure\.chord: belongs to \.step and \.brep"):
+    with pytest.raises(InputError, match=r"^structure\.chord: "):
         built(tmp_path, "a.obj", units="m", chord=0.01)
 
 

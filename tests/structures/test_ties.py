@@ -131,9 +131,9 @@ def test_two_ties_of_one_name_are_refused():
 
 
 def test_a_time_step_too_long_for_a_tie_names_it():
-    blocks, _, bars, _ = made(WALL, {"along": "x", "height": 1.25, "area": 0.5})
+    wall = made(WALL, {"along": "x", "height": 1.25, "area": 0.5})
     with pytest.raises(InputError, match=r"^run.dt: 0.001 s is too long for the 1.63e\+03 Hz of structure.ties\[0\]"):
-        run(blocks, bars, [], 1e-3, 0.01)
+        run(wall.blocks, wall.ties, [], 1e-3, 0.01)
 
 
 def pushed(yield_force: float | None, push: float, time: float = 1.0) -> Stepper:
@@ -190,7 +190,7 @@ def test_a_tie_across_the_springings_bears_the_thrust_of_an_arch(tmp_path):
     feet = [box(f"foot{k}", (x - 1.0, 0, -0.5), (x + 1.0, 0.5, 0), fixed=True) for k, x in ((1, -2.0), (2, 2.0))]
     blockfile.write(tmp_path / "blocks.json", [*feet, left, right])
     tie = {"along": "x", "height": 0.05, "area": 4e-4, "damping": 0.1, "parts": ["left", "right"]}
-    blocks, _, bars, _ = made({"kind": "file", "path": "blocks.json"}, tie, folder=tmp_path)
+    blocks, _, bars, *_ = made({"kind": "file", "path": "blocks.json"}, tie, folder=tmp_path)
     assert [bar.blocks for bar in bars] == [("left", "right")]
     held = run(blocks, bars, [], 2e-4, 0.4)
     assert np.abs(held.state.position - held.assembly.centre).max() < 2e-3

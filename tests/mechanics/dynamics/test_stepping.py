@@ -319,15 +319,17 @@ def test_debris_lands_and_stays():
     spins = rng.normal(size=(6, 4))
     start.orientation[1:] = spins / np.linalg.norm(spins, axis=1)[:, None]
     machine = stepper(blocks, 5000, dt=2e-3, start=start, solver="auto", tolerance=1e-8)
-    reports, width = [], 0.15
-    while len(reports) < 5000 and sum(report.iterations == 0 for report in reports[-100:]) <= 90:  # they tumble as long as rounding has it
+    reports, width = advance(machine, 500), 0.15
+    while len(reports) < 5000 and machine.energy["kinetic"] > 1e-12 * machine.energy["impact"]:  # they tumble as long as rounding has it
         reports += advance(machine, 100)
+    before = machine.state.position.copy()
+    reports += advance(machine, 100)
     assert max(report.penetration for report in reports[-100:]) < 1e-4 * width  # an overlap of less than 1e-4 of the volume
     assert machine.energy["kinetic"] < 1e-9 * machine.energy["impact"]
+    assert np.abs(machine.state.position - before).max() < 1e-7 * width  # at rest
     lowest = [(b.vertices - machine.assembly.centre[k]) @ rotation_matrices(machine.state.orientation)[k].T for k, b in enumerate(blocks)]
     feet = [machine.state.position[k, 2] + part[:, 2].min() for k, part in enumerate(lowest)][1:]
     assert min(feet) > -1e-4 * width  # none has sunk in
-    assert sum(report.iterations == 0 for report in reports[-100:]) > 90  # at rest
 
 
 def test_a_speed_whose_energy_overflows_names_its_block():
