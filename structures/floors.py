@@ -72,7 +72,7 @@ class AnchorTable(Table):
 
 
 class SlabTable(Table):
-    """What a floor is, wherever it lies."""
+    """Keys of a floor that do not say where it lies."""
 
     thickness: Thickness = Field()
     mass: ArealMass

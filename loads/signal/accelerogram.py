@@ -89,7 +89,7 @@ class Accelerogram(BaseModel):
     calibration: Annotated[float, Field(gt=0.0)] | None = None
     """What one count means, in units; of files that hold counts, such as miniSEED."""
     time_step: Annotated[Positive, Unit("s")] | None = None
-    """Where the file has no times, or instead of those of a table."""
+    """The time step of a file without times, or in place of those of a table."""
     skip: Annotated[int, Field(ge=0)] = 0
     """Lines at the head of the file to pass over."""
     window: Annotated[tuple[float, float] | None, Unit("s"), between("seconds of the record")] = None

@@ -229,7 +229,7 @@ class BuildingTable(PlanKeys):
     """The [structure] table of a building."""
 
     plan: str | None = None
-    """file with the plan, .json, .dxf or .ifc, relative to the scene; keys beside it add to it"""
+    """file with the plan, .json, .dxf or .ifc, relative to the scene; the other keys add to it"""
     storeys: tuple[StoreyTable, ...] = Field((), strict=False)
     """or a drawing for each storey, [[structure.storeys]] each; names of walls end with its number, wall_1"""
     block_length: Length = 0.6

@@ -77,7 +77,7 @@ def _keys(where: str, words: Sequence[str]) -> dict[str, list[float]]:
 
 
 def _offsets(where: str, piece: Piece, normal: np.ndarray, at: float, spacing: float, count: float) -> Iterator[float]:
-    """Where the joints of a set pass through a block, along their normal."""
+    """The places along their normal where the joints of a set pass through a block."""
     heights = piece.vertices @ normal
     if not spacing > 0.0:
         yield at

@@ -105,7 +105,7 @@ def _turned(loops: list[Any], item: Shown) -> list[Any]:
 
 
 def _is_closed(polyline: Any) -> bool:
-    """Whether a polyline comes back to where it begins; meshes are none."""
+    """True if a polyline comes back to where it begins; meshes are none."""
     if polyline.dxftype() == "POLYLINE":
         if not (polyline.is_2d_polyline or polyline.is_3d_polyline):
             return False

@@ -53,7 +53,7 @@ FORMATS = {
     ),
     "lmgc90": Format(
         (),
-        "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT beside it: POLYR, PLANx; POLYG, JONCx of a thickness",
+        "BODIES.DAT with DRV_DOF.DAT and BULK_BEHAV.DAT in its folder: POLYR, PLANx; POLYG, JONCx of a thickness",
         f"{PACKAGE}program_readers:read_lmgc90",
     ),
     "step": Format((".step", ".stp"), "a solid a block, by its label; states its unit", f"{PACKAGE}cad_solids:read"),

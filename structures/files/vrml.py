@@ -55,7 +55,7 @@ class Node:
 
 @dataclass
 class State:
-    """What holds where a node stands."""
+    """The rules that hold where a node stands."""
 
     place: np.ndarray  # (4, 4)
     name: str = ""
@@ -137,7 +137,7 @@ class _Parser:
         return self.words[self.at] in ("DEF", "USE") or self.words[self.at + 1] == "{"
 
     def _value(self, depth: int) -> list[Any]:
-        """Of a field: a list in brackets, a node, or the numbers, texts or the word that follow."""
+        """The value of a field: a list in brackets, a node, or the numbers, texts or the word that follow."""
         if self.words[self.at] == "[":
             self.at += 1
             found: list[Any] = []

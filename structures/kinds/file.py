@@ -149,7 +149,7 @@ def _from_mesh(keys: FileTable, path: Path, density: float, format_: str) -> tup
 
 
 def _asked_of_reader(keys: FileTable, format_: str) -> dict[str, Any]:
-    """What the reader of a format has to know."""
+    """The keys of a scene that the reader of a format needs."""
     if format_ in CAD:
         return {"chord": None if keys.chord is None else keys.chord / METRES[keys.units or "m"]}
     if format_ not in OUTLINED:

@@ -202,7 +202,7 @@ def _snap(runs: list[list[Edge]]) -> list[tuple[np.ndarray, float]]:
 
 
 def _corner(one: Edge, other: Edge, middle: np.ndarray) -> np.ndarray:
-    """Where two straight edges cross near the middle between their ends; elsewise this middle."""
+    """The crossing of two straight edges near the middle between their ends; otherwise this middle."""
     d, e = one.end - one.start, other.end - other.start
     sine = float(d[0] * e[1] - d[1] * e[0])
     if one.centre is not None or other.centre is not None or abs(sine) < math.sin(TURN) * one.length * other.length:

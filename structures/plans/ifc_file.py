@@ -87,7 +87,7 @@ def _pieces(model: Any, shape_of: Any, unread: Counter[str]) -> Iterator[Piece]:
 
 
 def _is(element: Any, kind: str) -> bool:
-    """Whether an element is of a class, which its schema may not know."""
+    """True if an element is of a class, which its schema may not know."""
     try:
         return bool(element.is_a(kind))
     except RuntimeError:

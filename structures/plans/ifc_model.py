@@ -74,7 +74,7 @@ class _Straight(NamedTuple):
 
 
 class Read(NamedTuple):
-    """What a model says of a building."""
+    """The building that a model describes."""
 
     tables: dict[str, Any]
     notes: list[str]
@@ -179,7 +179,7 @@ def _stacked(walls: Sequence[_Straight], notes: list[str], source: str) -> list[
 
 
 def _carries(below: _Straight, wall: _Straight) -> bool:
-    """Whether a wall of one plan with another ends where that one begins, or a floor below it."""
+    """True if a wall of one plan with another ends where that one begins, or a floor below it."""
     along, against = (math.dist(below.start, a) + math.dist(below.end, b) for a, b in ((wall.start, wall.end), (wall.end, wall.start)))
     level = float(np.ptp(below.top[:, 1])) < LEVEL
     gap = wall.base - float(below.top[:, 1].max())

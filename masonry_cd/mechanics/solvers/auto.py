@@ -122,7 +122,7 @@ class _Progress:
         return OPERATIONS // max(factors.pattern.operations(problem.unknowns), 1.0)
 
     def run(self, name: str, limit: float, begin: Solution) -> None:
-        """Give a method so many iterations, from the impulses of a solution, unless all has ended."""
+        """Give a method a number of iterations at most, from the impulses of a solution, unless all has ended."""
         if self.ended or limit < 1:
             return
         limit = min(int(limit), self.options.limit(MOST_ITERATIONS) - self.iterations)

@@ -23,11 +23,11 @@ class Recalled(NamedTuple):
 
 
 def recall(problem: Problem, start: Solution | None) -> Recalled:
-    """Find the order of elimination for the bodies of a problem, anew only where others touch than before."""
+    """Find the order of elimination for the bodies of a problem, again only where others touch than before."""
     given, bodies = problem.arrays(), np.ascontiguousarray(problem.bodies, dtype=np.int64)
     state, (count, n) = SolverState() if start is None else start.memory, given.free.shape
     factors, stale = state.factors, state.learnt.stale
-    kind = np.float64 if len(given.coupling.indptr) else np.float32  # W may be singular, and R^-1 is small beside it
+    kind = np.float64 if len(given.coupling.indptr) else np.float32  # W may be singular, and R^-1 is small next to it
     if factors is None or factors.pattern.nodes != count:  # other bodies
         factors, stale = Factors.empty(pattern_of(count, bodies, given.coupling), bodies, n, kind), True
     elif len(factors.squares) != n * n * int(factors.pattern.symbolic.square[-1]):  # other unknowns
