@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run depends on beside the text of its scene, so that no run continues with other inputs than it began with.
+"""The inputs of a run other than the text of its scene, so that no run continues with other ones than it began with.
 
-Files are known by their names in the scene: those under a key ``path``, in a folder there, and those that a VTM file lists. Beside their
-bytes, what was made of them and of the scene counts, in case a newer version of the program makes something else of it.
+Files are known by their names in the scene: those under a key ``path``, in a folder there, and those that a VTM file lists. In addition to
+their bytes, what was made of them and of the scene counts, in case a newer version of the program makes something else of it.
 """
 
 from __future__ import annotations

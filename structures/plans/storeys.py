@@ -15,10 +15,10 @@ from structures.plans.places import place
 if TYPE_CHECKING:
     from structures.plans.keys import StoreyTable
 
-CLOSED = 1e-3  # m: gaps of the ground of walls that are none
-LEAST_ROOM = 1.0  # m2: an enclosed space that is smaller has no floor
+CLOSED = 1e-3  # gaps between the grounds of walls that count as none [m]
+LEAST_ROOM = 1.0  # an enclosed space that is smaller has no floor [m2]
 CONVEX = 0.99  # share of its hull that a room fills at least: a floor is convex in plan
-BESIDE = 0.02  # m: walls this near to a room bound it
+ADJOINS = 0.02  # walls this near to a room bound it [m]
 RAISED = {"walls": "base", "columns": "base", "vaults": "springing"}  # key that is a height over the foot of the storey
 
 
@@ -82,5 +82,5 @@ def _rooms(walls: Sequence[Mapping[str, Any]], number: int, notes: list[str]) ->
             at = f"the room at {place(point)} is not convex and gets no floor"
             notes.append(f"storey {number}: {at}; divide it, or give it floors of its own, [[structure.floors]]")
             continue
-        around = [name for name, ground in grounds.items() if ground.distance(room) < BESIDE]
+        around = [name for name, ground in grounds.items() if ground.distance(room) < ADJOINS]
         yield {"name": f"floor_{number}_{i}", "inside": point, "walls": around}

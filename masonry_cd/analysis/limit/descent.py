@@ -20,8 +20,9 @@ In space a stone may turn like a door about an upright edge through which all pa
 no load at all starts it; real joints, pressed over an area, do not allow it. So strips of the corners of a joint share a little of their
 width, which leads descents past these and is no part of g; where a descent comes to no pair so, and none is known, it is made without.
 
-Once g is small, rounds change little but what moves and what touches it. They go on with all other blocks held, at a fraction of the cost
-(see neighbours.py); forces in all blocks that go with the mechanism are found at the end. Where there are none, rounds go on with all.
+Once g is small, rounds hardly change more than the blocks that move and those that touch them. They continue with all others held, at a
+fraction of the cost (see neighbours.py), and forces in all blocks that belong to the mechanism are found at the end. Where there are none,
+rounds continue with all blocks.
 
 A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is no proof but the agreement
 of starts (see search.py). Cone programmes are solved to a tolerance, so that g in space is small and not zero; it is reported.
@@ -58,7 +59,7 @@ EXACT, NEARLY = 1e-7, 1e-3  # g of a pair, over the power of the loads: in a pla
 NO_POWER = 0.5  # w_1 . v of a programme of strips below which its factor is the cap: it is 1 elsewhere
 BEYOND = 0.25  # share of the least factor known by which a descent lies above it that is given up: their e* seldom differ as much
 SETTLED = 1e-2  # g from which on the blocks that move and their neighbours are looked at alone
-LARGE = 1_000  # contact points from which on descents go on in several threads
+LARGE = 1_000  # contact points from which on descents run in several threads, and rounds among few blocks pay
 
 Pair = tuple[Optimum, float]  # forces and velocities, and g over the power of the loads
 _SEEN: ContextVar[Callable[[int, int], object]] = ContextVar("_SEEN", default=lambda begun, ended: None)
@@ -228,13 +229,13 @@ class Search:
         return neighbours(self.problem, velocity) if self.problem.points.count >= LARGE else None
 
     def among(self, near: Neighbours) -> Search:
-        """A search likewise among some blocks."""
+        """A search among some blocks, with the same bounds."""
         search = Search(near.problem, self.cap)
         search.known, search.beyond, search.exact = self.known, self.beyond, self.exact
         return search
 
     def _of_neighbours(self, near: Neighbours, normal: np.ndarray, penalty: np.ndarray, spread: float) -> Pair | None:
-        """The pair to which rounds among some blocks lead, None where they lead to none, or forces in all others do not go with it."""
+        """The pair to which rounds among some blocks lead, None where they lead to none, or where no forces in all blocks belong to it."""
         search, best = self.among(near), None
         with suppress(Unbounded):
             for optimum, _ in search.pairs(search.mechanism_of(normal[near.points], spread), penalty[near.points], spread):
@@ -244,7 +245,7 @@ class Search:
         return None
 
     def confirmed(self, velocity: np.ndarray) -> Pair | None:
-        """The pair of a mechanism (unknowns,) with w_1 . v = 1; None where no forces go with it.
+        """The pair of a mechanism (unknowns,) with w_1 . v = 1; None where no forces belong to it.
 
         Raises:
             Unbounded: no answer of the solver.

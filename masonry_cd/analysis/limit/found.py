@@ -45,17 +45,8 @@ def found_in(part: Part, source: str, optimum: Optimum, dilates: float, name: st
     moves = _within(mechanism(part.problem, assembly, joints, optimum.velocity), part)
     called, stones = named(moves, part.whole, part.free, name)
     made, height = oscillator(part, moves, optimum.factor, dilates), held_at(moves, assembly, joints)
-    return Found(
-        called,
-        source + (STOPPED if optimum.stopped else ""),
-        made,
-        dilates,
-        int(moves.moving.sum()),
-        height,
-        optimum.velocity,
-        moves,
-        stones,
-    )
+    how = source + (STOPPED if optimum.stopped else "")
+    return Found(called, how, made, dilates, int(moves.moving.sum()), height, optimum.velocity, moves, stones)
 
 
 def alike(one: Found, other: Found) -> bool:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The problem of the blocks that move in a mechanism and of their neighbours, all others held: what a late round of a descent changes.
 
-Held blocks bear whatever the points between them and the others bring, so that a pair found here is one of the structure only if forces
-in the rest go with it: the search solves for these once, at the end. A church of 544 blocks, 75 of which move, has a fifth of its points
-near them.
+Held blocks bear whatever the points between them and the others bring, so that a pair found here is one of the structure only if the rest
+has forces in equilibrium with it: the search solves for these once, at the end. A church of 544 blocks, 75 of which move, has a fifth of
+its points near them.
 """
 
 from __future__ import annotations
