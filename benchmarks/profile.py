@@ -184,9 +184,8 @@ def _data(arguments: Sequence[Any]) -> float:
         if isinstance(each, np.ndarray):
             arrays[each.__array_interface__["data"][0]] = each.nbytes
         elif isinstance(each, Recalled):
-            symbolic, n = each.factors.pattern.symbolic, len(each.ordered.n)
-            factors = 8 * n * n * int(symbolic.square[-1] + 2 * symbolic.panel[-1])
-            left.append(symbolic)
+            factors = 8 * (len(each.factors.squares) + 2 * len(each.factors.panels))
+            left.append(each.factors.pattern.symbolic)
         elif isinstance(each, tuple):
             left.extend(each)
     return float(sum(arrays.values()) + factors)

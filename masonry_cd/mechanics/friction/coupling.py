@@ -42,9 +42,15 @@ def pattern_of(count: int, bodies: np.ndarray, coupling: Coupling, kept: np.ndar
     return Pattern.of(count, bodies[:, 0], bodies[:, 1], kept)
 
 
-def in_places(coupling: Coupling, pattern: Pattern) -> Coupling:
-    """The coupling by whose indices impulses are found at the places of a pattern."""
-    return coupling._replace(indices=pattern.place[coupling.indices]) if len(coupling.indptr) else coupling
+@kernel()
+def in_places(coupling, order):
+    """The coupling by whose indices impulses are found at the places of an order (N,)."""
+    place, indices = np.empty(len(order), dtype=np.int64), np.empty(len(coupling.indices), dtype=np.int64)
+    for k in range(len(order)):
+        place[order[k]] = k
+    for k in range(len(indices)):
+        indices[k] = place[coupling.indices[k]]
+    return Coupling(coupling.data, indices, coupling.indptr)
 
 
 @borrower(forceinline=True)

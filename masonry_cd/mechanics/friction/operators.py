@@ -25,6 +25,7 @@ from masonry_cd.mechanics.friction.coupling import Coupling, add_coupled, is_cou
 from masonry_cd.mechanics.friction.natural_map import squared_residual
 from masonry_cd.mechanics.linalg.intrinsics import is_tuple
 from masonry_cd.mechanics.linalg.small_blocks import add_outer_product, invert, is_wide
+from masonry_cd.mechanics.linalg.threads import take
 from masonry_cd.mechanics.linalg.triples import inner, plus, times
 from masonry_cd.mechanics.linalg.wide_blocks import add_squares
 
@@ -52,15 +53,26 @@ class ProblemArrays(NamedTuple):
     n: Any  # n zeros, a tuple; an array where contacts have rows of H
 
 
-def room_in_order(given: ProblemArrays, order: np.ndarray, places: np.ndarray, block: np.ndarray) -> ProblemArrays:
-    """A problem with its bodies in an order (B,), and room for what :func:`put_in_order` fills.
+class Elimination(NamedTuple):
+    """An order in which B bodies are eliminated, and where C contacts are in it."""
 
-    The contacts stay as they are, between bodies at these places (C, 2) that these blocks (C,) couple.
-    """
-    count, n = given.free.shape
-    inverse, mass, free = np.empty((count, n, n)), np.empty((count, n, n)), np.empty((count, n))
-    width = given.width[np.append(order, count)] if len(given.width) else given.width
-    return given._replace(inverse=inverse, mass=mass, free=free, places=places, block=block, width=width)
+    order: np.ndarray  # (B,) body at each place
+    places: np.ndarray  # (C, 2) places of the bodies of each contact; B: a support
+    block: np.ndarray  # (C,) the block of the matrix that couples them, below the diagonal; -1: none
+
+
+@kernel()
+def room_in_order(arena, given, elimination):
+    """A problem with its bodies in order of elimination, and room for what :func:`put_in_order` fills; the contacts stay as they are."""
+    (count, n), (order, places, block), width = given.free.shape, elimination, given.width
+    if has_unit_masses(given):
+        width = np.zeros(count + 1, dtype=np.int64)
+        for b in range(count):
+            width[b] = given.width[order[b]]
+    return ProblemArrays(
+        take(arena, (count, n, n)), take(arena, (count, n, n)), take(arena, (count, n)), places, block, given.geometry, given.offset,
+        given.mu, given.compliance, width, given.d, given.coupling, given.m, given.n,
+    )  # fmt: skip
 
 
 @kernel()

@@ -51,8 +51,7 @@ from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impul
 from masonry_cd.mechanics.friction.solver_state import Learnt
 from masonry_cd.mechanics.linalg.threads import run_by_team
 from masonry_cd.mechanics.solvers.admm_kernels import admm_bodies
-from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, allocate_workspace
-from masonry_cd.mechanics.solvers.contact_groups import group_contacts, size_of_twist
+from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, KeptFactors, room_of_workspace
 from masonry_cd.mechanics.solvers.options import Options
 from masonry_cd.mechanics.solvers.recall import recall
 
@@ -95,13 +94,13 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     given = problem.arrays()
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
-    state, factors, ordered = recall(problem, start)
-    pattern, learnt, k = factors.pattern, state.learnt, next_k(state.learnt)
+    state, factors, elimination = recall(problem, start)
+    symbolic, learnt, k = factors.pattern.symbolic, state.learnt, next_k(state.learnt)
     settings = AdmmSettings(k, (OPEN, SLIDES), learnt.stale or k != learnt.k, moving, learnt.rate, options.tolerance, limit)
-    groups = group_contacts(ordered, pattern.symbolic, size_of_twist(given.geometry, problem.dimension))
-    work = allocate_workspace(ordered, pattern, groups, (factors.squares, factors.panels, factors.rho))
-    threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
-    iterations, error, k_end, _, rate = run_by_team(admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity)
+    kept = KeptFactors(symbolic, factors.squares, factors.panels, factors.rho)
+    threads = min(options.threads, int(symbolic.level[1]))  # as many as there are subtrees at first, at most
+    values = np.zeros(room_of_workspace(given, elimination, kept) if threads > 1 else 0)
+    iterations, error, k_end, rate = run_by_team(admm_bodies, threads, given, elimination, kept, settings, impulse, velocity, values)
     state = replace(state, learnt=learn(learnt, k, k_end, iterations, rate))
     end = "given up" if iterations < limit else "iteration limit reached"  # without hope, or without a definite matrix
     return Solution(impulse, velocity, iterations, options.reason("admm", error, end), state, error)

@@ -13,11 +13,11 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.mechanics.friction.coupling import add_coupled, is_coupled
-from masonry_cd.mechanics.friction.operators import ProblemArrays, body_velocity_of, put_in_order
+from masonry_cd.mechanics.friction.operators import Elimination, ProblemArrays, body_velocity_of, put_in_order
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.supernodes import longest_line
-from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, wait
+from masonry_cd.mechanics.linalg.threads import SharedArena, ThreadTeam, share_of, wait
 from masonry_cd.mechanics.linalg.vectors import LANES
 from masonry_cd.mechanics.solvers.admm_subtrees import (
     SLIDING,
@@ -32,7 +32,7 @@ from masonry_cd.mechanics.solvers.admm_subtrees import (
     squared_size,
     update_subtree,
 )
-from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, AdmmWorkspace
+from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, KeptFactors, allocate_workspace
 from masonry_cd.mechanics.solvers.contact_groups import fill_group
 
 PATIENCE = 20  # iterations without a measurement of the error, half as many where its ratio to the change of p is a guess
@@ -52,32 +52,33 @@ SOFTEST = 1e-3  # k at which a factorisation that fails is not tried at a tenth 
 def admm_bodies(
     team: ThreadTeam,
     given: ProblemArrays,
-    order: np.ndarray,
-    work: AdmmWorkspace,
+    elimination: Elimination,
+    kept: KeptFactors,
     settings: AdmmSettings,
     p_out: np.ndarray,
     v_out: np.ndarray,
-) -> tuple[int, float, float, int, float]:
-    """ADMM over ProblemArrays, with its bodies in the given order of elimination (N,), by a team.
+    values: np.ndarray,
+) -> tuple[int, float, float, float]:
+    """ADMM over ProblemArrays, by a team, whose :class:`SharedArena` has ``values``.
 
-    p_out (C, m) and v_out (N, n) hold the start and then the best answer found. The factor of the workspace is used as it is unless
-    ``settings.fresh`` is set. It is in single precision: it yields corrections, which become small, of velocities and impulses in double
-    precision. The velocities to start from are those of the impulses; if ``settings.moving`` is set, those of v_out where the impulses fit
-    worse than none would.
+    p_out (C, m) and v_out (N, n) hold the start and then the best answer found. The factors kept are used as they are unless
+    ``settings.fresh`` is set. They are in single precision: they yield corrections, which become small, of velocities and impulses in
+    double precision. The velocities to start from are those of the impulses; if ``settings.moving`` is set, those of v_out where the
+    impulses fit worse than none would.
 
-    Returns iterations, natural map error, k at the end, the number of factorisations, and the error over the change of p.
+    Returns iterations, natural map error, k at the end, and the error over the change of p.
     """
+    work, order = allocate_workspace(SharedArena(values, np.zeros(1, dtype=np.int64)), given, elimination, kept), elimination.order
     k, fresh, rate, tolerance, limit = settings.k, settings.fresh, settings.rate, settings.tolerance, settings.limit
     patience, symbolic = PATIENCE if rate != 1.0 else PATIENCE // 2, work.factor.symbolic
     line = np.empty(longest_line(symbolic, 0, len(symbolic.first) - 1, len(given.n)), dtype=work.factor.panels.dtype)
     size, error = start_iterates(team, given, order, work, settings, p_out, v_out)
     p, new = work.iterates.even, work.iterates.odd
     smallest = before = error
-    iterations, checked, switched, factorisations, ahead = 0, 0, 0, 0, False
+    iterations, checked, switched, ahead = 0, 0, 0, False
     reviewed, then = 0, error
     while iterations < limit and smallest > tolerance:
         if fresh:
-            factorisations += 1
             if not factorise_augmented(team, work, k, settings.shares, p):
                 k = 0.1 * k  # a matrix closer to that of the masses, which is definite
                 if k < SOFTEST:
@@ -110,7 +111,7 @@ def admm_bodies(
                 fresh = fresh or share_of_changes(team, work, k, settings.shares, p) > CHANGED
             switched, before = iterations, error
     write_answer(team, order, work, p_out, v_out)
-    return iterations, smallest, k, factorisations, rate
+    return iterations, smallest, k, rate
 
 
 @kernel()

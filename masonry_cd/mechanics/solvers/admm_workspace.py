@@ -7,12 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import entry, kernel
 from masonry_cd.mechanics.friction.coupling import in_places
-from masonry_cd.mechanics.friction.operators import ProblemArrays
+from masonry_cd.mechanics.friction.operators import Elimination, ProblemArrays, room_in_order
 from masonry_cd.mechanics.linalg.factor import BlockFactor
-from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
+from masonry_cd.mechanics.linalg.threads import own_arena, take
 from masonry_cd.mechanics.linalg.vectors import LANES
-from masonry_cd.mechanics.solvers.contact_groups import ContactGroups
+from masonry_cd.mechanics.solvers.contact_groups import ContactGroups, group_contacts
 
 
 class AdmmSettings(NamedTuple):
@@ -46,10 +48,7 @@ class Iterates(NamedTuple):
 
 
 class AdmmWorkspace(NamedTuple):
-    """All that the threads of a team work on.
-
-    The factors are in single precision, or in double where W alone is given, and last from step to step.
-    """
+    """All that the threads of a team work on."""
 
     problem: ProblemArrays
     groups: ContactGroups
@@ -59,28 +58,42 @@ class AdmmWorkspace(NamedTuple):
     sums: np.ndarray  # (3, K) partial sums of the subtrees: changes of p after even and odd iterations, squared residuals
 
 
-def allocate_workspace(
-    ordered: ProblemArrays, pattern: Pattern, groups: ContactGroups, kept: tuple[np.ndarray, np.ndarray, np.ndarray]
-) -> AdmmWorkspace:
-    """Arrays to work in; untouched memory costs nothing.
+class KeptFactors(NamedTuple):
+    """The factors of M + H^T R H, which last from step to step: in single precision, or in double where W alone is given."""
 
-    Args:
-        ordered: the problem, with room for it in the order of the pattern.
-        pattern: of M + H^T R H.
-        groups: of its contacts.
-        kept: squares, panels and rho of a factorisation.
-    """
-    symbolic, count, n = pattern.symbolic, pattern.nodes, ordered.free.shape[1]
-    rows = count + 1 + len(symbolic.node_ghost)
-    bodies, impulses, subtrees = (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1
-    problem = ordered._replace(coupling=in_places(ordered.coupling, pattern))
+    symbolic: SymbolicFactor
+    squares: np.ndarray  # of D^-1, flat
+    panels: np.ndarray  # of L, flat
+    rho: np.ndarray  # (C,) R by contact
+
+
+@kernel()
+def allocate_workspace(arena, given, elimination, kept):
+    """Arrays to work in, for ProblemArrays that are to be put in order of elimination."""
+    ordered, symbolic = room_in_order(arena, given, elimination), kept.symbolic
+    groups, (count, n) = group_contacts(arena, ordered, symbolic), ordered.free.shape
+    rows, bodies, impulses, subtrees = (
+        (count + 1 + len(symbolic.node_ghost), n), (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1,
+    )  # fmt: skip
+    correction = take(arena, (rows[0] * n,)).view(kept.panels.dtype)[: rows[0] * n].reshape(rows)
     iterates = Iterates(
-        np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
-        np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=kept[0].dtype),
+        take(arena, impulses), take(arena, impulses), take(arena, impulses), take(arena, impulses), take(arena, bodies),
+        take(arena, bodies), take(arena, bodies), take(arena, rows), correction,
     )  # fmt: skip
-    squares, panels, rho = kept
     factor = BlockFactor(
-        symbolic, True, np.empty((rows, n, n)), np.empty((len(symbolic.row) + 1, n, n)), np.empty((0, n, n)), squares, panels, panels[:0],
-        np.empty(subtrees), ordered.n,
+        symbolic, True, take(arena, (rows[0], n, n)), take(arena, (len(symbolic.row) + 1, n, n)), take(arena, (0, n, n)),
+        kept.squares, kept.panels, kept.panels[:0], take(arena, (subtrees,)), given.n,
     )  # fmt: skip
-    return AdmmWorkspace(problem, groups, iterates, factor, rho, np.empty((3, subtrees)))
+    problem = ProblemArrays(
+        ordered.inverse, ordered.mass, ordered.free, ordered.places, ordered.block, ordered.geometry, ordered.offset, ordered.mu,
+        ordered.compliance, ordered.width, ordered.d, in_places(ordered.coupling, elimination.order), ordered.m, ordered.n,
+    )  # fmt: skip
+    return AdmmWorkspace(problem, groups, iterates, factor, kept.rho, take(arena, (3, subtrees)))
+
+
+@entry()
+def room_of_workspace(given: ProblemArrays, elimination: Elimination, kept: KeptFactors) -> int:
+    """Entries of the :class:`SharedArena` of a team."""
+    arena = own_arena()
+    allocate_workspace(arena, given, elimination, kept)
+    return int(arena.used[0])

@@ -20,17 +20,16 @@ neighbours, places stay empty: they have no number, scale, stiffness or impulse,
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.foundation.jit import borrower, entry, kernel
-from masonry_cd.mechanics.friction.contact_geometry import Geometry, shares_faces
-from masonry_cd.mechanics.friction.operators import ProblemArrays, unknowns_at
+from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.mechanics.friction.contact_geometry import shares_faces
+from masonry_cd.mechanics.friction.operators import has_arms, unknowns_at
 from masonry_cd.mechanics.linalg.ghost_rows import nodes_of
-from masonry_cd.mechanics.linalg.small_blocks import size_tuple
 from masonry_cd.mechanics.linalg.sorting import sorted_by
-from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
+from masonry_cd.mechanics.linalg.threads import take
 from masonry_cd.mechanics.linalg.triples import cross, in_axes, inner, minus, out_of_axes, plus, scaled, times
 from masonry_cd.mechanics.linalg.vectors import (
     LANES,
@@ -52,10 +51,7 @@ AXES, ARMS, PLANE_ARMS = 0, 9, 4
 
 
 class ContactGroups(NamedTuple):
-    """C contacts by their joints, and these by fours: G groups, whose contacts have L rows of the table, four in each.
-
-    A twist has s components: 6, in a plane 3, or where each contact is a joint of its own as many as that has rows.
-    """
+    """C contacts by their joints, and these by fours: G groups, whose contacts have L rows of the table, four in each."""
 
     subtree: np.ndarray  # (K + 1,) first group of each subtree; a joint belongs to that of the one of its two bodies eliminated first
     start: np.ndarray  # (G + 1,) first row of each group in the table
@@ -64,10 +60,10 @@ class ContactGroups(NamedTuple):
     target: np.ndarray  # (G, 2 * 4) rows that stand for them: the bodies themselves, or their ghosts in the subtree
     block: np.ndarray  # (G, 4) blocks of the matrix that couple them, of B; B: none
     frame: np.ndarray  # (G, 15 * 4) where joints have frames, or else (0, 60)
-    rows: np.ndarray  # (G, 2 s n * 4) H where they have none, or else (0, ...)
+    rows: np.ndarray  # (G, 2 m n * 4) H where they have none, or else (0, ...)
     table: np.ndarray  # (L, 16 * 4)
-    s: tuple[int, ...]  # s zeros
-    m: tuple[int, ...]  # as many zeros as a contact has rows
+    m: tuple[int, ...]  # as those of ProblemArrays
+    n: Any
 
 
 @borrower(forceinline=True)
@@ -92,7 +88,7 @@ def put_three(matrix, row, k, values):
 @borrower(forceinline=True)
 def rotations(groups):
     """Rotations in a twist: three in space, one in a plane, none where contacts have rows of H."""
-    return len(groups.s) - len(groups.m)
+    return 2 * len(groups.m) - 3 if has_arms(groups) else 0
 
 
 @borrower(forceinline=True)
@@ -104,7 +100,7 @@ def axes_of(groups, g):
 @borrower(forceinline=True)
 def row_of_h(groups, g, side, i, k, n):
     """Component i of the twists by unknown k, of n, of their bodies on one side, where joints have no frames."""
-    return field(groups.rows, g, (side * len(groups.s) + i) * n + k)
+    return field(groups.rows, g, (side * len(groups.m) + i) * n + k)
 
 
 @borrower(fastmath={"contract"})
@@ -130,7 +126,7 @@ def twist_of(groups, g, v, problem):
             x = gather(v, groups.place, g, LANES * side, k)
             t0 += row_of_h(groups, g, side, 0, k, n) * x
             t1 += row_of_h(groups, g, side, 1, k, n) * x
-            if len(groups.s) == 3:
+            if len(groups.m) == 3:
                 t2 += row_of_h(groups, g, side, 2, k, n) * x
     return (t0, t1, t2), (nothing, nothing, nothing)
 
@@ -162,7 +158,7 @@ def add_wrench(groups, g, wrench, out, problem):
     for side in range(2):
         for k in range(unknowns_of(groups, g, problem)):
             x = row_of_h(groups, g, side, 0, k, n) * force[0] + row_of_h(groups, g, side, 1, k, n) * force[1]
-            if len(groups.s) == 3:
+            if len(groups.m) == 3:
                 x += row_of_h(groups, g, side, 2, k, n) * force[2]
             scatter(out, target, g, LANES * side, k, x)
 
@@ -297,25 +293,14 @@ def scatter_stiffness(matrix, rows, g, at, sign, moments, r, s):
         scatter(matrix, rows, g, at, 21 + 6 * j + i, -1.0 * (s[j] * of_r[i] + first[j] * r[i] + products[i]))
 
 
-def size_of_twist(geometry: Geometry, m: int) -> tuple[int, ...]:
-    """As many zeros as the twists of contacts with m rows each have components, see small_blocks.py."""
-    return size_tuple(m if geometry.is_by_rows else 3 * (m - 1))
-
-
-@entry()
-def group_contacts(given: ProblemArrays, symbolic: SymbolicFactor, size_s: tuple[int, ...]) -> ContactGroups:
+@kernel()
+def group_contacts(arena, given, symbolic):
     """Assign contacts to groups of joints, within subtrees; contacts between supports go to the last subtree.
 
-    The frames and the table are to be filled by :func:`fill_group`.
-
-    Args:
-        given: the problem, with the places of its contacts in the order of elimination and the blocks that couple these.
-        symbolic: of the matrix.
-        size_s: as many zeros as a twist has components.
+    The problem is in order of elimination, ``symbolic`` of its matrix. The frames and the table are to be filled by :func:`fill_group`.
     """
-    index, block = given.places, given.block
-    (contact, begin), s, size = sort_by_subtree(index, symbolic), len(size_s), len(symbolic.column) - 1
-    shared = s > len(given.m)
+    index, block, shared, size = given.places, given.block, has_arms(given), len(symbolic.column) - 1
+    contact, begin = sort_by_subtree(index, symbolic)
     first, joint = split_into_joints(given.geometry, index, size, contact, begin, shared)
     order, subtree, start = group_joints(first, joint)
     groups, rows = len(start) - 1, start[-1]
@@ -338,8 +323,8 @@ def group_contacts(given: ProblemArrays, symbolic: SymbolicFactor, size_s: tuple
                 target[g, LANES * side + lane] = row[b] if b >= end else b
     of_h = 0 if shared else groups
     return ContactGroups(
-        subtree, start, contact_of, place, target, block_of, np.empty((groups - of_h, NUMBERS * LANES)),
-        np.empty((of_h, 2 * s * len(given.n) * LANES)), np.empty((rows, FIELDS * LANES)), size_s, given.m,
+        subtree, start, contact_of, place, target, block_of, take(arena, (groups - of_h, NUMBERS * LANES)),
+        take(arena, (of_h, 2 * len(given.m) * len(given.n) * LANES)), take(arena, (rows, FIELDS * LANES)), given.m, given.n,
     )  # fmt: skip
 
 

@@ -13,8 +13,10 @@ import numpy as np
 
 from masonry_cd.foundation.jit import Entry, entry, kernel
 from masonry_cd.mechanics.friction.operators import (
+    Elimination,
     ProblemArrays,
     put_in_order,
+    room_in_order,
     squared_size_of,
 )
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
@@ -68,10 +70,10 @@ def answer_of(shares, common, problem, impulse):
 
 
 @entry()
-def room_needed(problem: ProblemArrays, symbolic: SymbolicFactor) -> int:
+def room_needed(problem: ProblemArrays, elimination: Elimination, symbolic: SymbolicFactor) -> int:
     """Entries of the :class:`SharedArena` of a team, enough for each of these methods."""
     arena, shape = own_arena(), problem.offset.shape
-    rows = allocate_common(arena, problem, symbolic).v.shape
+    rows = allocate_common(arena, room_in_order(arena, problem, elimination), symbolic).v.shape
     allocate_interior(arena, shape, rows)
     allocate_newton(arena, shape, rows)
     return int(arena.used[0])
@@ -81,8 +83,7 @@ class Given(NamedTuple):
     """What a method is given, and what it overwrites."""
 
     problem: ProblemArrays
-    ordered: ProblemArrays  # room for it in order of elimination
-    order: np.ndarray  # (B,) body at each place
+    elimination: Elimination
     symbolic: SymbolicFactor
     settings: Settings
     impulse: np.ndarray  # (C, m) the start, and then the best answer found
@@ -93,9 +94,10 @@ class Given(NamedTuple):
 @kernel()
 def improve(method, allocate, team, given):
     """Iterations and natural map error of a method, which works on what ``allocate`` makes, by a thread of a team."""
-    problem, ordered, order, symbolic, settings, impulse, velocity, values = given
-    arena = SharedArena(values, np.zeros(1, dtype=np.int64))
-    common = allocate_common(arena, problem, symbolic)
+    problem, elimination, symbolic, settings, impulse, velocity, values = given
+    arena, order = SharedArena(values, np.zeros(1, dtype=np.int64)), elimination.order
+    ordered = room_in_order(arena, problem, elimination)
+    common = allocate_common(arena, ordered, symbolic)
     shares = shares_of(team, len(impulse), len(order), common.sums)
     put_in_order(problem, order, shares.rows[0], shares.rows[1], ordered)
     wait(team)
@@ -145,8 +147,8 @@ def over_bodies(
 
     Returns iterations, one factorisation each, and the natural map error.
     """
-    pattern = recalled.factors.pattern
-    values = np.zeros(room_needed(problem, pattern.symbolic) if threads > 1 else 0)
-    given = Given(problem, recalled.ordered, pattern.order, pattern.symbolic, settings, impulse, velocity, values)
+    elimination, symbolic = recalled.elimination, recalled.factors.pattern.symbolic
+    values = np.zeros(room_needed(problem, elimination, symbolic) if threads > 1 else 0)
+    given = Given(problem, elimination, symbolic, settings, impulse, velocity, values)
     found: tuple[int, float] = run_by_team(by_team, threads, given)
     return found

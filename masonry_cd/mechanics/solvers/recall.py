@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.mechanics.friction.coupling import pattern_of
-from masonry_cd.mechanics.friction.operators import ProblemArrays, room_in_order
+from masonry_cd.mechanics.friction.operators import Elimination
 from masonry_cd.mechanics.friction.problem import Problem, Solution
 from masonry_cd.mechanics.friction.solver_state import Factors, SolverState
 
@@ -19,7 +19,7 @@ class Recalled(NamedTuple):
 
     state: SolverState
     factors: Factors  # its own
-    ordered: ProblemArrays  # room for the problem in the order of elimination, with the places of its contacts
+    elimination: Elimination
 
 
 def recall(problem: Problem, start: Solution | None) -> Recalled:
@@ -45,4 +45,4 @@ def recall(problem: Problem, start: Solution | None) -> Recalled:
         factors = replace(factors, pattern=factors.pattern.with_width(given.width[:-1]))
     if factors is not state.factors or stale != state.learnt.stale:
         state = replace(state, factors=factors, learnt=replace(state.learnt, stale=stale))
-    return Recalled(state, factors, room_in_order(given, factors.pattern.order, index, block))
+    return Recalled(state, factors, Elimination(factors.pattern.order, index, block))

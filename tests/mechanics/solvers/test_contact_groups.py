@@ -12,23 +12,21 @@ import scenes
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.natural_map import project_to_cone
-from masonry_cd.mechanics.friction.operators import ProblemArrays, put_in_order, room_in_order
+from masonry_cd.mechanics.friction.operators import Elimination, ProblemArrays, put_in_order
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.linalg.threads import own_arena
 from masonry_cd.mechanics.linalg.vectors import LANES, load_four
 from masonry_cd.mechanics.solvers.admm_subtrees import augment
-from masonry_cd.mechanics.solvers.admm_workspace import AdmmWorkspace, allocate_workspace
+from masonry_cd.mechanics.solvers.admm_workspace import AdmmWorkspace, KeptFactors, allocate_workspace
 from masonry_cd.mechanics.solvers.contact_groups import (
     SCALE,
     STIFFNESS,
-    ContactGroups,
     add_to_wrench,
     add_wrench,
     fill_group,
-    group_contacts,
     no_wrench,
     put_three,
-    size_of_twist,
     three,
     twist_of,
     velocity_at,
@@ -36,10 +34,17 @@ from masonry_cd.mechanics.solvers.contact_groups import (
 
 
 @entry()
-def products(given: ProblemArrays, order: np.ndarray, work: AdmmWorkspace, v: np.ndarray, p: np.ndarray, u: np.ndarray) -> None:
+def workspace(given: ProblemArrays, elimination: Elimination, kept: KeptFactors) -> AdmmWorkspace:
+    """What ADMM works on, with the problem in order."""
+    work = allocate_workspace(own_arena(), given, elimination, kept)
+    put_in_order(given, elimination.order, 0, len(elimination.order), work.problem)
+    return work
+
+
+@entry()
+def products(work: AdmmWorkspace, v: np.ndarray, p: np.ndarray, u: np.ndarray) -> None:
     """Fill the groups of one subtree, u = H v and momentum = H^T p, p and u (L, 12), and the matrix with R = 1 + number of the contact."""
     problem, groups = work.problem, work.groups
-    put_in_order(given, order, 0, len(order), problem)
     for g in range(groups.subtree[0], groups.subtree[1]):
         fill_group(problem, groups, g)
         twist, wrench = twist_of(groups, g, v, problem), no_wrench()
@@ -65,13 +70,13 @@ def projections(x, mu, stretch, out):
         out[1, k], out[1, 4 + k], out[1, 8 + k] = n, t1 / root, t2 / root
 
 
-def grouped(problem: FrictionProblem) -> tuple[ProblemArrays, Pattern, ContactGroups]:
-    """The contacts of a problem by groups of joints, with room for it in the order of elimination."""
+def grouped(problem: FrictionProblem) -> tuple[AdmmWorkspace, Pattern]:
+    """The contacts of a problem by groups of joints, in the order of elimination."""
     pattern = Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
     found = pattern.locate(problem.bodies, problem.bodies)
     assert found is not None
-    ordered = room_in_order(problem.arrays(), pattern.order, *found[:2])
-    return ordered, pattern, group_contacts(ordered, pattern.symbolic, size_of_twist(problem.geometry, problem.dimension))
+    kept = KeptFactors(pattern.symbolic, *(np.empty(0, dtype=np.float32) for _ in range(2)), np.empty(problem.contacts))
+    return workspace(problem.arrays(), Elimination(pattern.order, *found[:2]), kept), pattern
 
 
 def uneven() -> FrictionProblem:
@@ -114,10 +119,9 @@ PROBLEMS = {"rigid": uneven, "coupled": coupled, "planar": planar, "odd rows": o
 def test_groups_have_the_operators_of_the_rows(name: str) -> None:
     """u = H v, H^T p, d and the blocks of M + H^T R H, each summed up from the rows of H in numpy."""
     problem = PROBLEMS[name]()
-    ordered, pattern, groups = grouped(problem)
-    assert len(groups.s) - problem.dimension == {"rigid": 3, "coupled": 3, "planar": 1}.get(name, 0)
-    kept = tuple(np.empty(0, dtype=np.float32) for _ in range(2))
-    work = allocate_workspace(ordered, pattern, groups, (*kept, np.empty(problem.contacts)))
+    work, pattern = grouped(problem)
+    groups = work.groups
+    assert bool(len(groups.frame)) == (name in ("rigid", "coupled", "planar"))
     generator, (blocks, n), m = np.random.default_rng(1), problem.v_free.shape, problem.dimension
     v, impulse = generator.normal(size=(blocks, n)), generator.normal(size=(problem.contacts, m))
     v_sorted, p, u = (
@@ -129,7 +133,7 @@ def test_groups_have_the_operators_of_the_rows(name: str) -> None:
     for i in range(m):
         p[:, LANES * i : LANES * (i + 1)][on] = impulse[groups.contact[on], i]
     work.iterates.momentum[:] = 0.0
-    products(problem.arrays(), pattern.order, work, v_sorted, p, u)
+    products(work, v_sorted, p, u)
 
     assert np.array_equal(np.sort(groups.contact[on]), np.arange(problem.contacts))
     h = problem.jacobian_matrix().toarray()
@@ -158,7 +162,7 @@ def test_groups_have_the_operators_of_the_rows(name: str) -> None:
 def test_joints_of_equal_size_stand_side_by_side() -> None:
     """A wall's joints have four contacts each; only the last group of a subtree is not full."""
     problem = scenes.wall(6, 20)
-    *_, groups = grouped(problem)
+    groups = grouped(problem)[0].groups
     assert problem.contacts <= groups.contact.size <= 1.05 * problem.contacts + 16
 
 
