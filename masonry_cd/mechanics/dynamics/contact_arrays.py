@@ -36,24 +36,18 @@ class ContactRows(NamedTuple):
     start: np.ndarray  # (C, m) impulses of the last step [N s]
 
     @classmethod
-    def allocate(cls, count: int, m: int, n: int) -> ContactRows:
-        """Room for a number of contacts, to be filled."""
+    def allocate(cls, active: np.ndarray, m: int, n: int) -> ContactRows:
+        """Room for the contacts at these places (C,), to be filled."""
+        count = len(active)
         one, pair, index, frame = (count,), (count, 2), np.int64, np.empty((count, 3, 3))
         if n > 3 * (m - 1):  # blocks deform
             geometry = Geometry.by_rows(np.empty((count, 2, m, n)))
         else:
             geometry = Geometry.by_arms(frame if m == IN_SPACE else np.empty((count, m, m)), np.empty((count, 2, m)))
         return cls(
-            np.empty(one, index), np.empty(one), np.empty(one, index), np.empty(pair, index), np.empty(pair, index), np.empty(pair, index),
+            active, np.empty(one), np.empty(one, index), np.empty(pair, index), np.empty(pair, index), np.empty(pair, index),
             np.empty(pair, index), frame, geometry, np.empty((count, m)), np.empty(one), np.empty((count, m)),
         )  # fmt: skip
-
-    def first(self, count: int) -> ContactRows:
-        """The first contacts."""
-        if count == len(self.gap):
-            return self
-        fields = {name: array[:count] for name, array in self._asdict().items() if name != "geometry"}
-        return ContactRows(**fields, geometry=self.geometry.of(slice(count)))
 
 
 @borrower()

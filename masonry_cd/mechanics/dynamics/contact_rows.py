@@ -33,16 +33,13 @@ from masonry_cd.mechanics.model.deformation import STRAINS
 def assemble(system: System, last: Motion, predicted: Prediction, found: ContactSet, pairs: np.ndarray) -> StepProblem:
     """The friction problem of contacts found between pairs of parts (P, 2), and impulses and velocities of the last step to start from."""
     warps, now = None if system.strains is None else system.strains.warps, predicted.state
-    touch = None
+    own, touch = on_this_side(found.point, found.area, system.constants), None
     if warps is not None:
-        own = on_this_side(found.point, found.area, system.constants)
         touch = warps.touches(found.bodies[own], found.point[own], now.position, predicted.maps, system.constants.plane_axis)
         found = found._replace(gap=warped_gaps(warps.arrays, found, own, touch, predicted.rotation, now.strain[:, STRAINS:]))
-    room = ContactRows.allocate(len(found.gap), system.rows, system.unknowns)
+    rows = ContactRows.allocate(own, system.rows, system.unknowns)
     given = (found, system.blocks, system.constants, predicted.state.position, predicted.loads.support_after, system.assembly.friction)
-    threads = system.threads_for(len(found.gap)) if system.constants.plane_axis < 0 else 1
-    counts = in_shares(lambda _, first, end: fill_rows(*given, last.impulse, room, (first, end)), threads, len(found.gap))
-    rows = room.first(sum(counts))
+    in_shares(lambda _, first, end: fill_rows(*given, last.impulse, rows, (first, end)), system.threads_for(len(own)), len(own))
     if system.strains is not None:
         at, axis = predicted.state.position, system.constants.plane_axis
         fill_strain_rows(system.strains.arrays, found.point, at, predicted.rotation, predicted.maps, axis, rows)
@@ -56,20 +53,18 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
 
 @entry()
 def on_this_side(point: np.ndarray, area: np.ndarray, constants: StepConstants) -> np.ndarray:
-    """Which contacts found the friction problem has, (C,), by their points (., 3) [m] and areas (.,) [m2]."""
-    out, count = np.empty(len(point), dtype=np.int64), 0
+    """Which contacts found the friction problem has, (C,), by their points (., 3) [m] and areas (.,) [m2].
+
+    In a plane only those on one side of the middle plane count, moved into it: the others are their mirror images. The centroid of a joint
+    with an area lies in that plane and is its own image.
+    """
+    out, count, axis = np.empty(len(point), dtype=np.int64), 0, constants.plane_axis
     for c in range(len(point)):
-        if not _is_image(point, area, constants, c):
-            out[count] = c
-            count += 1
+        if axis >= 0 and point[c, axis] > constants.plane_at + (constants.closed if area[c] > 0.0 else 0.0):
+            continue
+        out[count] = c
+        count += 1
     return out[:count]
-
-
-@borrower()
-def _is_image(point, area, constants, c):
-    """Whether contact c is the mirror image of another one, see :func:`fill_rows`."""
-    axis = constants.plane_axis
-    return axis >= 0 and point[c, axis] > constants.plane_at + (constants.closed if area[c] > 0.0 else 0.0)
 
 
 @entry()
@@ -83,61 +78,51 @@ def fill_rows(
     last_impulse: np.ndarray,
     rows: ContactRows,
     share: tuple[int, int],
-) -> int:
-    """Fill ``rows``, with room for all contacts found, as of rigid joints; return how many the friction problem has.
-
-    ``share``: the first contact that is looked at, and the end; all of them in a plane, where not each becomes a row.
+) -> None:
+    """Fill ``rows`` of a share (first, end), whose places among the contacts found are known, as of rigid joints.
 
     Positions (B, 3) at q_m [m], velocities of the supports (S, 3) at the end of the step [m/s], coefficients of friction (G, G) by group,
     impulses of all contacts of the last set (., m) [N s].
 
     Gaps up to ``closed`` [m] count as closed, and become zero in ``rows``: positions at rest carry rounding, coordinates of files more than
     that, and gaps of that size only keep contacts undecided.
-
-    In a plane only the contacts on one side of the middle plane count, moved into it: the others are their mirror images. The centroid of
-    a joint with an area lies in that plane and is its own image.
     """
-    point, gap, area, previous = found.point, found.gap, found.area, found.previous
+    point, gap, previous = found.point, found.gap, found.previous
     free_index, support_of, group_of, columns = blocks.free_index, blocks.support_of, blocks.group_of, blocks.columns
     step, plane_axis, closed = constants.step, constants.plane_axis, constants.closed
     frames, jacobian, offset, form = rows.frame, rows.geometry.jacobian, rows.offset, form_of(rows.geometry)
     m, n = offset.shape[1], len(columns)
-    arm, row = np.empty(3), np.empty(6)
-    count = share[0]
-    for c in range(share[0], share[1]):
-        if _is_image(point, area, constants, c):
-            continue
-        is_closed = 0.0 <= gap[c] <= closed
-        rows.active[count], rows.gap[count], rows.pair[count] = c, 0.0 if is_closed else gap[c], found.pair[c]
-        _frame(found.normal, c, plane_axis, frames, count)
+    arm, of_h = np.empty(3), np.empty(6)
+    for row in range(share[0], share[1]):
+        c = rows.active[row]
+        rows.gap[row], rows.pair[row] = 0.0 if 0.0 <= gap[c] <= closed else gap[c], found.pair[c]
+        _frame(found.normal, c, plane_axis, frames, row)
         for i in range(m):
-            offset[count, i] = 0.0
-            rows.start[count, i] = last_impulse[previous[c], i] if previous[c] >= 0 else 0.0
-        offset[count, 0] = gap[c] / step if gap[c] > closed else 0.0
+            offset[row, i] = 0.0
+            rows.start[row, i] = last_impulse[previous[c], i] if previous[c] >= 0 else 0.0
+        offset[row, 0] = gap[c] / step if gap[c] > closed else 0.0
         for side in range(2):
             block, sign = found.bodies[c, side], 1.0 - 2.0 * side
-            rows.blocks[count, side], rows.groups[count, side] = block, group_of[block]
-            rows.bodies[count, side], rows.supports[count, side] = free_index[block], support_of[block]
+            rows.blocks[row, side], rows.groups[row, side] = block, group_of[block]
+            rows.bodies[row, side], rows.supports[row, side] = free_index[block], support_of[block]
             for d in range(3):
                 arm[d] = point[c, d] - position[block, d]
             if plane_axis >= 0:
                 arm[plane_axis] = 0.0
             x, y, z = arm[0], arm[1], arm[2]
             if form != BY_ROWS:
-                _place(form, arm, free_index[block] < 0, columns, rows, count, side)
+                _place(form, arm, free_index[block] < 0, columns, rows, row, side)
             for i in range(m):
-                tx, ty, tz = frames[count, i, 0], frames[count, i, 1], frames[count, i, 2]
+                tx, ty, tz = frames[row, i, 0], frames[row, i, 1], frames[row, i, 2]
                 if form == BY_ROWS:
-                    row[0], row[1], row[2] = sign * tx, sign * ty, sign * tz
-                    row[3], row[4], row[5] = sign * (y * tz - z * ty), sign * (z * tx - x * tz), sign * (x * ty - y * tx)
+                    of_h[0], of_h[1], of_h[2] = sign * tx, sign * ty, sign * tz
+                    of_h[3], of_h[4], of_h[5] = sign * (y * tz - z * ty), sign * (z * tx - x * tz), sign * (x * ty - y * tx)
                     for j in range(n):
-                        jacobian[count, side, i, j] = row[columns[j]]
+                        jacobian[row, side, i, j] = of_h[columns[j]]
                 if free_index[block] < 0:
                     s = support_of[block]
-                    offset[count, i] += sign * (tx * support_velocity[s, 0] + ty * support_velocity[s, 1] + tz * support_velocity[s, 2])
-        rows.mu[count] = friction[rows.groups[count, 0], rows.groups[count, 1]]
-        count += 1
-    return count - share[0]
+                    offset[row, i] += sign * (tx * support_velocity[s, 0] + ty * support_velocity[s, 1] + tz * support_velocity[s, 2])
+        rows.mu[row] = friction[rows.groups[row, 0], rows.groups[row, 1]]
 
 
 @borrower()

@@ -99,10 +99,12 @@ def put_in_order(given, order, first, end, ordered):
 
 
 @entry(fastmath={"contract"})
-def measure_scales(problem: ProblemArrays) -> None:
-    """Fill d_c = trace(W_cc + C_cc) / m of all contacts."""
+def fill_places_and_scales(bodies: np.ndarray, problem: ProblemArrays) -> None:
+    """Fill the places of the bodies (C, 2), -1 for a support, of all contacts, and d_c = trace(W_cc + C_cc) / m."""
     compliance, m = problem.compliance, len(problem.m)
     for c in range(len(problem.d)):
+        for side in range(2):
+            problem.places[c, side] = bodies[c, side] if bodies[c, side] >= 0 else len(problem.free)
         trace = trace_of_contact(problem, c, problem.places[c, 0], problem.places[c, 1])
         if len(compliance):
             for i in range(m):

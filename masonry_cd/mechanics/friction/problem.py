@@ -33,7 +33,7 @@ import numpy as np
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.coupling import UNCOUPLED, Coupling
 from masonry_cd.mechanics.friction.law_terms import add_velocities, allocate_terms, error_bodies, error_by_team, new_velocity
-from masonry_cd.mechanics.friction.operators import ProblemArrays, measure_scales
+from masonry_cd.mechanics.friction.operators import ProblemArrays, fill_places_and_scales
 from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.linalg.small_blocks import EPSILON, FULL, size_tuple
 from masonry_cd.mechanics.linalg.threads import run_by_team
@@ -89,7 +89,7 @@ class FrictionProblem:
             np.ascontiguousarray(self.inverse_mass, dtype=np.float64),
             np.empty((0, n, n)),
             np.ascontiguousarray(self.v_free, dtype=np.float64),
-            np.ascontiguousarray(np.where(self.bodies >= 0, self.bodies, count), dtype=np.int64),
+            np.empty((self.contacts, 2), np.int64),
             FULL,
             Geometry(*(np.ascontiguousarray(array, dtype=np.float64) for array in self.geometry)),
             np.ascontiguousarray(self.offset, dtype=np.float64),
@@ -101,7 +101,7 @@ class FrictionProblem:
             size_tuple(self.dimension),
             np.zeros(n) if self.geometry.is_by_rows else size_tuple(n),
         )
-        measure_scales(out)
+        fill_places_and_scales(np.ascontiguousarray(self.bodies, dtype=np.int64), out)
         return out
 
     @cached_property
@@ -284,10 +284,7 @@ class Solution:
 
 def first_impulse(problem: Problem, start: Solution | None) -> np.ndarray:
     """Impulses (C, m) to begin with and to overwrite: those of another solution, or zeros [N s]."""
-    impulse = np.zeros((problem.contacts, problem.dimension))
-    if start is not None:
-        impulse[:] = start.impulse
-    return impulse
+    return np.zeros((problem.contacts, problem.dimension)) if start is None else np.array(start.impulse, dtype=np.float64, order="C")
 
 
 def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True, threads: int = 1) -> float:
