@@ -29,6 +29,8 @@ import numpy as np
 from masonry_cd.mechanics.model.block_forces import Acting
 from masonry_cd.mechanics.model.guides import Guide
 
+NO_TENSION = np.zeros(0)  # of no ties
+
 
 @dataclass(frozen=True, eq=False)
 class PointLoad:
@@ -93,6 +95,8 @@ class Forces:
         block = np.array([load.block for load in self.points], dtype=np.int64)
         push = np.array([load.factor[step : step + ticks].mean() * load.force for load in self.points]).reshape(-1, 3)
         arm = np.sum(rotation[block] * np.array([load.arm for load in self.points]).reshape(-1, 1, 3), axis=-1)
+        if not self.ties:
+            return Acting(block, push, arm, NO_TENSION)
         tension, along, arms = self._pull(position, rotation, velocity, yielded)
         pull = tension[:, None] * along
         blocks, arms_of_all = np.concatenate([block, *self._ends.T]), np.concatenate([arm, arms[:, 0], arms[:, 1]])
@@ -126,6 +130,8 @@ class Forces:
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
         """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
+        if not self.ties:
+            return yielded
         bars = self._bars
         stretch = bars["tension"] + bars["stiffness"] * (self.stretches(position, rotation) - yielded)
         return np.asarray(yielded + np.maximum(0.0, stretch - bars["limit"]) / bars["stiffness"])

@@ -50,7 +50,8 @@ class Overload:
 
     def share(self, problem: FrictionProblem, tolerance: float) -> float:
         """What errors are to be divided by, over |q|; 1 at most. A problem of impacts has blocks that other contacts hold already."""
-        blocks = self.blocks & (_gained(self.system, problem.v_free - self.v) > OVERLOADED * self.speed)
+        _, gained = self.system.speeds(problem.v_free - self.v)
+        blocks = self.blocks & (gained > OVERLOADED * self.speed)
         on = (blocks[problem.bodies] & (problem.bodies >= 0)).any(axis=1)
         if not on.any():
             return 1.0
@@ -67,15 +68,10 @@ def find_overload(system: System, v: np.ndarray, predicted: Prediction) -> Overl
     """
     if predicted.force_impulse is None:
         return None
-    gain, mass = predicted.v_free - v, system.assembly.mass[system.free]
-    mean = float(mass @ np.linalg.norm(gain[:, system.shifting], axis=1)) / float(mass.sum())
-    blocks = _gained(system, gain) > OVERLOADED * mean
+    (centre, gained), mass = system.speeds(predicted.v_free - v), system.assembly.mass[system.free]
+    mean = float(mass @ centre) / float(mass.sum())
+    blocks = gained > OVERLOADED * mean
     return Overload(system, v, blocks, mean) if blocks.any() else None
-
-
-def _gained(system: System, gain: np.ndarray) -> np.ndarray:
-    """Largest speed of each free block with velocities (F, n), (F,) [m/s]."""
-    return np.linalg.norm(gain[:, system.shifting], axis=1) + np.linalg.norm(gain[:, system.turning], axis=1) * system.reach
 
 
 def on_scale(overload: Overload | None, options: Options, solve: Callable[[FrictionProblem, Options, Solution, str], Solution]) -> Solve:

@@ -90,15 +90,16 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     yielded = forces.yields(position, free.maps, free.yielded)
     acting = forces.acting(position, free.maps, velocity, free.loads.number, free.loads.ticks, yielded)
     wrench = acting.wrench(count)[system.free]
-    pull = system.gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / system.assembly.mass[system.free]).max())
+    pushed = np.sqrt(wrench[:, 0] ** 2 + wrench[:, 1] ** 2 + wrench[:, 2] ** 2) / system.assembly.mass[system.free]
+    pull = system.gravity + float(pushed.max())
     impulse = np.zeros_like(free.v_free)
     impulse[:, : len(system.blocks.columns)] = system.constants.step * wrench[:, system.blocks.columns]
     if system.strains is not None:
         warped = _along_warps(system, system.strains, free, acting)
         along = system.strains.forces(acting.virial(count), warped, free.rotation, free.maps)
         system.strains.set_unknowns(impulse, system.constants.step * along)
-    pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
-    return pushed._replace(pull=pull, acting=acting, tensions=acting.tension, yielded=yielded, force_impulse=impulse)
+    moved = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
+    return moved._replace(pull=pull, acting=acting, tensions=acting.tension, yielded=yielded, force_impulse=impulse)
 
 
 def _along_warps(system: System, strains: Strains, free: Prediction, acting: Acting) -> np.ndarray:
@@ -119,7 +120,7 @@ def _with_carried_impulse(system: System, free: Prediction, carried: np.ndarray 
     if carried is None:
         return free
     gain = np.einsum("bij,bj->bi", free.inverse_mass, carried)
-    speed = np.linalg.norm(gain[:, system.shifting], axis=1) + np.linalg.norm(gain[:, system.turning], axis=1) * system.reach
+    _, speed = system.speeds(gain)
     share = np.minimum(1.0, free.pull * system.constants.step / np.maximum(speed, 1e-300))[:, None]
     return _pushed(system, free, share * carried, share * gain)._replace(carried_impulse=share * carried)
 

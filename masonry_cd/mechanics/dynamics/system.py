@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.contact.facets import Facets
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays, StepConstants
@@ -137,17 +139,17 @@ class System:
         """Those of meshed blocks; None: there are none."""
         return None if self.strains is None or self.strains.warps is None else self.strains.warps.facets
 
-    @property
+    @cached_property
     def shifting(self) -> np.ndarray:
         """Which unknowns of a block are linear velocities."""
         return np.flatnonzero(self.blocks.columns < 3)
 
-    @property
+    @cached_property
     def turning(self) -> np.ndarray:
         """Which unknowns of a block are angular velocities."""
         return np.flatnonzero(self.blocks.columns >= 3)
 
-    @property
+    @cached_property
     def turning_axes(self) -> tuple[np.ndarray, ...]:
         """Index of the components of the angular momenta (B, 3) that the unknowns of the free blocks change."""
         return np.ix_(self.free, self.blocks.columns[self.turning] - 3)
@@ -156,11 +158,31 @@ class System:
         """Threads that pay for so many contacts, see :func:`masonry_cd.mechanics.solvers.options.threads_that_pay`."""
         return threads_that_pay(self.settings.threads, contacts, self.rows)
 
+    def speeds(self, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Speed of the centre of each free block with velocities (F, n), (F,), and the most that any of its points may have [m/s]."""
+        centre, point = np.empty_like(self.reach), np.empty_like(self.reach)
+        fill_speeds(velocity, self.blocks.columns, self.reach, centre, point)
+        return centre, point
+
     def unknowns_of(self, velocity: np.ndarray) -> np.ndarray:
         """The unknowns (F, n) of the free blocks in velocities (B, 6) of blocks without strain rates."""
         out = np.zeros((len(self.reach), self.unknowns))
         out[:, : len(self.blocks.columns)] = velocity[self.free][:, self.blocks.columns]
         return out
+
+
+@entry()
+def fill_speeds(velocity: np.ndarray, columns: np.ndarray, reach: np.ndarray, centre: np.ndarray, point: np.ndarray) -> None:
+    """Fill what :meth:`System.speeds` gives, by the components (k,) that the first unknowns are."""
+    for b in range(len(reach)):
+        shifting, turning = 0.0, 0.0
+        for k in range(len(columns)):
+            if columns[k] < 3:
+                shifting += velocity[b, k] * velocity[b, k]
+            else:
+                turning += velocity[b, k] * velocity[b, k]
+        centre[b] = np.sqrt(shifting)
+        point[b] = centre[b] + np.sqrt(turning) * reach[b]
 
 
 def plane_of(assembly: Assembly, state: State, settings: Run, loads: Loads) -> Plane | None:

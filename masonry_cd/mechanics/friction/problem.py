@@ -84,7 +84,7 @@ class FrictionProblem:
         If all contacts are rigid the compliance is left out, as (0, m): the kernels then save reading it.
         """
         compliance = self.compliance if len(self.compliance) and self.compliance.any() else self.compliance[:0]
-        count, n = self.v_free.shape
+        n = self.v_free.shape[1]
         out = ProblemArrays(
             np.ascontiguousarray(self.inverse_mass, dtype=np.float64),
             np.empty((0, n, n)),

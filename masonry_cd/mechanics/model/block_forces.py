@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.model.guides import Guide
 
 
@@ -21,7 +22,7 @@ class Acting(NamedTuple):
     def wrench(self, blocks: int) -> np.ndarray:
         """Force [N] and moment about the centre of mass [N m] on each of B blocks, (B, 6)."""
         out = np.zeros((blocks, 6))
-        np.add.at(out, self.block, np.concatenate([self.force, np.cross(self.arm, self.force)], axis=1))
+        add_wrenches(self.block, self.force, self.arm, out)
         return out
 
     def virial(self, blocks: int) -> np.ndarray:
@@ -29,6 +30,16 @@ class Acting(NamedTuple):
         out = np.zeros((blocks, 3, 3))
         np.add.at(out, self.block, self.force[:, :, None] * self.arm[:, None, :])
         return out
+
+
+@entry()
+def add_wrenches(block: np.ndarray, force: np.ndarray, arm: np.ndarray, out: np.ndarray) -> None:
+    """Add forces (N, 3) on blocks (N,) and their moments at arms (N, 3) to the rows of ``out`` (B, 6)."""
+    for k in range(len(block)):
+        for i in range(3):
+            j, l = (i + 1) % 3, (i + 2) % 3  # noqa: E741
+            out[block[k], i] += force[k, i]
+            out[block[k], 3 + i] += arm[k, j] * force[k, l] - arm[k, l] * force[k, j]
 
 
 class BlockForces(Protocol):
