@@ -15,7 +15,6 @@ from masonry_cd.mechanics.friction.natural_map import length_of, project_to_cone
 from masonry_cd.mechanics.friction.operators import add_product, form_of_problem, load_mass, momentum_residual_of
 from masonry_cd.mechanics.linalg.factor import factorise_cholesky
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
-from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.threads import wait
 from masonry_cd.mechanics.linalg.triangular import backward_substitution, forward_substitution
 from masonry_cd.mechanics.linalg.triples import inner, minus, plus, scaled
@@ -223,7 +222,9 @@ def eliminate_subtree(work, q, relaxation, p, new, line):
     if is_coupled(problem):
         missing_velocity(work, first, last)
     else:
-        copy_flat(momentum[first:last], x[first:last])
+        for b in range(first, last):
+            for i in range(len(problem.n)):
+                x[b, i] = momentum[b, i]
     clear_ghosts(symbolic, q, x)
     add_ghosts(symbolic, q, x)
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
@@ -254,16 +255,16 @@ def divide_by_stiffness(work, first, last):
 @borrower()
 def update_subtree(work, q, relaxation, line):
     """v <- v + relaxation L^-T D^-1 x for the bodies of subtree q, x from :func:`eliminate_subtree`, after all later subtrees."""
-    symbolic, size_n = work.factor.symbolic, work.problem.n
+    symbolic = work.factor.symbolic
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
     backward_substitution(work.factor, begin, end, work.iterates.correction, line)
     first, last = nodes_of(symbolic, q)
     if is_coupled(work.problem):
         divide_by_stiffness(work, first, last)
-    size = (last - first) * len(size_n)
-    v, x = work.iterates.v[first:last].reshape(size), work.iterates.correction[first:last].reshape(size)
-    for i in range(size):
-        v[i] += relaxation * x[i]
+    v, x = work.iterates.v, work.iterates.correction
+    for b in range(first, last):
+        for i in range(len(work.problem.n)):
+            v[b, i] += relaxation * x[b, i]
 
 
 @borrower(fastmath={"contract"})
