@@ -99,6 +99,15 @@ def test_numbers_in_calls_share_one_version() -> None:
     assert len(_plus.inner.overloads) == 1
 
 
+def test_what_an_entry_calls_is_its_own() -> None:
+    """JITCodeLibrary._optimize_final_module, ModuleRef.functions, Linkage: no other code may call it, so that LLVM can change it."""
+    x = np.zeros(2)
+    fill_and_turn(Shelf(x, x.copy()), x.copy(), 2)
+    (version,) = fill_and_turn.outer.overloads.values()
+    assert type(version.library) is numba_internals._MachineCode
+    assert "linkonce_odr" not in version.library.get_llvm_str()
+
+
 def test_kernels_stay_intermediate_code() -> None:
     """JITCodeLibrary.finalize, NativeLowering.run_pass, Compiler.define_pipelines, Dispatcher._insert."""
     plus_three(1.0)

@@ -144,16 +144,15 @@ def _solve_cones(system: System, made: StepProblem, islands: Islands, number: in
     solve_part = on_scale(overload, options, islands.solve)
     if impact is None:
         solution = solve_part(problem, start, FORCES)
-        shown, solved = {"": problem}, Solved(solution, error_of(problem, solution))
-    else:
-        is_open, struck = impact
-        both = solve_apart(problem, is_open, ~struck, made.rows.gap, system.constants.step, start, solve_part)
-        shown = {"forces": both.forces, "impacts": both.impacts}
-        solved = Solved(both.solution, both.error, both.carried_impulse, both.blow)
+        if watch is not None:
+            watch(number, "", problem)
+        return Solved(solution, error_of(problem, solution))
+    is_open, struck = impact
+    both = solve_apart(problem, is_open, ~struck, made.rows.gap, system.constants.step, start, solve_part)
     if watch is not None:
-        for name, each in shown.items():
-            watch(number, name, each)
-    return solved
+        watch(number, "forces", both.forces)
+        watch(number, "impacts", both.impacts)
+    return Solved(both.solution, both.error, both.carried_impulse, both.blow)
 
 
 def _impact(system: System, made: StepProblem) -> tuple[np.ndarray, np.ndarray] | None:

@@ -62,6 +62,10 @@ class SolverState:
         """What is left where the group has other blocks."""
         return SolverState(learnt=replace(self.learnt, stale=True))
 
+    def with_learnt(self, learnt: Learnt) -> SolverState:
+        """The state with something else learnt."""
+        return SolverState(self.factors, learnt, self.kept, self.unknowns, self.own)
+
     def arrays(self) -> dict[str, np.ndarray]:
         """The state by names, for a checkpoint."""
         out = {name: np.array([getattr(self.learnt, name)], dtype=float) for name in LEARNT}

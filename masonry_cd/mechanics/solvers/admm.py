@@ -101,6 +101,6 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     threads = min(options.threads, int(symbolic.level[1]))  # as many as there are subtrees at first, at most
     values = np.zeros(room_of_workspace(given, elimination, kept) if threads > 1 else 0)
     iterations, error, k_end, rate = run_by_team(admm_bodies, threads, given, elimination, kept, settings, impulse, velocity, values)
-    state = replace(state, learnt=learn(learnt, k, k_end, iterations, rate))
+    state = state.with_learnt(learn(learnt, k, k_end, iterations, rate))
     end = "given up" if iterations < limit else "iteration limit reached"  # without hope, or without a definite matrix
     return Solution(impulse, velocity, iterations, options.reason("admm", error, end), state, error)

@@ -69,7 +69,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         budget = min(max(budget // FACTOR, spent, 1), MOST) if progress.error <= options.tolerance else MOST
     learnt = progress.memory.learnt
     if budget != learnt.budget:
-        progress.memory = replace(progress.memory, learnt=replace(learnt, budget=budget))
+        progress.memory = progress.memory.with_learnt(replace(learnt, budget=budget))
     return progress.solution()
 
 
@@ -84,7 +84,7 @@ def _finish(progress: _Progress, cold: bool) -> int:
         progress.run("interior", interior.MOST if cold else LAST, progress.last)
     spent = progress.iterations - before
     if cold:  # nor is it left worse than by ADMM alone
-        progress.memory = replace(progress.memory, learnt=Learnt())
+        progress.memory = progress.memory.with_learnt(Learnt())
         progress.run("admm", admm.LIMIT, progress.last)
     return spent
 

@@ -35,7 +35,7 @@ def in_condensed_unknowns(solver: Solver) -> Solver:
         if start is not None:
             state = start.memory
             if not np.array_equal(state.kept if state.kept is not None else (), kept):
-                state = replace(state, learnt=replace(state.learnt, stale=True))
+                state = state.with_learnt(replace(state.learnt, stale=True))
             begin = replace(start, velocity=None if start.velocity is None else velocity, memory=state)
         found = solver(equivalent, options, begin)
         state = replace(found.memory, kept=kept, unknowns=unknowns)
