@@ -62,8 +62,8 @@ class Elimination(NamedTuple):
 
 
 @kernel()
-def room_in_order(arena, given, elimination):
-    """A problem with its bodies in order of elimination, and room for what :func:`put_in_order` fills; the contacts stay as they are."""
+def room_in_order(arena, given, elimination, coupling):
+    """A problem with its bodies in order of elimination and a coupling, and room for what :func:`put_in_order` fills."""
     (count, n), (order, places, block), width = given.free.shape, elimination, given.width
     if has_unit_masses(given):
         width = np.zeros(count + 1, dtype=np.int64)
@@ -71,7 +71,7 @@ def room_in_order(arena, given, elimination):
             width[b] = given.width[order[b]]
     return ProblemArrays(
         take(arena, (count, n, n)), take(arena, (count, n, n)), take(arena, (count, n)), places, block, given.geometry, given.offset,
-        given.mu, given.compliance, width, given.d, given.coupling, given.m, given.n,
+        given.mu, given.compliance, width, given.d, coupling, given.m, given.n,
     )  # fmt: skip
 
 

@@ -70,8 +70,9 @@ class KeptFactors(NamedTuple):
 @kernel()
 def allocate_workspace(arena, given, elimination, kept):
     """Arrays to work in, for ProblemArrays that are to be put in order of elimination."""
-    ordered, symbolic = room_in_order(arena, given, elimination), kept.symbolic
-    groups, (count, n) = group_contacts(arena, ordered, symbolic), ordered.free.shape
+    symbolic, coupling = kept.symbolic, in_places(given.coupling, elimination.order)
+    problem = room_in_order(arena, given, elimination, coupling)
+    groups, (count, n) = group_contacts(arena, problem, symbolic), problem.free.shape
     rows, bodies, impulses, subtrees = (
         (count + 1 + len(symbolic.node_ghost), n), (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1,
     )  # fmt: skip
@@ -83,10 +84,6 @@ def allocate_workspace(arena, given, elimination, kept):
     factor = BlockFactor(
         symbolic, True, take(arena, (rows[0], n, n)), take(arena, (len(symbolic.row) + 1, n, n)), take(arena, (0, n, n)),
         kept.squares, kept.panels, kept.panels[:0], take(arena, (subtrees,)), given.n,
-    )  # fmt: skip
-    problem = ProblemArrays(
-        ordered.inverse, ordered.mass, ordered.free, ordered.places, ordered.block, ordered.geometry, ordered.offset, ordered.mu,
-        ordered.compliance, ordered.width, ordered.d, in_places(ordered.coupling, elimination.order), ordered.m, ordered.n,
     )  # fmt: skip
     return AdmmWorkspace(problem, groups, iterates, factor, kept.rho, take(arena, (3, subtrees)))
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.coulomb_law import NARROWEST, tangent_length
+from masonry_cd.mechanics.friction.coulomb_law import NARROWEST, has_friction, tangent_length
 from masonry_cd.mechanics.friction.operators import add_impulse
 from masonry_cd.mechanics.linalg.threads import take, wait
 from masonry_cd.mechanics.solvers.linearised import contact_velocity, keep_better, law_velocity, map_norm, solve_by_first
@@ -314,7 +314,7 @@ def keep_if_better(shares, problem, work, workspace, answer):
     p, impulse, friction, (first, end) = workspace.here.p, workspace.impulse, problem.mu, shares.contacts
     for c in range(first, end):
         for i in range(len(problem.m)):
-            impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+            impulse[c, i] = p[c, i] if i == 0 or has_friction(friction[c]) else 0.0
     error = map_norm(shares, problem, impulse, work.scratch, workspace.v) / answer.size
     keep_better(shares, answer, impulse, workspace.v, error)
     return error

@@ -73,7 +73,7 @@ def answer_of(shares, common, problem, impulse):
 def room_needed(problem: ProblemArrays, elimination: Elimination, symbolic: SymbolicFactor) -> int:
     """Entries of the :class:`SharedArena` of a team, enough for each of these methods."""
     arena, shape = own_arena(), problem.offset.shape
-    rows = allocate_common(arena, room_in_order(arena, problem, elimination), symbolic).v.shape
+    rows = allocate_common(arena, room_in_order(arena, problem, elimination, problem.coupling), symbolic).v.shape
     allocate_interior(arena, shape, rows)
     allocate_newton(arena, shape, rows)
     return int(arena.used[0])
@@ -96,7 +96,7 @@ def improve(method, allocate, team, given):
     """Iterations and natural map error of a method, which works on what ``allocate`` makes, by a thread of a team."""
     problem, elimination, symbolic, settings, impulse, velocity, values = given
     arena, order = SharedArena(values, np.zeros(1, dtype=np.int64)), elimination.order
-    ordered = room_in_order(arena, problem, elimination)
+    ordered = room_in_order(arena, problem, elimination, problem.coupling)
     common = allocate_common(arena, ordered, symbolic)
     shares = shares_of(team, len(impulse), len(order), common.sums)
     put_in_order(problem, order, shares.rows[0], shares.rows[1], ordered)
