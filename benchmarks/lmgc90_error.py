@@ -27,7 +27,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.scenes import GRAVITY, BenchScene
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
-from masonry_cd.mechanics.friction.law_terms import error_bodies
+from masonry_cd.mechanics.friction.law_terms import error_norms
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
 
@@ -105,8 +105,8 @@ def _own_error(problem: FrictionProblem, impulse: np.ndarray, found: dict[str, n
     u[:, 0] += np.maximum(found["gap"].ravel(), 0.0) / dt
     scale = problem.arrays().d
     seen = LocalProblem(sparse.diags(np.repeat(scale, 3)).tocsr(), u - scale[:, None] * impulse, problem.mu)  # it has these velocities
-    residual, _ = error_bodies(seen.arrays(), impulse)
-    _, size = error_bodies(problem.arrays(), impulse)
+    residual, _ = error_norms(seen.arrays(), impulse)
+    _, size = error_norms(problem.arrays(), impulse)
     return float(residual / size)
 
 

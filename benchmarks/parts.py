@@ -48,7 +48,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
         (nlgs, "run_by_team"), (admm, "admm_bodies"), (newton, "over_bodies"),
         (interior, "over_bodies"),
     ),
-    "error measure": ((problem, "error_bodies"),),
+    "error measure": ((problem, "error_norms"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((moreau_jean, "account"),),
     "joints": ((recorder, "measure_joints"), (JointPeaks, "update"), (StepPeaks, "update")),

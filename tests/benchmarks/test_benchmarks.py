@@ -192,9 +192,9 @@ def test_a_peer_that_is_not_there_is_reported_in_one_line(capsys, monkeypatch):
 
 
 def test_each_part_of_a_run_has_its_own_seconds():
-    before = parts.problem.error_bodies
+    before = parts.problem.error_norms
     costs = parts.measure(tower(3), 6, frame_every=3)
-    assert parts.problem.error_bodies is before  # the clocks are off again
+    assert parts.problem.error_norms is before  # the clocks are off again
     assert set(costs.seconds) >= {"narrow phase", "contact rows", "iterations", "joints", "output"}
     assert (costs.calls["contact rows"], costs.calls["step, rest"], costs.steps) == (6, 6, 6)
     assert (costs.blocks, costs.joints) == (4, 3)

@@ -30,7 +30,7 @@ import numpy as np
 from masonry_cd.mechanics.dynamics.free_motion import Prediction
 from masonry_cd.mechanics.dynamics.impacts import Solve, error_of
 from masonry_cd.mechanics.dynamics.system import System
-from masonry_cd.mechanics.friction.law_terms import error_bodies
+from masonry_cd.mechanics.friction.law_terms import error_norms
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
 from masonry_cd.mechanics.solvers.options import Options
 
@@ -56,7 +56,7 @@ class Overload:
         if not on.any():
             return 1.0
         given = problem.arrays()
-        _, size = error_bodies(given, np.zeros((problem.contacts, problem.dimension)))
+        _, size = error_norms(given, np.zeros((problem.contacts, problem.dimension)))
         scale = AMPLE * self.speed * np.sqrt(problem.contacts / given.d[on].max())
         return max(scale / size, min(1.0, ROUNDING / tolerance)) if scale < size else 1.0
 

@@ -22,7 +22,7 @@ from masonry_cd.mechanics.friction.operators import (
     squared_size_of,
 )
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
-from masonry_cd.mechanics.linalg.threads import ThreadTeam, alone, share_of, wait
+from masonry_cd.mechanics.linalg.threads import ThreadTeam, alone, run_by_team, share_of, wait
 
 PARTS = 64  # of the contacts, whose sums are added in their order
 
@@ -86,10 +86,10 @@ def error_by_team(team: ThreadTeam, problem: ProblemArrays, p: np.ndarray, terms
     return np.sqrt(sums[:, 0].sum()), np.sqrt(sums[:, 1].sum())
 
 
-@entry()
-def error_bodies(problem: ProblemArrays, p: np.ndarray) -> tuple[float, float]:
-    """As :func:`error_by_team`, to the same bits, by one thread."""
-    return error_by_team(alone(), problem, p, allocate_terms(problem))
+def error_norms(problem: ProblemArrays, p: np.ndarray, threads: int = 1) -> tuple[float, float]:
+    """Norms of the natural map residual and of q for impulses p (C, m), by threads that change no bit."""
+    found: tuple[float, float] = run_by_team(error_by_team, threads, problem, p, allocate_terms(problem))
+    return found
 
 
 @entry()

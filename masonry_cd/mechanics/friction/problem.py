@@ -32,11 +32,10 @@ import numpy as np
 
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
 from masonry_cd.mechanics.friction.coupling import UNCOUPLED, Coupling
-from masonry_cd.mechanics.friction.law_terms import add_velocities, allocate_terms, error_bodies, error_by_team, new_velocity
+from masonry_cd.mechanics.friction.law_terms import add_velocities, error_norms, new_velocity
 from masonry_cd.mechanics.friction.operators import ProblemArrays, fill_places_and_scales
 from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.linalg.small_blocks import EPSILON, FULL, size_tuple
-from masonry_cd.mechanics.linalg.threads import run_by_team
 
 if TYPE_CHECKING:
     from scipy import sparse
@@ -297,8 +296,5 @@ def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True
         return 0.0
     impulse = np.ascontiguousarray(impulse, dtype=np.float64)
     given = problem.arrays() if scaled else problem.arrays()._replace(d=np.ones(problem.contacts))
-    if threads > 1:
-        residual, size = run_by_team(error_by_team, threads, given, impulse, allocate_terms(given))
-    else:
-        residual, size = error_bodies(given, impulse)
+    residual, size = error_norms(given, impulse, threads)
     return float(residual / size if size > 0.0 else residual)

@@ -25,7 +25,6 @@ from masonry_cd.mechanics.solvers.nlgs_kernels import (
     ColouredJoints,
     SweepHistory,
     SweepSettings,
-    begin_sweeps,
     colour_joints,
     end_sweeps,
     sweep_bodies,
@@ -57,15 +56,11 @@ def solve_by_sweeps(name: str, extrapolated: bool, problem: Problem, options: Op
         return Solution(impulse, problem.body_velocity(impulse), 0, options.reason(name, 0.0), error=0.0)
     given, velocity = problem.arrays(), np.empty(problem.v_free.shape)
     scaled = scaled_problem(given, impulse)
-    error = begin_sweeps(scaled)
-    if error <= options.tolerance or settings.limit == 0:
-        sweeps = 0
-    else:
-        joints, threads = colour_joints(scaled.problem.places, len(velocity)), options.threads
-        if len(given.coupling.indptr) or (not extrapolated and problem.contacts < COLOURED):
-            count = len(joints.order)
-            joints, threads = ColouredJoints(joints.start, np.arange(count), np.arange(count + 1)), 1  # a colour for each
-        history = SweepHistory(np.empty_like(impulse), np.empty_like(scaled.y), np.empty_like(impulse), np.empty(PARTS))
-        sweeps, error = run_by_team(sweep_bodies, threads, scaled, joints, history, settings)
+    joints, threads = colour_joints(scaled.problem.places, len(velocity)), options.threads
+    if len(given.coupling.indptr) or (not extrapolated and problem.contacts < COLOURED):
+        count = len(joints.order)
+        joints, threads = ColouredJoints(joints.start, np.arange(count), np.arange(count + 1)), 1  # a colour for each
+    history = SweepHistory(np.empty_like(impulse), np.empty_like(scaled.y), np.empty_like(impulse), np.empty(PARTS))
+    sweeps, error = run_by_team(sweep_bodies, threads, scaled, joints, history, settings)
     end_sweeps(scaled, given.free, impulse, velocity)
     return Solution(impulse, velocity, sweeps, options.reason(name, error, "sweep limit reached"), error=error)

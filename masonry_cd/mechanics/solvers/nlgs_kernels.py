@@ -53,13 +53,6 @@ class SweepHistory(NamedTuple):
 
 
 @entry()
-def begin_sweeps(scaled: ScaledProblem) -> float:
-    """Set y of a ScaledProblem; returns the natural map error of its impulses."""
-    collect(scaled, 0, len(scaled.factor))
-    return error_of(squared_map_norm_of(scaled.problem, impulses_of(scaled), scaled.y, 0, len(scaled.table)), scaled.size)
-
-
-@entry()
 def colour_joints(index: np.ndarray, bodies: int) -> ColouredJoints:
     """Colour the joints so that no two of a colour share a body: greedily, in their order.
 
