@@ -76,6 +76,7 @@ def allocate_workspace(arena, given, elimination, kept):
     rows, bodies, impulses, subtrees = (
         (count + 1 + len(symbolic.node_ghost), n), (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1,
     )  # fmt: skip
+    # room is counted in doubles, of which single precision uses half
     correction = take(arena, (rows[0] * n,)).view(kept.panels.dtype)[: rows[0] * n].reshape(rows)
     iterates = Iterates(
         take(arena, impulses), take(arena, impulses), take(arena, impulses), take(arena, impulses), take(arena, bodies),

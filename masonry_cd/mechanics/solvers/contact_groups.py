@@ -63,7 +63,7 @@ class ContactGroups(NamedTuple):
     rows: np.ndarray  # (G, 2 m n * 4) H where they have none, or else (0, ...)
     table: np.ndarray  # (L, 16 * 4)
     m: tuple[int, ...]  # as those of ProblemArrays
-    n: Any
+    n: Any  # likewise; a tuple where joints have frames
 
 
 @borrower(forceinline=True)
