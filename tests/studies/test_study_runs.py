@@ -8,8 +8,10 @@ import math
 import os
 import signal
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -25,19 +27,32 @@ from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.task import Outcome, Task
+from reports.study import outputs
+
+
+@contextmanager
+def cluster(workers: int, **more: Any) -> Iterator[str]:
+    """The address of a scheduler with workers, as a user would have started them."""
+    import dask
+    from distributed import LocalCluster
+
+    alone = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
+    with dask.config.set(SETTINGS), LocalCluster(n_workers=workers, **alone, **more) as made:
+        yield made.scheduler_address
 
 
 @pytest.fixture(scope="module")
 def scheduler() -> Iterator[str]:
-    """The address of a scheduler with two workers, as a user would have started them."""
-    import dask
-    from distributed import LocalCluster
+    """The address of a scheduler whose worker is a thread of this process, which has the kernels already."""
+    with cluster(1, processes=False) as address:
+        yield address
 
-    with (
-        dask.config.set(SETTINGS),
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50, env=ONE_THREAD) as cluster,
-    ):
-        yield cluster.scheduler_address
+
+@pytest.fixture(scope="module")
+def processes() -> Iterator[str]:
+    """The address of a scheduler whose two workers are processes, which may be killed."""
+    with cluster(2, env=ONE_THREAD) as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +67,9 @@ def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def invoke(path: Path, *options: str) -> Result:
-    """The command on a study file, its results beside it."""
-    return masonry_cd("study", path, "-o", path.parent / "out", *options)
+    """The command on a study file, its results beside it; tests/reports/test_study_outputs.py looks at the pictures, which cost a second."""
+    with mock.patch.object(outputs, "diagrams", lambda _: []), mock.patch.object(outputs, "draw_joint_maps", lambda _: ([], [], [])):
+        return masonry_cd("study", path, "-o", path.parent / "out", *options)
 
 
 # --- what a study leaves ------------------------------------------------------------------------------------------------------------
@@ -291,8 +307,8 @@ def executed(scheduler: str, folder: Path, function: Callable[[Task], Outcome], 
 
 
 @pytest.mark.slow(reason="a worker is killed, whose whole time counts then, and another one started")
-def test_a_worker_that_is_killed_costs_its_run_which_is_made_again(scheduler: str, tmp_path: Path) -> None:
-    rows = executed(scheduler, tmp_path, studied.dies_once, "abcd")
+def test_a_worker_that_is_killed_costs_its_run_which_is_made_again(processes: str, tmp_path: Path) -> None:
+    rows = executed(processes, tmp_path, studied.dies_once, "abcd")
     assert (tmp_path / "b.died").exists()
     assert {name: row.status for name, row in rows.items()} == dict.fromkeys(["a", "b", "c", "d", "followed"], "done")
 
