@@ -67,7 +67,7 @@ def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def invoke(path: Path, *options: str) -> Result:
-    """The command on a study file, its results beside it; tests/reports/test_study_outputs.py looks at the pictures, which cost a second."""
+    """The command on a study file, its results beside it, undrawn: tests/reports/test_study_outputs.py looks at the pictures."""
     with mock.patch.object(outputs, "diagrams", lambda _: []), mock.patch.object(outputs, "draw_joint_maps", lambda _: ([], [], [])):
         return masonry_cd("study", path, "-o", path.parent / "out", *options)
 
