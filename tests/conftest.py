@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from unittest import mock
 
 import pytest
 from block_files import write_plate_scene
@@ -35,6 +37,13 @@ def shared() -> Path:
     if not folder.is_dir():
         pytest.skip("the reference data are not beside this checkout")
     return folder
+
+
+@pytest.fixture(scope="session", autouse=True)
+def unsynced() -> Iterator[None]:
+    """No test waits for the disc: what it writes need not survive a loss of power."""
+    with mock.patch.object(os, "fsync", lambda _: None):
+        yield
 
 
 @pytest.fixture

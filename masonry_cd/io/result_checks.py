@@ -110,9 +110,10 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int], sizes: S
         ):
             raise InputError(path, f"{one.name} is not what a run writes ({_described(one)})")
     for name in rows:
-        if not isinstance(file.get(name), h5py.Dataset):
+        dataset = file.get(name)
+        if not isinstance(dataset, h5py.Dataset):
             raise InputError(path, f"damaged: {name} is missing")
-        if name not in BY_NAME and (file[name].ndim != 1 or file[name].dtype.kind not in REAL + WHOLE):
+        if name not in BY_NAME and (dataset.ndim != 1 or dataset.dtype.kind not in REAL + WHOLE):
             raise InputError(path, f"{name} is not what a run writes (a number per step)")
 
 
