@@ -4,6 +4,9 @@
 from __future__ import annotations
 
 import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # read by numpy as it is imported: processes of the tests have a core each, threads would wait
+
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
