@@ -27,6 +27,7 @@ from tiers import (  # noqa: F401  hooks of pytest
 )
 
 from masonry_cd.foundation.trust import VARIABLE
+from reports.drawing import render
 
 settings.register_profile("steady", derandomize=True, deadline=None, max_examples=50, database=None)  # the same examples in every run
 settings.register_profile("search", deadline=None, max_examples=2000, database=None)  # pytest tests/properties --hypothesis-profile search
@@ -46,6 +47,13 @@ def shared() -> Path:
 def unsynced() -> Iterator[None]:
     """No test waits for the disc: what it writes need not survive a loss of power."""
     with mock.patch.object(os, "fsync", lambda _: None):
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def coarse() -> Iterator[None]:
+    """Pixels of pictures are no means of several, which takes a third of the time; tests that look at such means ask for them."""
+    with mock.patch.object(render, "SAMPLES", 1):
         yield
 
 
