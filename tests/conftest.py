@@ -57,6 +57,15 @@ def coarse() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session")
+def scheduler() -> Iterator[str]:
+    """The address of a scheduler whose worker is a thread of this process, which has the kernels already."""
+    from studied import cluster
+
+    with cluster(1, processes=False) as address:
+        yield address
+
+
 @pytest.fixture
 def trusting(monkeypatch: pytest.MonkeyPatch) -> None:
     """Code that scenes name may run, as by --trust."""

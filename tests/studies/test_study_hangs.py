@@ -18,7 +18,7 @@ from command_line import done
 from studied import GRID, rows_without_seconds, wait_until, write_study
 
 from masonry_cd.analysis.run_row import RunRow
-from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, connected
+from masonry_cd.studies.study.clusters import ONE_THREAD, Where, connected
 from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import Engine
 from masonry_cd.studies.study.plan import Planned
@@ -34,12 +34,8 @@ REASON = "out of time, 1 s, in a step or a set-up that did not end"
 @pytest.fixture(scope="module", params=[1, 2])
 def scheduler(request: pytest.FixtureRequest) -> Iterator[str]:
     """The address of a scheduler with one worker or two, in which scenes of the amplitude HANGING hang."""
-    import dask
-    from distributed import LocalCluster  # before its settings are changed
-
-    alone = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50, "env": ONE_THREAD, "preload": ["hanging_worker"]}
-    with dask.config.set(SETTINGS), LocalCluster(n_workers=request.param, **alone) as cluster:
-        yield cluster.scheduler_address
+    with studied.cluster(request.param, env=ONE_THREAD, preload=["hanging_worker"]) as address:
+        yield address
 
 
 def executed(client: Client, folder: Path, function: Callable[[Task], Outcome], names: str) -> dict[str, RunRow]:

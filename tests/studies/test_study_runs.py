@@ -8,7 +8,6 @@ import math
 import os
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -22,7 +21,7 @@ from typer.testing import Result
 
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.io.results import Results
-from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, read_slurm, slurm_cluster
+from masonry_cd.studies.study.clusters import ONE_THREAD, Where, read_slurm, slurm_cluster
 from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.plan import Planned
@@ -30,28 +29,10 @@ from masonry_cd.studies.study.task import Outcome, Task
 from reports.study import outputs
 
 
-@contextmanager
-def cluster(workers: int, **more: Any) -> Iterator[str]:
-    """The address of a scheduler with workers, as a user would have started them."""
-    import dask
-    from distributed import LocalCluster
-
-    alone = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
-    with dask.config.set(SETTINGS), LocalCluster(n_workers=workers, **alone, **more) as made:
-        yield made.scheduler_address
-
-
-@pytest.fixture(scope="module")
-def scheduler() -> Iterator[str]:
-    """The address of a scheduler whose worker is a thread of this process, which has the kernels already."""
-    with cluster(1, processes=False) as address:
-        yield address
-
-
 @pytest.fixture(scope="module")
 def processes() -> Iterator[str]:
     """The address of a scheduler whose two workers are processes, which may be killed."""
-    with cluster(2, env=ONE_THREAD) as address:
+    with studied.cluster(2, env=ONE_THREAD) as address:
         yield address
 
 
