@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from threading import Event
 from typing import Any
+from unittest import mock
 
 import numpy as np
 from block_files import write_plate_and_block
@@ -154,6 +155,15 @@ def cluster(workers: int, **more: Any) -> Iterator[str]:
     alone = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
     with dask.config.set(SETTINGS), LocalCluster(n_workers=workers, **alone, **more) as made:
         yield made.scheduler_address
+
+
+@contextmanager
+def undrawn() -> Iterator[None]:
+    """Studies draw no pictures, which take longer than their runs: tests/reports/test_study_outputs.py looks at these."""
+    from reports.study import outputs
+
+    with mock.patch.object(outputs, "diagrams", lambda _: []), mock.patch.object(outputs, "draw_joint_maps", lambda _: ([], [], [])):
+        yield
 
 
 def address_in(file: Path) -> str:

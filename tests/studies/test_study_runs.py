@@ -10,7 +10,6 @@ import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 import pytest
@@ -26,7 +25,6 @@ from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.task import Outcome, Task
-from reports.study import outputs
 
 
 @pytest.fixture(scope="module")
@@ -48,8 +46,8 @@ def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def invoke(path: Path, *options: str) -> Result:
-    """The command on a study file, its results beside it, undrawn: tests/reports/test_study_outputs.py looks at the pictures."""
-    with mock.patch.object(outputs, "diagrams", lambda _: []), mock.patch.object(outputs, "draw_joint_maps", lambda _: ([], [], [])):
+    """The command on a study file, its results beside it."""
+    with studied.undrawn():
         return masonry_cd("study", path, "-o", path.parent / "out", *options)
 
 
