@@ -100,8 +100,9 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int], sizes: S
     Raises:
         InputError: a dataset that is not what it should be.
     """
-    for one in (one for one in DATASETS if one.grows and one.name in file):
-        dataset = file[one.name]
+    there = {name: file.get(name) for name in {*rows, *(one.name for one in DATASETS if one.grows)}}
+    for one in (one for one in DATASETS if there.get(one.name) is not None and one.grows):
+        dataset = there[one.name]
         if (
             not isinstance(dataset, h5py.Dataset)
             or dataset.dtype.kind not in one.kind
@@ -110,7 +111,7 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int], sizes: S
         ):
             raise InputError(path, f"{one.name} is not what a run writes ({_described(one)})")
     for name in rows:
-        dataset = file.get(name)
+        dataset = there[name]
         if not isinstance(dataset, h5py.Dataset):
             raise InputError(path, f"damaged: {name} is missing")
         if name not in BY_NAME and (dataset.ndim != 1 or dataset.dtype.kind not in REAL + WHOLE):
