@@ -51,6 +51,13 @@ def unsynced() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
+def one_core() -> Iterator[None]:
+    """Each process of the tests has a core, and starts no others for parts of a limit analysis; tests of these ask for more."""
+    with mock.patch.object(os, "sched_getaffinity", lambda _: {0}, create=True):
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def coarse() -> Iterator[None]:
     """Pixels of pictures are no means of several, which takes a third of the time; tests that look at such means ask for them."""
     with mock.patch.object(render, "SAMPLES", 1):

@@ -33,7 +33,9 @@ def facts(folder: Path) -> dict[str, Any]:
 
 
 def test_what_was_stopped_after_a_part_goes_on_to_the_same_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether parts are analysed in processes or one after another."""
     path = scene(tmp_path, slabs(), TABLES, mu=0.6)
+    monkeypatch.setattr("masonry_cd.limit.case.cores", lambda: 2)
     assert command(path, tmp_path / "whole").exit_code == 0
     calls: list[str] = []
     analyse = parts.analyse_element
