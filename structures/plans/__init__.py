@@ -79,16 +79,11 @@ def open_plan(path: Path, keys: Mapping[str, Any], origin: tuple[float, float] |
 
 def _model(path: Path) -> Plan:
     """The plan of an IFC."""
-    from masonry_cd.foundation.errors import InputError
     from structures.files import foreign
-    from structures.plans.ifc_model import elements_of, read_model
+    from structures.plans.ifc_model import element_of, read_model
     from structures.plans.recognised import counted
 
-    pieces, _, unread = foreign.read("structures.plans.ifc_file:read", path)
-    try:
-        elements = elements_of(pieces)
-    except ValueError as failure:
-        raise InputError(path.name, str(failure)) from None
+    elements, _, unread = foreign.read("structures.plans.ifc_file:read", path, of=element_of)
     found = read_model(elements, path.name)
     notes = [*unread, *found.notes]
     if found.left:
@@ -100,15 +95,11 @@ def _drawing(path: Path, keys: PlanKeys, origin: tuple[float, float] | None) -> 
     """The plan of a DXF."""
     from masonry_cd.foundation.errors import InputError
     from structures.files import foreign
-    from structures.plans.entities import from_pieces
+    from structures.plans.entities import entity_of
     from structures.plans.places import drawn_about
     from structures.plans.recognised import counted, recognise
 
-    pieces, figures, unread = foreign.read("structures.plans.dxf_file:read", path)
-    try:
-        entities = from_pieces(pieces)
-    except ValueError as failure:
-        raise InputError(path.name, str(failure)) from None
+    entities, figures, unread = foreign.read("structures.plans.dxf_file:read", path, of=entity_of)
     stated = UNITS_OF_CODE.get(int(figures[0]))
     unit = keys.units or stated
     if unit is None:

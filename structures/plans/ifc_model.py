@@ -18,11 +18,11 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.geometry import sixfold_volumes
-from structures.files.foreign import Piece
+from structures.files.foreign import piece_of
 from structures.plans.axes import Wall, walls_of
 from structures.plans.bands import Band, merged
 from structures.plans.edges import Edge
-from structures.plans.ifc_file import COLUMNS, OPENINGS, ROOFS, SEPARATOR, SLABS, WALLS
+from structures.plans.ifc_file import COLUMNS, OPENINGS, ROOFS, SLABS, WALLS
 from structures.plans.places import place
 from structures.plans.recognised import Left, axis_of
 
@@ -81,22 +81,17 @@ class Read(NamedTuple):
     left: list[Left]
 
 
-def elements_of(pieces: Sequence[Piece]) -> list[Element]:
-    """The elements of a reader's answer.
+def element_of(kind: str, guid: str, name: str, storey: str, host: str, vertices: Any, faces: Any) -> Element:
+    """An element of a reader's answer.
 
     Raises:
-        ValueError: no answer of ours, or places that are no numbers.
+        ValueError, TypeError: no answer of ours, or places that are no numbers.
     """
-    found = []
-    for piece in pieces:
-        words = piece.name.split(SEPARATOR)
-        if len(words) != 4 or not np.isfinite(piece.vertices).all():
-            raise ValueError("its reader answers nonsense")
-        corners = (piece.vertices - piece.vertices.mean(axis=0))[np.array(piece.faces, dtype=np.int64).reshape(-1, 3)]
-        volume = abs(float(sixfold_volumes(corners).sum())) / 6.0
-        guid, name, storey, host = words
-        found.append(Element(piece.group, guid, name, storey, host, piece.vertices, volume))
-    return found
+    shape = piece_of(0, name, vertices, faces)
+    if not len(shape.vertices) or not np.isfinite(shape.vertices).all():
+        raise ValueError(f"{kind} {guid} has places that are no numbers")
+    corners = (shape.vertices - shape.vertices.mean(axis=0))[np.array(shape.faces, dtype=np.int64).reshape(-1, 3)]
+    return Element(kind, guid, shape.name, storey, host, shape.vertices, abs(float(sixfold_volumes(corners).sum())) / 6.0)
 
 
 def read_model(elements: Sequence[Element], source: str) -> Read:
