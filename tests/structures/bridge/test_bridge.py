@@ -87,22 +87,43 @@ def test_any_two_shapes_stand_on_a_pier_with_walls_that_fill_the_space_up_to_the
     assert volume(of(bridge, "spandrel_front")) == pytest.approx((filled + over) * 0.5 / 3.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("step", [0.3, -0.8])
-def test_the_higher_of_two_springings_over_a_pier_is_in_its_top_stone_which_lies_on_all_of_it(step: float) -> None:
+def stepped(step: float) -> tuple[list[Block], set[tuple[str, str]]]:
+    """The stones of a pier from the foot up, between two springings that differ, and the names of blocks that meet."""
     low, high = max(-step, 0.0), max(step, 0.0)
     other = {"span": 4.4, "rise": 1.3, "thickness": 0.45, "voussoirs": 15, "springing": high}
     bridge = made({**SPAN, "springing": low}, other, piers=[{"width": 1.6, "height": 3.0}], walls={**WALLS, "thickness": 0.5}, width=4.0)
-    pier = of(bridge, "pier1")
+    pier = sorted(of(bridge, "pier1"), key=lambda block: float(block.vertices[:, 2].min()))
     assert len({block.name for block in pier}) == len(pier)
-    top = max(pier, key=lambda block: float(block.vertices[:, 2].max()))
+    assembly = Assembly.from_blocks(bridge.blocks, 0.6)
+    assert built_gap(assembly) < 1e-9
+    joints, names = find_joints(assembly), assembly.names
+    return pier, {(names[a], names[b]) for a, b in zip(joints.block_a.tolist(), joints.block_b.tolist(), strict=True)}
+
+
+def neighbours(pairs: set[tuple[str, str]], name: str) -> set[str]:
+    return {b if a == name else a for a, b in pairs if name in (a, b)}
+
+
+@pytest.mark.parametrize("step", [0.3, -0.8, 1.6])
+def test_level_courses_lie_between_two_skewbacks_each_of_which_has_a_stone_of_its_own(step: float) -> None:
+    pier, pairs = stepped(step)
+    first, last = ("arch1.v12", "arch2.v1") if step > 0.0 else ("arch2.v1", "arch1.v12")  # on the lower and on the higher springing
+    (lower,) = [block for block in pier if first in neighbours(pairs, block.name)]
+    assert last in neighbours(pairs, pier[-1].name) and lower is not pier[-1]
+    for below, above in pairwise(pier):
+        assert not above.parts
+        bed = above.vertices[np.abs(above.vertices[:, 2] - above.vertices[:, 2].min()) < 1e-9]
+        on = below.vertices[np.abs(below.vertices[:, 2] - bed[0, 2]) < 1e-9]
+        assert (bed.min(axis=0) > on.min(axis=0) - 1e-9).all() and (bed.max(axis=0) < on.max(axis=0) + 1e-9).all()
+        assert np.ptp(above.vertices[:, 2]) > 0.2 and np.ptp(bed[:, 0]) > 0.7  # of courses of 0.5 m
+
+
+def test_two_skewbacks_beside_each_other_are_cut_from_one_stone_with_a_bed_of_the_whole_pier() -> None:
+    pier, pairs = stepped(0.05)
+    top = pier[-1]
     bed = top.vertices[np.abs(top.vertices[:, 2] - top.vertices[:, 2].min()) < 1e-9]
     assert np.ptp(bed, axis=0) == pytest.approx([1.6, 4.0, 0.0], abs=1e-9)
-    assembly = Assembly.from_blocks(bridge.blocks, 0.6)
-    joints, names = find_joints(assembly), assembly.names
-    pairs = [(names[a], names[b]) for a, b in zip(joints.block_a.tolist(), joints.block_b.tolist(), strict=True)]
-    met = {b if a == top.name else a for a, b in pairs if top.name in (a, b)}
-    assert {"arch1.v12", "arch2.v1"} <= met  # both skewbacks are cut from it
-    assert built_gap(assembly) < 1e-9
+    assert {"arch1.v12", "arch2.v1"} <= neighbours(pairs, top.name)
 
 
 def test_fill_rides_on_the_blocks_below_it_as_one_body_with_them() -> None:
