@@ -9,13 +9,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_run import shifted, write_run
 
 import structures
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.fill import Ridden
 from masonry_cd.mechanics.model.geometry import mass_properties
-from reports.drawing.solids import fill_layer, structure_scene
+from masonry_cd.mechanics.model.state import State
+from reports.drawing.solids import fill_layer, structure_scene, tops_of
+from reports.maps.crack_map import Subject, crack_scene
+from reports.maps.framing import MapStyle, framing
 from structures import Made
 
 SPAN = {"span": 6.0, "rise": 1.5, "thickness": 0.5, "voussoirs": 12}
@@ -149,7 +155,8 @@ def test_fill_rides_on_the_blocks_below_it_as_one_body_with_them() -> None:
 @pytest.mark.parametrize("walls", [None, {**WALLS, "thickness": 0.5}])
 def test_pictures_show_all_of_the_fill(walls: dict | None) -> None:
     bridge = made(SPAN, width=2.0, cover=0.3, skew=15.0, walls=walls)
-    layer = fill_layer(bridge.fills)
+    fill = Ridden.of(bridge.fills, [block.name for block in bridge.blocks])
+    layer = fill_layer(fill, fill.corners, tops_of(fill), len(bridge.blocks))
     volume = 0.0  # by the divergence theorem, as a sum of tetrahedra
     for first, end in pairwise(layer.loop_start.tolist()):
         a, *rest = layer.points[layer.loops[first:end]]
@@ -159,6 +166,24 @@ def test_pictures_show_all_of_the_fill(walls: dict | None) -> None:
     scene = structure_scene(bridge.blocks, "bridge", fills=bridge.fills)
     x, y = scene.view.plane(layer.points).T
     assert scene.window.left < x.min() < x.max() < scene.window.right and scene.window.bottom < y.min() < y.max() < scene.window.top
+
+
+def test_maps_of_a_run_show_the_fill_where_the_blocks_below_it_are(tmp_path: Path) -> None:
+    bridge = made(SPAN, width=2.0, cover=0.3)
+    assembly, by = Assembly.from_blocks(bridge.blocks, 0.6), np.array([0.1, 0.0, -0.05])
+    rest, crown = State.at_rest(assembly), assembly.names.index("arch1.v6")
+    path = write_run(tmp_path / "result.h5", bridge.blocks, [rest, shifted(rest, crown, by)], fills=bridge.fills)
+    with Results.open(path) as results:
+        fill, wanted = results.fill, Ridden.of(bridge.fills, assembly.names)
+        assert fill is not None and all(np.array_equal(got, own) for got, own in zip(fill, wanted, strict=True))
+        framed = framing(results, [0, 1], MapStyle(scale=1.0))
+        first, last = (Subject.of(results, k, framed).fill for k in (0, 1))
+        assert any(layer.inside is not None and layer.owner is not None for layer in crack_scene(results, 1, framed).layers[3:])
+    moved = last.points - first.points
+    on_crown = np.tile(np.repeat(fill.block, np.diff(fill.start)) == crown, 2)
+    assert moved[on_crown] == pytest.approx(np.broadcast_to(by, moved[on_crown].shape), abs=1e-12) and not moved[~on_crown].any()
+    x, y = framed.view.plane(first.points).T
+    assert framed.window.left < x.min() < x.max() < framed.window.right and framed.window.bottom < y.min() < y.max() < framed.window.top
 
 
 def test_a_strip_without_walls_is_its_own_mirror_image_and_stands_on_one_foot_to_a_pier() -> None:
