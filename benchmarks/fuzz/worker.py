@@ -26,6 +26,7 @@ FOREIGN = 10.0  # processor time that a file may take in the readers of foreign 
 BLOCKS = 3000  # that a structure may have here, 100,000 elsewhere: large ones that are sound would take minutes to build
 MOST_STEPS = 1e6  # of a run, 2e7 elsewhere, whose loads take 4 GB and a minute: sound where there is that much
 MARK = "interrupted-by-the-worker"
+PLAN = "plan"  # begins the names of files that are written of a refused plan, its faults in red
 
 
 def run_case(folder: Path, command: Sequence[str], output: str) -> Outcome:
@@ -55,7 +56,7 @@ def outcome(folder: Path, aside: Path, before: set[str], output: str, code: int 
         memory=cost[1],
         interrupted=(aside / MARK).exists(),
         left=(*left_behind(folder, before, output), *temporary),
-        output=output not in before and (folder / output).exists(),
+        output=output not in before and any(not path.name.startswith(PLAN) for path in (folder / output).glob("*")),
     )
 
 

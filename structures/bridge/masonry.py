@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -14,6 +15,7 @@ from masonry_cd.mechanics.model.geometry import Faces
 from masonry_cd.mechanics.model.polygon import clip
 from structures.bridge.layout import SAME, Layout, Support
 from structures.courser.bond import even
+from structures.courser.courses import divided
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import prism_xz, rectangle
 
@@ -65,13 +67,9 @@ def supports(layout: Layout, density: float) -> tuple[list[Block], list[FillFace
     half = 0.5 * layout.keys.width
     for support in layout.supports:
         top = top_of(support, layout.keys.walls is not None)
-        if support.keys.rigid:
-            beds = [support.foot, support.springing]
-        else:
-            count = max(1, round((support.springing - support.foot) / support.keys.course_height))
-            beds = np.linspace(support.foot, support.springing, count + 1).tolist()
-        pieces = [[rectangle(support.left, support.right, low, high)] for low, high in pairwise(beds[:-1] if len(beds) > 2 else beds[:1])]
-        pieces += _head(support, top, beds[-2] if len(beds) > 2 else beds[0])
+        beds = divided(support.foot, support.springing, math.inf if support.keys.rigid else support.keys.course_height)
+        pieces = [[rectangle(support.left, support.right, low, high)] for low, high in pairwise(beds[:-1])]
+        pieces += _head(support, top, beds[-2])
         names = [support.name] if support.keys.rigid else [f"{support.name}.{course}" for course in range(1, len(pieces) + 1)]
         for name, polygons in zip(names, pieces, strict=True):
             parts = [drawn_out(layout, polygon, -half, half) for polygon in polygons]

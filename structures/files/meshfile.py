@@ -33,9 +33,10 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, triangles
 from structures.files import foreign, solidfile, vtkfile
 from structures.files.foreign import Piece
-from structures.files.formats import CAD, FORMATS, format_of
+from structures.files.formats import CAD, FORMATS
 from structures.files.manifold import apart_at_edges, outwards, without_fins
 from structures.geometry.compound_block import compound_block
+from structures.geometry.near_points import numbered
 
 MET = 100  # corners within the tolerance of one: a solid has a few
 MARK = "masonry-cd: "  # before what the formats themselves have no place for: unit, axis, and names, groups and supports
@@ -96,11 +97,6 @@ def _name_apart(stones: Sequence[list[Piece]]) -> None:
     for stone in stones:
         if (name := stone[0].name) in numbers:
             stone[0] = stone[0]._replace(name=next(own for k in numbers[name] if (own := f"{name}.{k}") not in taken))
-
-
-def read(path: Path, density: float, scale: float, up: str, repair: bool = False, tolerance: float = 1e-6) -> list[Block]:
-    """Read a mesh file of a known ending, see :func:`load` and :func:`blocks_of`."""
-    return blocks_of(load(path, format_of(path) or ""), path.name, density, scale, up, repair, tolerance)
 
 
 def blocks_of(
@@ -188,25 +184,19 @@ def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> tuple[np.nda
     """
     from scipy.spatial import cKDTree  # takes as long to load as a small run
 
-    tree = cKDTree(vertices)
-    met = int(tree.query_ball_point(vertices, tolerance, return_length=True).sum())
+    met = int(cKDTree(vertices).query_ball_point(vertices, tolerance, return_length=True).sum())
     if met > MET * len(vertices):
         raise InputError(
             "",
             f"{1e3 * tolerance:g} mm, within which corners are one, is as far as {met // len(vertices)} of them are apart; mind the units",
         )
-    first, pairs = np.arange(len(vertices)), tree.query_pairs(tolerance, output_type="ndarray")
-    np.minimum.at(first, pairs[:, 1], pairs[:, 0])
-    while (first != first[first]).any():
-        first = first[first]
-    used, index = np.unique(first, return_inverse=True)
+    points, index = numbered(vertices, tolerance)
     loops = []
     for face in faces:
         loop = [int(index[i]) for i in face]
         loop = [i for i, before in zip(loop, loop[-1:] + loop[:-1], strict=True) if i != before]
         if len(set(loop)) >= 3:
             loops.append(loop)
-    points = vertices[used]
     loops = _agreeing(without_fins(points, list({frozenset(loop): loop for loop in reversed(loops)}.values())[::-1]))
     points, loops = apart_at_edges(points, outwards(points, loops))
     shell = tuple(tuple(loop) for loop in loops)

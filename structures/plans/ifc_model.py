@@ -24,7 +24,7 @@ from structures.plans.bands import Band, merged
 from structures.plans.edges import Edge
 from structures.plans.ifc_file import COLUMNS, OPENINGS, ROOFS, SLABS, WALLS
 from structures.plans.places import place
-from structures.plans.recognised import Left, axis_of
+from structures.plans.recognised import Left, Recognised, axis_of
 
 ALIKE = 0.02  # by how much a volume may differ from that of the wall or column that it is taken for
 LEVEL = 0.01  # heights that differ by less are one [m]
@@ -73,14 +73,6 @@ class _Straight(NamedTuple):
     top: np.ndarray  # (n, 2) distance along the middle line, z [m]
 
 
-class Read(NamedTuple):
-    """The building that a model describes."""
-
-    tables: dict[str, Any]
-    notes: list[str]
-    left: list[Left]
-
-
 def element_of(kind: str, guid: str, name: str, storey: str, host: str, vertices: Any, faces: Any) -> Element:
     """An element of a reader's answer.
 
@@ -94,7 +86,7 @@ def element_of(kind: str, guid: str, name: str, storey: str, host: str, vertices
     return Element(kind, guid, shape.name, storey, host, shape.vertices, abs(float(sixfold_volumes(corners).sum())) / 6.0)
 
 
-def read_model(elements: Sequence[Element], source: str) -> Read:
+def read_model(elements: Sequence[Element], source: str) -> Recognised:
     """The tables of a model.
 
     Raises:
@@ -124,7 +116,7 @@ def read_model(elements: Sequence[Element], source: str) -> Read:
         table.get("openings", []).sort(key=lambda opening: (opening["at"], opening["sill"]))
     columns = [column for element in elements if element.kind == COLUMNS and (column := _column(element, left)) is not None]
     notes += [_slab_line(element, source) for element in elements if element.kind in (SLABS, ROOFS)]
-    return Read({"walls": tables, **({"columns": columns} if columns else {})}, notes, left)
+    return Recognised({"walls": tables, **({"columns": columns} if columns else {})}, notes, left, {})
 
 
 def _straight(element: Element, left: list[Left]) -> _Straight | None:
