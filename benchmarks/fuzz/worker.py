@@ -16,6 +16,7 @@ from io import FileIO, TextIOWrapper
 from pathlib import Path
 
 from benchmarks.fuzz.promises import Outcome, left_behind
+from masonry_cd.foundation.own_files import LIST
 
 STEPS = 60  # those that warm up included, after which a run is interrupted: a changed duration may ask for a million
 ADDRESSES = 6 * 2**30  # beside those of the parent [B]
@@ -56,8 +57,14 @@ def outcome(folder: Path, aside: Path, before: set[str], output: str, code: int 
         memory=cost[1],
         interrupted=(aside / MARK).exists(),
         left=(*left_behind(folder, before, output), *temporary),
-        output=output not in before and any(not path.name.startswith(PLAN) for path in (folder / output).glob("*")),
+        output=output not in before and (folder / output).exists() and not _only_a_plan(folder / output),
     )
+
+
+def _only_a_plan(output: Path) -> bool:
+    """Whether an output is a folder of a plan's files and of the mark of a folder that the program wrote, and of nothing else."""
+    names = {path.name for path in output.glob("*")} - {LIST}
+    return bool(names) and all(name.startswith(PLAN) for name in names)
 
 
 def _waited(child: int) -> tuple[int | None, resource.struct_rusage]:
