@@ -35,6 +35,13 @@ def bed_over(height: float, course: float, deck: float) -> float:
     return deck - max(count, 0) * course
 
 
+def _levelled(chord: np.ndarray, course: float, deck: float) -> np.ndarray:
+    """The stone (4, 2) that levels a chord."""
+    (x0, z0), (x1, z1) = chord
+    high = bed_over(max(z0, z1), course, deck)
+    return np.array([[x0, z0], [x1, z1], [x1, high], [x0, high]])
+
+
 @dataclass(frozen=True, eq=False)
 class Half:
     """Half of an extrados and what lies behind it, mirrored so that x grows from its support to its axis."""
@@ -88,12 +95,7 @@ class Half:
         chords = [self.corners[k : k + 2] for k in range(self.flat, len(self.corners) - 1)]
         if self.slopes:
             chords.insert(0, np.array([[self.outer, self.top], self.corners[0]]))
-        return [self._column(chord) for chord in chords]
-
-    def _column(self, chord: np.ndarray) -> np.ndarray:
-        (x0, z0), (x1, z1) = chord
-        high = self.bed_over(max(z0, z1))
-        return np.array([[x0, z0], [x1, z1], [x1, high], [x0, high]])
+        return [_levelled(chord, self.course, self.deck) for chord in chords]
 
     def end(self, low: float, high: float) -> tuple[float, float]:
         """Where a course between two levels ends, towards the axis: x at both."""
@@ -132,7 +134,7 @@ def pieces(layout: Layout, above: Sequence[float] = ()) -> list[np.ndarray]:
     for profile in layout.profiles:
         if len(profile.extrados) % 2 == 0:  # the chord over the axis belongs to both halves
             k = len(profile.extrados) // 2
-            found.append(_over_crown(layout, profile.extrados[k - 1 : k + 1]))
+            found.append(_levelled(profile.extrados[k - 1 : k + 1], layout.keys.walls.course_height, layout.deck))
     met = [(float(x), float(polygon[:, 1].max())) for polygon in found for x in (polygon[:, 0].min(), polygon[:, 0].max())]
     met += [(float(x), layout.deck) for x in above]
     for row in joined(rows):
@@ -158,11 +160,6 @@ def _in_bond(layout: Layout, row: Course, met: Sequence[float]) -> list[float]:
     heads = max((heads_of(row, unit, start + shift) for shift in (0.0, 0.5 * unit)), key=apart)
     ends = max(row.left) + LEAST_BOND * unit, min(row.right) - LEAST_BOND * unit
     return [cleared(x, met, LEAST_BOND * unit, ends) for x in heads]
-
-
-def _over_crown(layout: Layout, chord: np.ndarray) -> np.ndarray:
-    half = Half(chord, 0.0, False, 0.0, 0.0, layout.keys.walls.course_height if layout.keys.walls else 0.0, layout.deck)
-    return half._column(chord)
 
 
 def _halves(layout: Layout, support: Support) -> list[tuple[Half, float]]:
