@@ -39,6 +39,7 @@ from masonry_cd.io.summary import Summary
 from masonry_cd.io.tie_bars import ATTRIBUTE as TIES
 from masonry_cd.io.tie_bars import TieBar
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.joints import Joints
 
 BUFFER_BYTES = 1 << 20
@@ -63,6 +64,7 @@ class ResultWriter:
         scene_file: str = "",
         ties: Sequence[TieBar] = (),
         gauges: Gauges | None = None,
+        fills: Sequence[Fill] = (),
     ) -> None:
         self._begin(Path(path))
         about = {"versions": json.dumps(versions()), "inputs": json.dumps(dict(inputs or {})), "run": uuid.uuid4().hex}
@@ -71,7 +73,7 @@ class ResultWriter:
             self._file.attrs[TIES] = tie_bars.as_text(ties)
         if gauges is not None and gauges.any:
             self._file.attrs[GAUGES] = gauges.as_text()
-        write_blocks(self._file.create_group("blocks"), assembly.blocks)
+        write_blocks(self._file.create_group("blocks"), assembly.blocks, fills)
         group = self._file.create_group("joints")
         for name in JOINT_CONSTANTS:
             group[name] = getattr(joints, name)
