@@ -193,9 +193,8 @@ def refuse_corners(block: Block, source: str = "") -> None:
     Raises:
         Unsound: names the block and the face.
     """
-    _refuse_faces(block, block, source)
-    for part in block.parts:
-        _refuse_faces(part, block, source)
+    for shell in (block, *block.parts):
+        _refuse_faces(shell, block, source)
 
 
 def _refuse_faces(shell: Block | Polyhedron, block: Block, source: str) -> None:
