@@ -26,6 +26,9 @@ as         = $(2) NUMBA_CACHE_DIR=$(CURDIR)/.cache/numba-$(1) $(VENV)/bin/python
 LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
              libxinerama1:libXinerama.so.1 libgomp1:libgomp.so.1 libegl1:libEGL.so.1
 
+# Processes of the tests keep what Python compiles of their sources, or else each of them compiles it again, tests above all.
+unexport PYTHONDONTWRITEBYTECODE
+
 # On all cores, up to eight
 TESTS        := $(VENV)/bin/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 TEST_KERNELS := $(or $(NUMBA_CACHE_DIR),.cache)/.compiled-for-tests

@@ -56,6 +56,14 @@ class Browser:
         code = f"const done = arguments[arguments.length - 1]; {script}"
         return _call("POST", f"{self._at}/execute/async", {"script": code, "args": []})
 
+    def wait_for(self, condition: str) -> None:
+        """Wait for a frame at which a condition holds; the time of scripts bounds it."""
+        self.run_async(f"const look = () => ({condition}) ? done(true) : requestAnimationFrame(look); look();")
+
+    def drawn(self) -> None:
+        """Wait until what was asked for is drawn: the second frame from now begins when the first has been."""
+        self.run_async("requestAnimationFrame(() => requestAnimationFrame(() => done(true)))")
+
     def click(self, selector: str) -> None:
         """Click the first element that a CSS selector finds, as a reader would."""
         found = _call("POST", f"{self._at}/element", {"using": "css selector", "value": selector})

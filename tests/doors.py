@@ -23,9 +23,11 @@ from hostile import TETRA
 from models import box, ground
 from places import ROOT
 from studied import write_records, write_study
+from two_blocks import shaking, two_blocks
 from typer.testing import Result
 
 import loads
+import masonry_cd as mc
 import structures
 from loads.signal import measures
 from masonry_cd.analysis.modal.measured_modes import read_measured
@@ -177,6 +179,12 @@ def command(
     return lambda: raised(masonry_cd(*typed))
 
 
+def arrays(_: Path, __: Mapping[str, Any], tables: Mapping[str, Any], change: Mapping[str, Any] | None = None) -> Callable[[], Any]:
+    """The scene of Python of two blocks with other tables; with ``change``, which leaves out keys that are "", of a motion by arrays."""
+    motion = {key: value for key, value in (shaking() | dict(change or {})).items() if not isinstance(value, str) or value}
+    return lambda: mc.scene(two_blocks() | dict(tables) | ({} if change is None else {"loads": [motion]}))
+
+
 def raised(result: Result) -> None:
     """Raise what a command was refused for."""
     raise refusal(result)
@@ -208,4 +216,5 @@ DOORS: dict[str, Door] = {
     "modal": modal_check,
     "measured": measured,
     "material": material,
+    "arrays": arrays,
 }

@@ -15,6 +15,7 @@ from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.joints import JointPeaks, measure_joints
 from masonry_cd.mechanics.model.state import State
 
@@ -57,6 +58,7 @@ def write_run(
     ended: bool = False,
     every: int = 0,
     stress: np.ndarray | None = None,
+    fills: Sequence[Fill] = (),
 ) -> Path:
     """Write a result with one frame per state, 0.1 s apart; without peaks it is the file of a run that was killed,
     and with a scene it is one that was cut off unless it has ``ended``.
@@ -71,7 +73,7 @@ def write_run(
     largest = JointPeaks(joints)
     support = int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1
     of_steps = StepPeaks(assembly, joints, support)
-    with ResultWriter(path, assembly, joints, scene=scene, title=title) as writer:
+    with ResultWriter(path, assembly, joints, scene=scene, title=title, fills=fills) as writer:
         if every:
             writer.begin_step_peaks(of_steps.arrays, support)
         for k, state in enumerate(states):

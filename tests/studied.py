@@ -10,14 +10,18 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from threading import Event
+from typing import Any
+from unittest import mock
 
 import numpy as np
 from block_files import write_plate_and_block
 
 from masonry_cd.analysis.run_row import DONE, RunRow
+from masonry_cd.studies.study.clusters import SETTINGS
 from masonry_cd.studies.study.task import Outcome, Task
 
 SCENE = """\
@@ -140,6 +144,26 @@ def wait_until(holds: Callable[[], bool]) -> None:
     while not holds():
         assert time.monotonic() < end, "it did not come so far"
         time.sleep(0.02)
+
+
+@contextmanager
+def cluster(workers: int, **more: Any) -> Iterator[str]:
+    """The address of a scheduler with workers, as a user would have started them."""
+    import dask
+    from distributed import LocalCluster  # before its settings are changed
+
+    alone = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
+    with dask.config.set(SETTINGS), LocalCluster(n_workers=workers, **alone, **more) as made:
+        yield made.scheduler_address
+
+
+@contextmanager
+def undrawn() -> Iterator[None]:
+    """Studies draw no pictures, which take longer than their runs: tests/reports/test_study_outputs.py looks at these."""
+    from reports.study import outputs
+
+    with mock.patch.object(outputs, "diagrams", lambda _: []), mock.patch.object(outputs, "draw_joint_maps", lambda _: ([], [], [])):
+        yield
 
 
 def address_in(file: Path) -> str:

@@ -142,7 +142,7 @@ def _meshes(nursery: Path) -> Iterator[Subject]:
         scene = texts.scene(structure=f'kind = "file"\npath = "{name}"\nunits = "m"\nup = "z"\nfixed = {fixed}\nrepair = true')
         files = {"scene.toml": scene.encode(), **_below(nursery / "meshes", Path(name).stem if name.endswith("vtm") else name)}
         changes = TEXT_CHANGES if name.endswith((".obj", ".vtm", ".step", ".brep")) else (BYTES, BYTES, TOKENS, LINES)
-        yield Subject(f"block file {name.split('.')[1].upper()}", BUILD, name, files, changes, weight, apart=not name.endswith(".obj"))
+        yield Subject(f"block file {name.split('.')[1].upper()}", BUILD, name, files, changes, weight, apart=True)
         for part in sorted(path for path in files if "/" in path)[:1]:
             yield Subject("block file VTM, a part", BUILD, part, files, (BYTES, TOKENS, LINES), 0.3, apart=True)
 

@@ -13,8 +13,8 @@ MEMORY = 2e9  # resident [B], where what reads foreign files may have twice as m
 ERROR, WARNING = "masonry-cd: error: ", "masonry-cd: warning: "
 STOPPED = re.compile(r"masonry-cd: interrupted.*|masonry-cd: go on with: .*|.*finishing the step.*")
 FAULT = re.compile(
-    r"(walls?|legs|opening|vault|roof|columns|arcade|buttress) |\S+:\d+: structure\.|and \d+ more faults$"
-)  # of a plan, all at once
+    r"(walls?|legs|opening|vault|roof|columns|arcade|buttress) |\S+:\d+: structure\.|\S+\.(json|dxf|ifc): |and \d+ more faults$"
+)  # of a plan or a block, all at once
 NOTES = re.compile(r"compiling.*|building .*")
 
 

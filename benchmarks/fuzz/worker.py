@@ -16,6 +16,7 @@ from io import FileIO, TextIOWrapper
 from pathlib import Path
 
 from benchmarks.fuzz.promises import Outcome, left_behind
+from masonry_cd.foundation.own_files import LIST
 
 STEPS = 60  # those that warm up included, after which a run is interrupted: a changed duration may ask for a million
 ADDRESSES = 6 * 2**30  # beside those of the parent [B]
@@ -26,6 +27,7 @@ FOREIGN = 10.0  # processor time that a file may take in the readers of foreign 
 BLOCKS = 3000  # that a structure may have here, 100,000 elsewhere: large ones that are sound would take minutes to build
 MOST_STEPS = 1e6  # of a run, 2e7 elsewhere, whose loads take 4 GB and a minute: sound where there is that much
 MARK = "interrupted-by-the-worker"
+PLAN = "plan"  # begins the names of files that are written of a refused plan, its faults in red
 
 
 def run_case(folder: Path, command: Sequence[str], output: str) -> Outcome:
@@ -55,8 +57,14 @@ def outcome(folder: Path, aside: Path, before: set[str], output: str, code: int 
         memory=cost[1],
         interrupted=(aside / MARK).exists(),
         left=(*left_behind(folder, before, output), *temporary),
-        output=output not in before and (folder / output).exists(),
+        output=output not in before and (folder / output).exists() and not _only_a_plan(folder / output),
     )
+
+
+def _only_a_plan(output: Path) -> bool:
+    """Whether an output is a folder of a plan's files and of the mark of a folder that the program wrote, and of nothing else."""
+    names = {path.name for path in output.glob("*")} - {LIST}
+    return bool(names) and all(name.startswith(PLAN) for name in names)
 
 
 def _waited(child: int) -> tuple[int | None, resource.struct_rusage]:

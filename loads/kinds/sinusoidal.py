@@ -30,7 +30,6 @@ FINE = 400  # samples per cycle from which the peaks in the printed line are tak
 SINE = Usual(
     0.05, 2.0 * STANDARD_GRAVITY, "2 pi frequency times it, its PGA, is usually 0.005 to 2 g", ("cm/s", "mm/s", "km/h"), over="its PGA"
 )
-COARSE = 20  # a run with fewer steps per cycle than this is warned about
 
 
 class SinusoidalTable(ShakingTable):
@@ -128,8 +127,6 @@ def _lines(table: SinusoidalTable, grid: RunGrid, where: str, n: dict[str, Any])
     elif table.length > table.asked * (1.0 + 1e-9):
         on = f"the motion goes on to the next zero of the sine, {table.length:g} s"
         lines.append(f"{where} {table.asked:g} s ends inside a half cycle: {on}")
-    if table.frequency * grid.dt * COARSE > 1.0:
-        lines.append(f"{where} run.dt {grid.dt:g} s gives only {1.0 / (table.frequency * grid.dt):.3g} steps per cycle")
     return tuple(lines)
 
 

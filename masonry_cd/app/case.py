@@ -67,6 +67,7 @@ class Case:
     built_gap: float  # largest gap or overlap of the joints as built that counts as none [m]
     seconds: float  # to build it
     gauges: Gauges  # what is kept in every step besides
+    fills: Sequence[Fill] = ()  # of bridges
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -234,7 +235,9 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     with scene.locating():
         gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
-    return Case(scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges)
+    return Case(
+        scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges, structure.fills
+    )
 
 
 def acting_too(case: Case, acted: Sequence[Acted]) -> Case:

@@ -262,7 +262,16 @@ def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
     if not resume:
         place = os.path.relpath(case.scene.path, file.parent)
         return ResultWriter(
-            file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case), place, tie_bars(case), case.gauges
+            file,
+            case.assembly,
+            case.joints,
+            case.scene.text,
+            case.scene.title,
+            digests(case),
+            place,
+            tie_bars(case),
+            case.gauges,
+            case.fills,
         )
     numbers = checkpoint.load(saved)[1]
     return ResultWriter.resumed(file, numbers["rows"], numbers["mark"], sums=False)

@@ -41,20 +41,23 @@ def before_run(assembly: Assembly, support_velocity: np.ndarray, gravity: float,
         gravity: magnitude [m/s2].
         step: h [s].
     """
-    lines, frequency = [], dominant_frequency(support_velocity, step)
-    if frequency * step * PER_PERIOD > 1.0:
-        lines.append(
-            f"run.dt {step:g} s is coarse for the shaking: {100 * ENERGY:g} % of the base acceleration (mean square) lie below "
-            f"{frequency:.3g} Hz, of which a period has {1.0 / (frequency * step):.2g} steps; "
-            f"{PER_PERIOD:g} need dt {_round_down(1.0 / (PER_PERIOD * frequency)):g}"
-        )
+    frequency = dominant_frequency(support_velocity, step)
     reach = np.where(assembly.fixed, np.inf, assembly.reach)
     smallest = int(np.argmin(reach))
     p = float(np.sqrt(0.75 * gravity / reach[smallest]))
-    if p * step > ROCKING:
+    too_few, too_fast = frequency * step * PER_PERIOD > 1.0, p * step > ROCKING
+    needs = ([1.0 / (PER_PERIOD * frequency)] if too_few else []) + ([ROCKING / p] if too_fast else [])
+    longest = _round_down(min(needs)) if needs else step  # one for all that is said
+    lines = []
+    if too_few:
+        lines.append(
+            f"run.dt {step:g} s is coarse for the shaking: {100 * ENERGY:g} % of the base acceleration (mean square) lie below "
+            f"{frequency:.3g} Hz, of which a period has {1.0 / (frequency * step):.2g} steps; {PER_PERIOD:g} need dt {longest:g}"
+        )
+    if too_fast:
         lines.append(
             f'run.dt {step:g} s is coarse for block "{assembly.names[smallest]}", should it rock by itself: it grows by p = {p:.3g} 1/s '
-            f"(R {1000 * reach[smallest]:.3g} mm), p dt is {p * step:.2g}; {ROCKING:g} needs dt {_round_down(ROCKING / p):g}"
+            f"(R {1000 * reach[smallest]:.3g} mm), p dt is {p * step:.2g}; {ROCKING:g} needs dt {longest:g}"
         )
     return lines
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import h5py
@@ -13,11 +13,12 @@ from masonry_cd.io.layout import MESH_ARRAYS
 from masonry_cd.mechanics.dynamics.element_stress import meshes_of, starts
 from masonry_cd.mechanics.dynamics.strain import Strains
 from masonry_cd.mechanics.model.blocks import Assembly, Block, Carried
+from masonry_cd.mechanics.model.fill import Fill, Ridden
 from masonry_cd.mechanics.model.geometry import Faces
 
 
-def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
-    """Write the blocks in flat arrays."""
+def write_blocks(group: h5py.Group, blocks: tuple[Block, ...], fills: Sequence[Fill] = ()) -> None:
+    """Write the blocks, and the faces on which the fills of bridges lie, in flat arrays."""
     text = h5py.string_dtype()
     group.create_dataset("name", data=[b.name for b in blocks], dtype=text)
     group.create_dataset("group", data=[b.group for b in blocks], dtype=text)
@@ -31,6 +32,9 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
         carried = [b.carried or Carried(0.0, np.zeros(3), np.zeros((3, 3))) for b in blocks]
         for name in Carried._fields:
             group[f"carried_{name}"] = np.array([getattr(each, name) for each in carried])
+    if fills:
+        for name, values in Ridden.of(fills, [b.name for b in blocks])._asdict().items():
+            group[f"fill_{name}"] = values
     # of a sphere its centre
     shells: list[tuple[np.ndarray, Faces]] = [(b.vertices[:1], ()) if b.radius else (b.vertices, b.faces) for b in blocks]
     group["vertex_start"] = np.cumsum([0, *(len(vertices) for vertices, _ in shells)])
@@ -59,6 +63,11 @@ def read_blocks(group: h5py.Group) -> Iterator[Block]:
             name, vertices, faces, float(arrays["density"][i]), groups[i], bool(arrays["fixed"][i]), structure=structures[i],
             carried=carried[i],
         )  # fmt: skip
+
+
+def read_fill(group: h5py.Group) -> Ridden | None:
+    """The faces on which fill lies; None without one, and in a file of an older version."""
+    return Ridden(*(group[f"fill_{name}"][...] for name in Ridden._fields)) if "fill_block" in group else None
 
 
 def _carried(group: h5py.Group, count: int) -> list[Carried | None]:

@@ -23,7 +23,7 @@ KINDS = {REAL: "real numbers", WHOLE: "whole numbers", FLAG: "flags", TEXT: "tex
 DIMENSIONS = {
     "F": "frames", "N": "steps", "K": "shocks", "bytes": "bytes", "B": "blocks", "S": "supports", "J": "joints",
     "P": "parts, the whole last", "H": "levels of the height, the foot first", "T": "bars of ties",
-    "M": "meshed blocks", "V": "nodes of meshes", "E": "elements",
+    "M": "meshed blocks", "V": "nodes of meshes", "E": "elements", "G": "faces on which fill lies",
 }  # fmt: skip
 GROWS = ("F", "N", "K", "bytes")  # first dimensions of what grows
 
@@ -49,6 +49,7 @@ class Dataset(NamedTuple):
         return self.name.startswith(("joints/peak/", "peaks/"))
 
 
+FILLED = "there is fill; not in files of older versions"
 FILL, MESHED, STRESSED = "blocks carry fill", "blocks are meshed and the scene asks for stress", "the scene asks for stress"
 NEWER, ELASTIC, SEQUENCE = "not in files of older versions", "blocks deform", "the loads are a sequence of shocks"
 PUSHED, WATCHED = "there are pushes by displacement or props", "the scene asks in [output]"
@@ -75,6 +76,10 @@ DATASETS = (
     Dataset("blocks/carried_mass", ("B",), REAL, "kg", "that the block carries", FILL),
     Dataset("blocks/carried_centre", ("B", 3), REAL, "m", "centre of that mass", FILL),
     Dataset("blocks/carried_inertia", ("B", 3, 3), REAL, "kg m2", "of that mass about its centre", FILL),
+    Dataset("blocks/fill_block", ("G",), WHOLE, "", "block on which the fill lies", FILLED),
+    Dataset("blocks/fill_level", ("G",), REAL, "m", "up to which it lies there", FILLED),
+    Dataset("blocks/fill_start", ("G+1",), WHOLE, "", "where the corners of each face begin", FILLED),
+    Dataset("blocks/fill_corners", ("fill corners", 3), REAL, "m", "of the faces at rest", FILLED),
     Dataset("meshes/block", ("M",), WHOLE, "", "numbers of the meshed blocks", MESHED),
     Dataset("meshes/node_start", ("M+1",), WHOLE, "", "where the nodes of each block begin", MESHED),
     Dataset("meshes/nodes", ("V", 3), REAL, "m", "as built, in a plane in the middle of the block", MESHED),

@@ -50,6 +50,8 @@ def check_constants(file: h5py.File, path: Path) -> Sizes:
     for name in ("joints/block_a", "joints/block_b"):
         _indices(path, name, found[name], blocks)
     _check_lists(path, found, (("joints/polygon_start", "points"),), sizes)
+    if "blocks/fill_block" in found:
+        _check_fill(file, path, found, sizes)
     if "blocks/radius" in found:
         _check_radii(path, found["blocks/radius"], found["blocks/vertex_start"])
     if "blocks/support" in found:
@@ -59,6 +61,15 @@ def check_constants(file: h5py.File, path: Path) -> Sizes:
     if "peaks" in file or "segments/step_peaks" in file:
         _check_step_peaks(file, path, sizes)
     return sizes | {"S": int(np.count_nonzero(fixed))}
+
+
+def _check_fill(file: h5py.File, path: Path, found: Mapping[str, np.ndarray], sizes: Sizes) -> None:
+    """Check the faces on which fill lies."""
+    for name in (one.name for one in DATASETS if one.name.startswith("blocks/fill_")):
+        if name not in file:
+            raise InputError(path, f"damaged: {name} is missing")
+    _indices(path, "blocks/fill_block", found["blocks/fill_block"], sizes["B"])
+    _check_lists(path, found, (("blocks/fill_start", "fill corners"),), sizes)
 
 
 def _check_radii(path: Path, radii: np.ndarray, vertex_start: np.ndarray) -> None:
@@ -100,8 +111,9 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int], sizes: S
     Raises:
         InputError: a dataset that is not what it should be.
     """
-    for one in (one for one in DATASETS if one.grows and one.name in file):
-        dataset = file[one.name]
+    there = {name: file.get(name) for name in {*rows, *(one.name for one in DATASETS if one.grows)}}
+    for one in (one for one in DATASETS if there.get(one.name) is not None and one.grows):
+        dataset = there[one.name]
         if (
             not isinstance(dataset, h5py.Dataset)
             or dataset.dtype.kind not in one.kind
@@ -110,9 +122,10 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int], sizes: S
         ):
             raise InputError(path, f"{one.name} is not what a run writes ({_described(one)})")
     for name in rows:
-        if not isinstance(file.get(name), h5py.Dataset):
+        dataset = there[name]
+        if not isinstance(dataset, h5py.Dataset):
             raise InputError(path, f"damaged: {name} is missing")
-        if name not in BY_NAME and (file[name].ndim != 1 or file[name].dtype.kind not in REAL + WHOLE):
+        if name not in BY_NAME and (dataset.ndim != 1 or dataset.dtype.kind not in REAL + WHOLE):
             raise InputError(path, f"{name} is not what a run writes (a number per step)")
 
 

@@ -39,6 +39,7 @@ from masonry_cd.io.summary import Summary
 from masonry_cd.io.tie_bars import ATTRIBUTE as TIES
 from masonry_cd.io.tie_bars import TieBar
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.joints import Joints
 
 BUFFER_BYTES = 1 << 20
@@ -63,6 +64,7 @@ class ResultWriter:
         scene_file: str = "",
         ties: Sequence[TieBar] = (),
         gauges: Gauges | None = None,
+        fills: Sequence[Fill] = (),
     ) -> None:
         self._begin(Path(path))
         about = {"versions": json.dumps(versions()), "inputs": json.dumps(dict(inputs or {})), "run": uuid.uuid4().hex}
@@ -71,7 +73,7 @@ class ResultWriter:
             self._file.attrs[TIES] = tie_bars.as_text(ties)
         if gauges is not None and gauges.any:
             self._file.attrs[GAUGES] = gauges.as_text()
-        write_blocks(self._file.create_group("blocks"), assembly.blocks)
+        write_blocks(self._file.create_group("blocks"), assembly.blocks, fills)
         group = self._file.create_group("joints")
         for name in JOINT_CONSTANTS:
             group[name] = getattr(joints, name)
@@ -131,7 +133,7 @@ class ResultWriter:
         self._pending_bytes = 0
         self._published = False
         self._sealer = Sealer()
-        self._known: set[str] = set()  # datasets that are there: asking HDF5 for each row would cost as much as a small step
+        self._growing: dict[str, h5py.Dataset] = {}  # by name: to ask HDF5 for them would cost as much as a small step
 
     def _copy(self, results: Results, rows: Mapping[str, int], segments: int) -> None:
         """Copy a result file, the first rows of what grows and their segments."""
@@ -146,11 +148,10 @@ class ResultWriter:
         for name, values in _named(results.peaks, results.step_peaks).items():
             self._file[name][...] = values  # not those that a kill has left half written
         for name, count in rows.items():
-            new = growing(self._file, name, old[name].shape[1:], old[name].dtype)
+            self._growing[name] = growing(self._file, name, old[name].shape[1:], old[name].dtype)
             for piece in in_pieces(old[name], 0, count):
-                append(new, piece)
-        self._known.update(rows)
-        self._sealer.begin(self._file, self._known)
+                append(self._growing[name], piece)
+        self._sealer.begin(self._file, self._growing)
         self._sealer.carry_over(old, segments)
 
     def _publish(self) -> None:
@@ -158,7 +159,7 @@ class ResultWriter:
         if not self._published:
             if "segments" not in self._file:
                 self._file.attrs["constant"] = checksum_of_constants(self._file)
-                self._sealer.begin(self._file, self._known)
+                self._sealer.begin(self._file, self._growing)
             if not system.RENAMES_OPEN_FILES:
                 self._rename_closed()
             _close_attributes(self._file)
@@ -174,6 +175,7 @@ class ResultWriter:
         self._file.close()
         part_of(self.path).replace(self.path)
         self._file = h5py.File(self.path, "r+", libver="latest")
+        self._growing = {name: self._file[name] for name in self._growing}
         self._sealer.move_to(self._file)
 
     def _discard(self) -> None:
@@ -183,11 +185,11 @@ class ResultWriter:
 
     def rows(self) -> dict[str, int]:
         """Rows written so far of each dataset that grows."""
-        return {name: len(self._file[name]) for name in sorted(self._known)}
+        return {name: len(dataset) for name, dataset in sorted(self._growing.items())}
 
     def mark(self) -> str:
         """What tells the rows written so far from those of any other run: a digest of its name and the last row of each dataset."""
-        return _mark(self._file, self.rows())
+        return _mark(self._file, self._growing, self.rows())
 
     def __enter__(self) -> ResultWriter:
         return self
@@ -209,7 +211,7 @@ class ResultWriter:
 
     def _extend(self, rows: Mapping[str, np.ndarray]) -> None:
         for name, array in rows.items():
-            if name not in self._known:
+            if name not in self._growing:
                 self._create(name, array)
             if len(array):
                 self._pending.setdefault(name, []).append(np.array(array))
@@ -221,8 +223,7 @@ class ResultWriter:
         shape = BY_NAME[name].shape if name in BY_NAME else ("N",)
         if array.ndim != len(shape):
             raise ValueError(f"{name} has rows of the shape {shape[1:]}, not {array.shape[1:]}")
-        growing(self._file, name, array.shape[1:], array.dtype)
-        self._known.add(name)
+        self._growing[name] = growing(self._file, name, array.shape[1:], array.dtype)
 
     def flush(self) -> None:
         """Write what waits in the buffers; from here on it survives a kill.
@@ -243,7 +244,7 @@ class ResultWriter:
         if (free := shutil.disk_usage(self.path.parent).free) < self._pending_bytes + ROOM:  # HDF5 itself would not survive it
             raise OSError(f"{self.path}: no room on the disc ({free / 1e6:.2g} MB left); the results before are kept")
         for name, parts in self._pending.items():
-            dataset = self._file[name]
+            dataset = self._growing[name]
             rows = np.concatenate(parts).astype(dataset.dtype, copy=False)
             append(dataset, rows)
             self._sealer.take(name, rows)
@@ -269,7 +270,7 @@ class ResultWriter:
         """Write what is left and close the file; one that never got a row goes."""
         if self._file:
             try:
-                if self._known:
+                if self._growing:
                     self.flush()
             finally:
                 self._file.close()
@@ -283,7 +284,7 @@ def require_rows(results: Results, rows: Mapping[str, int], mark: str | None) ->
         InputError: the file has fewer rows that hold, or others than those of the mark.
     """
     segments = results.segments_up_to(rows)
-    if mark is not None and _mark(results.file, rows) != mark:
+    if mark is not None and _mark(results.file, results.file, rows) != mark:
         raise InputError(results.path, "the checkpoint beside it belongs to other results: it cannot be resumed")
     return segments
 
@@ -304,13 +305,13 @@ def _named(peaks: Mapping[str, np.ndarray], of_steps: Mapping[str, np.ndarray]) 
     return {f"joints/peak/{name}": values for name, values in peaks.items()} | {f"peaks/{n}": values for n, values in of_steps.items()}
 
 
-def _mark(file: h5py.File, rows: Mapping[str, int]) -> str:
+def _mark(file: h5py.File, datasets: Mapping[str, h5py.Dataset], rows: Mapping[str, int]) -> str:
     """A digest of the run's name and of the last of some number of rows of each dataset."""
     digest = hashlib.sha256(str(file.attrs.get("run", "")).encode())
     for name, count in sorted(rows.items()):
         digest.update(f"{name} {count} ".encode())
         if count:
-            digest.update(file[name][count - 1 : count].tobytes())
+            digest.update(datasets[name][count - 1 : count].tobytes())
     return digest.hexdigest()
 
 

@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError, in_a_line
-from masonry_cd.io.block_arrays import Meshes, read_blocks
+from masonry_cd.io.block_arrays import Meshes, read_blocks, read_fill
 from masonry_cd.io.gauges import Gauges, read_gauges
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 from masonry_cd.io.layout import (
@@ -42,6 +42,7 @@ from masonry_cd.io.summary import Summary
 from masonry_cd.io.tie_bars import TieBar, read_bars
 from masonry_cd.mechanics.dynamics.pauses import Aftermath
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.fill import Ridden
 from masonry_cd.mechanics.model.joints import Joints
 
 CHUNK_BYTES = 1 << 24  # of frames that are read together
@@ -182,6 +183,11 @@ class Results:
     def blocks(self) -> tuple[Block, ...]:
         """The blocks as they were built."""
         return tuple(read_blocks(self.file["blocks"]))
+
+    @cached_property
+    def fill(self) -> Ridden | None:
+        """The faces on which the fill of bridges lies; None without one, and in a file of an older version."""
+        return read_fill(self.file["blocks"])
 
     @cached_property
     def ties(self) -> tuple[TieBar, ...]:

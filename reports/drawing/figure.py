@@ -23,7 +23,7 @@ from masonry_cd.foundation.figures import blank
 from masonry_cd.foundation.quantities import nice
 from reports.drawing import palette
 from reports.drawing.parts import ColourClasses, Panel, Sign, View
-from reports.drawing.render import SAMPLES, Canvas
+from reports.drawing.render import Canvas
 from reports.drawing.scene import Scene, ties_of
 
 WIDTH = 1800  # of the sheet
@@ -153,7 +153,7 @@ class Sheet:
         return axes
 
     @classmethod
-    def drawn(cls, scene: Scene, samples: int = SAMPLES) -> Sheet:
+    def drawn(cls, scene: Scene, samples: int | None = None) -> Sheet:
         """The sheet of a scene, drawn off screen; each pixel is the mean of samples x samples rendered ones.
 
         Raises:

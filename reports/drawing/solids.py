@@ -6,12 +6,13 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.fill import Fill
+from masonry_cd.mechanics.model.fill import Fill, Ridden
 from reports.drawing.figure import in_metres
 from reports.drawing.palette import EDGE, FILL, GROUPS, PULLING, SUPPORT
 from reports.drawing.parts import RULER, Layer, Lines, Panel, Sign, Surface, Ties, View, Window, rgb, view_named
@@ -111,20 +112,23 @@ def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, face
     ]
 
 
-def fill_layer(fills: Sequence[Fill]) -> Surface:
-    """The fill of bridges: a prism over each face that it lies on, up to the road."""
-    lower = [face.corners for fill in fills for face in fill.faces if face.kind in ("extrados", "top")]
-    levels = [fill.level for fill in fills for face in fill.faces if face.kind in ("extrados", "top")]
-    points, loops = list[np.ndarray](), list[list[int]]()
-    for corners, level in zip(lower, levels, strict=True):
-        n, first = len(corners), sum(map(len, points))
-        points += [corners, np.column_stack([corners[:, :2], np.full(n, level)])]
-        ring = [first + k for k in range(n)]
-        loops += [ring[::-1], [k + n for k in ring]]
-        loops += [[ring[k - 1], ring[k], ring[k] + n, ring[k - 1] + n] for k in range(n)]
-    start = np.cumsum([0, *map(len, loops)])
-    colours = np.tile((255.0 * rgb(FILL)).astype(np.uint8), (len(loops), 1))
-    return Surface(np.concatenate(points), np.array([k for loop in loops for k in loop]), start, colours)
+def fill_layer(fill: Ridden, corners: np.ndarray, tops: np.ndarray, count: int) -> Surface:
+    """The fill of bridges on ``count`` blocks: a prism over each face that it lies on, between its corners and their tops (n, 3) [m]."""
+    loops, owner = list[np.ndarray](), list[int]()
+    for block, (first, end) in zip(fill.block.tolist(), pairwise(fill.start.tolist()), strict=True):
+        ring = np.arange(first, end)
+        top = ring + len(corners)
+        sides = [np.array([ring[k - 1], ring[k], top[k], top[k - 1]]) for k in range(len(ring))]
+        loops += [ring[::-1], top, *sides]
+        owner += [block] * (2 + len(ring))
+    colour, start = (255.0 * rgb(FILL)).astype(np.uint8), np.cumsum([0, *map(len, loops)])
+    inside, colours = np.tile(colour, (count, 1)), np.tile(colour, (len(loops), 1))
+    return Surface(np.concatenate([corners, tops]), np.concatenate(loops), start, colours, owner=np.array(owner), inside=inside)
+
+
+def tops_of(fill: Ridden) -> np.ndarray:
+    """The corners (n, 3) of the faces on which fill lies, drawn up to its level [m]."""
+    return np.column_stack([fill.corners[:, :2], np.repeat(fill.level, np.diff(fill.start))])
 
 
 def structure_scene(
@@ -145,7 +149,8 @@ def structure_scene(
     rows += [Sign("box", "fill", (FILL, EDGE))] if fills else []
     window, layers = structure_window(solids, looking), block_layers(solids, within_sight(solids, solids.vertices), colours)
     if fills:
-        layers.append(fill_layer(fills))
+        fill = Ridden.of(fills, [block.name for block in blocks])
+        layers.append(fill_layer(fill, fill.corners, tops_of(fill), len(blocks)))
         window = window.joined(Window.around(looking.plane(layers[-1].points), MARGIN))
     return Scene(
         view=looking,

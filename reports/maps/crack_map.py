@@ -31,7 +31,7 @@ from reports.drawing.bands import DrawnJoints
 from reports.drawing.figure import LABELLED, in_metres
 from reports.drawing.parts import BEHIND, Panel, Sign, Surface, Ties, painted
 from reports.drawing.scene import Scene
-from reports.drawing.solids import block_layers, structure_window, two_colours, within_sight
+from reports.drawing.solids import block_layers, fill_layer, structure_window, tops_of, two_colours, within_sight
 from reports.maps.framing import Framing, MapStyle, largest_displacement, view_and_cut
 from reports.maps.thrust import ribbons
 from reports.ties import ties_at
@@ -53,6 +53,7 @@ class Subject:
     last: bool  # the last frame
     drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
     ties: Ties
+    fill: Surface | None  # of bridges, where it is drawn
     provisional: str = ""  # of the last frame: why it is not the end, in words
     suffered: str = ""  # of the last frame: the damage over all steps, in words
 
@@ -75,6 +76,7 @@ class Subject:
             last=last,
             drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
             ties=ties_at(results, solids, snapshot.pose, framed.factor),
+            fill=fill_at(results, solids, snapshot.pose, framed.factor),
             provisional=end_state(results, thresholds).provisional if last else "",
             suffered=suffered,
         )
@@ -105,6 +107,7 @@ class Subject:
         pale = painted(palette.SHADOW, len(solids.face_block))
         shadow = Surface(solids.vertices, solids.loops, solids.loop_start, pale, lit=False, place=BEHIND)
         layers = [shadow.some(~solids.fixed[solids.face_block]), *block_layers(self.solids, self.drawn, colours, faces)]
+        layers += [self.fill] if self.fill is not None else []
         return Scene(self.framed.view, self.framed.window, layers, joints, self.ties, self.framed.cut)
 
     def drawn_joints(self) -> DrawnJoints:
@@ -129,6 +132,16 @@ class Subject:
         )
 
 
+def fill_at(results: Results, solids: Solids, pose: Pose, factor: float) -> Surface | None:
+    """The fill of bridges, each piece of which moves with the block that it lies on; None where there is none."""
+    fill = results.fill
+    if fill is None:
+        return None
+    block = np.repeat(fill.block, np.diff(fill.start))
+    corners, tops = (pose.moved(solids, points, block, factor) for points in (fill.corners, tops_of(fill)))
+    return fill_layer(fill, corners, tops, len(solids.centre))
+
+
 def crack_scene(results: Results, frame: int, framed: Framing) -> Scene:
     """The crack map of a frame."""
     subject = Subject.of(results, frame, framed)
@@ -141,7 +154,7 @@ def crack_scene(results: Results, frame: int, framed: Framing) -> Scene:
             Sign("band", f"normal force, widest {force(largest)}", (palette.THRUST,)),
             Sign("", "through where it acts in each joint"),
         ]
-    key = [*_scales(subject), Panel(_signs(subject)), Panel(forces, ruler=True)]
+    key = [*_scales(subject), Panel(_signs(subject)), Panel([*forces, *fill_signs(subject)], ruler=True)]
     return replace(scene, layers=layers, title=results.title or "Crack map", facts=_facts(subject), key=key)
 
 
@@ -201,6 +214,11 @@ def other_signs(subject: Subject, always: bool = False) -> list[Sign]:
     rows = [Sign("box", "shape at rest", (palette.SHADOW,))] if subject.has_moved or always else []
     ties = len(subject.ties.ends)
     return rows + [Sign("line", "tie, with its tension" if ties <= LABELLED else "tie", (palette.PULLING,))] * bool(ties)
+
+
+def fill_signs(subject: Subject) -> list[Sign]:
+    """That of fill, where there is some."""
+    return [Sign("box", "fill", (palette.FILL,))] if subject.fill is not None else []
 
 
 def shape_in_words(subject: Subject) -> str:

@@ -18,7 +18,7 @@ from reports.drawing import palette
 from reports.drawing.cut import FACING, Cut, cut_named, plane_of
 from reports.drawing.figure import layout
 from reports.drawing.parts import Scale, View, Window
-from reports.drawing.solids import looking_at, structure_window
+from reports.drawing.solids import MARGIN, looking_at, structure_window, tops_of
 
 SEEN = 0.02  # amplified displacements reach at most this share of the picture
 REACH = 0.35  # the picture follows blocks by at most this share of the structure's extent
@@ -91,6 +91,8 @@ def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing
     solids = solids_of(results.blocks)
     view, cut = view_and_cut(solids, style)
     rest = structure_window(solids, view)
+    if results.fill is not None:
+        rest = rest.joined(Window.around(view.plane(tops_of(results.fill)), MARGIN))
     poses = [Pose.of(results, solids, frame) for frame in frames]
     farthest = max(range(len(frames)), key=lambda k: largest_displacement(poses[k], solids))
     fell = np.any([fallen(results, style.thresholds, frames[k]) for k in {farthest, len(frames) - 1}], axis=0)

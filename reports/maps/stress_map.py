@@ -27,7 +27,7 @@ from reports.drawing.figure import in_metres
 from reports.drawing.parts import RULER, ColourClasses, Panel, Sign, painted, rgb
 from reports.drawing.scene import Scene
 from reports.drawing.solids import within_sight
-from reports.maps.crack_map import Subject, other_signs, shape_in_words
+from reports.maps.crack_map import Subject, fill_signs, other_signs, shape_in_words
 from reports.maps.framing import MapStyle, framing
 from reports.maps.meshed_solids import Facetted
 from reports.settings import report_of
@@ -136,7 +136,7 @@ def _key(subject: Subject, pressed: Pressed) -> list[Panel]:
         if pressed.of_elements is not None and pressed.element_peaks is not None:
             over = pressed.of_elements > pressed.element_peaks.strength
             rows.append(Sign("", f"elements above strength: {int(over.sum()) or 'none'} of {len(over)}"))
-    others = [Sign("box", "support", (palette.SUPPORT,)), *other_signs(subject)]
+    others = [Sign("box", "support", (palette.SUPPORT,)), *fill_signs(subject), *other_signs(subject)]
     name = f"{'Mean c' if pressed.of_elements is None else 'C'}ompression [{scale.unit}]"
     return [Panel(scale=(name, scale)), Panel(rows), Panel(others), RULER]
 

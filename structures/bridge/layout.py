@@ -30,6 +30,7 @@ class Support:
     foot: float  # z [m]
     before: Profile | None  # the arch that ends on it; None of a left abutment
     after: Profile | None  # that begins on it
+    shelf: float = 0.0  # of a pier that goes on beside its lower springing: depth of the bed on which a wall stands there, at most [m]
 
     @property
     def seats(self) -> tuple[np.ndarray, np.ndarray]:
@@ -47,12 +48,25 @@ class Support:
         return min(float(arch.intrados[end, 1]) for arch, end in ((self.before, -1), (self.after, 0)) if arch is not None)
 
     @property
+    def rise(self) -> tuple[float, float] | None:
+        """Heights between which a pier goes on beside its lower springing: from the skewback there to the foot of the other one [m].
+
+        None where both skewbacks lie beside each other.
+        """
+        if self.before is None or self.after is None:
+            return None
+        low, high = sorted((self.before.intrados[-1, 1], self.after.intrados[0, 1]))
+        top = float(min(end[1] for end in self.seats))
+        return (top, float(high)) if high - low > SAME and high >= top - SAME else None
+
+    @property
     def split(self) -> float:
         """x of the line between what rests on the one side and on the other [m]; of an abutment its back."""
         if self.before is None or self.after is None:
             return self.left if self.before is None else self.right
-        first, last = self.seats
-        return 0.5 * float(first[0] + last[0])
+        (x0, z0), (x1, z1) = (end.tolist() for end in self.seats)
+        shelf = 0.5 * (x1 - x0) if self.rise is None else min(self.shelf, 0.5 * (x1 - x0))
+        return float(x1 - shelf if z1 < z0 else x0 + shelf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,11 +190,12 @@ def _check_overlaps(spans: Sequence[SpanTable], lefts: Sequence[float], faults: 
 def _supports(keys: BridgeTable, profiles: Sequence[Profile]) -> list[Support]:
     first, last = keys.abutments[0], keys.abutments[-1]
     x, low = profiles[0].intrados[0]
+    shelf = 0.0 if keys.walls is None else keys.walls.course_height
     made = [Support("abutment1", first, float(x) - first.width, float(x), float(low) - first.height, None, profiles[0])]
     for i in range(len(profiles) - 1):
         (left, one), (right, other) = profiles[i].intrados[-1], profiles[i + 1].intrados[0]
         foot = float(min(one, other)) - _pier(keys, i).height
-        made.append(Support(f"pier{i + 1}", _pier(keys, i), float(left), float(right), foot, profiles[i], profiles[i + 1]))
+        made.append(Support(f"pier{i + 1}", _pier(keys, i), float(left), float(right), foot, profiles[i], profiles[i + 1], shelf))
     x, low = profiles[-1].intrados[-1]
     made.append(Support("abutment2", last, float(x), float(x) + last.width, float(low) - last.height, profiles[-1], None))
     return made

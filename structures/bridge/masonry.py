@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -10,8 +12,10 @@ import numpy as np
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import FillFace
 from masonry_cd.mechanics.model.geometry import Faces
+from masonry_cd.mechanics.model.polygon import clip
 from structures.bridge.layout import SAME, Layout, Support
 from structures.courser.bond import even
+from structures.courser.courses import divided
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import prism_xz, rectangle
 
@@ -63,35 +67,38 @@ def supports(layout: Layout, density: float) -> tuple[list[Block], list[FillFace
     half = 0.5 * layout.keys.width
     for support in layout.supports:
         top = top_of(support, layout.keys.walls is not None)
-        if support.keys.rigid:
-            beds = [support.foot, support.springing]
-        else:
-            count = max(1, round((support.springing - support.foot) / support.keys.course_height))
-            beds = np.linspace(support.foot, support.springing, count + 1).tolist()
-        for course, (low, high) in enumerate(pairwise(beds[:-1] if len(beds) > 2 else beds[:1]), start=1):
-            piece = drawn_out(layout, rectangle(support.left, support.right, low, high), -half, half)
-            blocks.append(Block(f"{support.name}.{course}", *piece, density, support.name))
-        last = beds[-2] if len(beds) > 2 else beds[0]
-        parts = [drawn_out(layout, part, -half, half) for part in _cap(support, _joined(support, top), last)]
-        name = support.name if support.keys.rigid else f"{support.name}.{max(1, len(beds) - 1)}"
-        cap = compound_block(name, parts, density, "base" if support.keys.rigid else support.name)
-        blocks.append(_fixed(cap) if support.keys.rigid else cap)
+        beds = divided(support.foot, support.springing, math.inf if support.keys.rigid else support.keys.course_height)
+        pieces = [[rectangle(support.left, support.right, low, high)] for low, high in pairwise(beds[:-1])]
+        pieces += _head(support, top, beds[-2])
+        names = [support.name] if support.keys.rigid else [f"{support.name}.{course}" for course in range(1, len(pieces) + 1)]
+        for name, polygons in zip(names, pieces, strict=True):
+            parts = [drawn_out(layout, polygon, -half, half) for polygon in polygons]
+            block = compound_block(name, parts, density, "base" if support.keys.rigid else support.name)
+            blocks.append(replace(block, fixed=support.keys.rigid))
         for part in (np.array(pair) for pair in pairwise(top) if pair[1][0] - pair[0][0] > SAME):
+            name = next(name for name, own in zip(names, pieces, strict=True) if max(p[:, 1].max() for p in own) > part[:, 1].max() - SAME)
             faces.append(FillFace(name, "top", face_of(layout, name, part, -layout.clear, layout.clear)))
         if not support.keys.rigid:
             faces += _backs(layout, support, [block for block in blocks if block.name.startswith(f"{support.name}.")])
     return blocks + _feet(layout, density), faces
 
 
-def _joined(support: Support, top: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """The joints of a support with its arches and the line between them, from the left."""
-    before = [] if support.before is None else [tuple(support.before.intrados[-1].tolist())]
-    after = [] if support.after is None else [tuple(support.after.intrados[0].tolist())]
-    return [*before, *top, *after]
+def _head(support: Support, top: list[tuple[float, float]], low: float) -> list[list[np.ndarray]]:
+    """The topmost stones of a support from a level up, by their convex parts (n, 2).
 
-
-def _fixed(block: Block) -> Block:
-    return Block(block.name, block.vertices, block.faces, block.density, "base", True, block.parts)
+    Both skewbacks are cut from one stone, so that either thrust has a bed of the whole pier. Where the foot of one lies over the top of the
+    other, each has a stone of its own, and level courses lie between them.
+    """
+    before = [] if support.before is None else [support.before.intrados[-1]]
+    after = [] if support.after is None else [support.after.intrados[0]]
+    left = _without_middles(np.array([(support.left, low), (support.right, low), *after, *top[::-1], *before]))
+    stones = []
+    if support.rise is not None and not support.keys.rigid:
+        bed, foot = support.rise
+        for z in np.linspace(bed, foot, round((foot - bed) / support.keys.course_height) + 1).tolist():
+            stones.append(clip(left, z - left[:, 1], SAME))
+            left = clip(left, left[:, 1] - z, SAME)
+    return [_parts(_without_middles(stone)) for stone in (*stones, left)]
 
 
 def steep(line: np.ndarray) -> bool:
@@ -101,22 +108,23 @@ def steep(line: np.ndarray) -> bool:
 
 
 def top_of(support: Support, walls: bool) -> list[tuple[float, float]]:
-    """The line from the end of the one extrados to the beginning of the other: level where a wall stands on it beside a steep one."""
+    """The line from the end of the one extrados to the beginning of the other: level where a wall stands on it beside a steep one.
+
+    It steps where the pier goes on beside its lower springing.
+    """
     first, last = support.seats
     middle, level = support.split, 0.5 * float(first[1] + last[1])
     if support.before is None or support.after is None:
         return [tuple(first.tolist()), tuple(last.tolist())]
-    one, other = (walls and steep(line) for line in (support.before.extrados[::-1], support.after.extrados))
+    one, other = (support.rise is not None or (walls and steep(line)) for line in (support.before.extrados[::-1], support.after.extrados))
     left = float(first[1]) if one else float(last[1]) if other else level
     right = float(last[1]) if other else float(first[1]) if one else level
     line = [tuple(first.tolist()), (middle, left), (middle, right), tuple(last.tolist())]
     return [point for i, point in enumerate(line) if i == 0 or abs(point[0] - line[i - 1][0]) + abs(point[1] - line[i - 1][1]) > SAME]
 
 
-def _cap(support: Support, line: list[tuple[float, float]], low: float) -> list[np.ndarray]:
-    """Convex parts (n, 2) of the topmost stone, between a level and a line over it: both skewbacks are cut from one stone, so that
-    the thrust of the higher springing has a bed of the whole pier."""
-    whole = _without_middles(np.array([(support.left, low), (support.right, low), *line[::-1]]))
+def _parts(whole: np.ndarray) -> list[np.ndarray]:
+    """Convex polygons (n, 2) that fill one, counter-clockwise."""
     if _convex(whole):
         return [whole]
     from shapely.geometry import Polygon

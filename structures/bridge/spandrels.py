@@ -17,13 +17,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
 from structures.bridge.layout import SAME, Layout, Support
 from structures.bridge.masonry import top_of
-from structures.courser.bond import LEAST_BOND, LEAST_HEAD, cleared, running
+from structures.courser.bond import LEAST_BOND, cleared
+from structures.courser.courses import Course, cut, heads_of, joined
 
 STEP = 0.5  # courses: least height of a stone that levels a chord
 TALL = 1.5  # courses: a steep chord of more than that is cut by beds
@@ -35,19 +35,11 @@ def bed_over(height: float, course: float, deck: float) -> float:
     return deck - max(count, 0) * course
 
 
-class Course(NamedTuple):
-    """A stretch of a course: a trapezoid between two levels."""
-
-    low: float
-    high: float
-    left: tuple[float, float]  # x at the lower and at the upper level [m]
-    right: tuple[float, float]
-
-    @property
-    def polygon(self) -> np.ndarray:
-        """(3 or 4, 2), counter-clockwise."""
-        points = [(self.left[0], self.low), (self.right[0], self.low), (self.right[1], self.high), (self.left[1], self.high)]
-        return np.array([p for i, p in enumerate(points) if max(abs(p[0] - points[i - 1][0]), abs(p[1] - points[i - 1][1])) > SAME])
+def _levelled(chord: np.ndarray, course: float, deck: float) -> np.ndarray:
+    """The stone (4, 2) that levels a chord."""
+    (x0, z0), (x1, z1) = chord
+    high = bed_over(max(z0, z1), course, deck)
+    return np.array([[x0, z0], [x1, z1], [x1, high], [x0, high]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,12 +95,7 @@ class Half:
         chords = [self.corners[k : k + 2] for k in range(self.flat, len(self.corners) - 1)]
         if self.slopes:
             chords.insert(0, np.array([[self.outer, self.top], self.corners[0]]))
-        return [self._column(chord) for chord in chords]
-
-    def _column(self, chord: np.ndarray) -> np.ndarray:
-        (x0, z0), (x1, z1) = chord
-        high = self.bed_over(max(z0, z1))
-        return np.array([[x0, z0], [x1, z1], [x1, high], [x0, high]])
+        return [_levelled(chord, self.course, self.deck) for chord in chords]
 
     def end(self, low: float, high: float) -> tuple[float, float]:
         """Where a course between two levels ends, towards the axis: x at both."""
@@ -143,14 +130,14 @@ def pieces(layout: Layout, above: Sequence[float] = ()) -> list[np.ndarray]:
     for support in layout.supports:
         for half, sign in _halves(layout, support):
             found += [_mirrored(polygon, sign) for polygon in half.columns()]
-            rows += [_turned(course, sign) for course in half.courses()]
+            rows += [course if sign > 0 else course.mirrored for course in half.courses()]
     for profile in layout.profiles:
         if len(profile.extrados) % 2 == 0:  # the chord over the axis belongs to both halves
             k = len(profile.extrados) // 2
-            found.append(_over_crown(layout, profile.extrados[k - 1 : k + 1]))
+            found.append(_levelled(profile.extrados[k - 1 : k + 1], layout.keys.walls.course_height, layout.deck))
     met = [(float(x), float(polygon[:, 1].max())) for polygon in found for x in (polygon[:, 0].min(), polygon[:, 0].max())]
     met += [(float(x), layout.deck) for x in above]
-    for row in _merged(rows):
+    for row in joined(rows):
         heads = _in_bond(layout, row, [x for x, z in met if abs(z - row.low) <= SAME or z == row.high == layout.deck])
         met += [(x, row.high) for x in heads]
         found += cut(row, heads)
@@ -175,11 +162,6 @@ def _in_bond(layout: Layout, row: Course, met: Sequence[float]) -> list[float]:
     return [cleared(x, met, LEAST_BOND * unit, ends) for x in heads]
 
 
-def _over_crown(layout: Layout, chord: np.ndarray) -> np.ndarray:
-    half = Half(chord, 0.0, False, 0.0, 0.0, layout.keys.walls.course_height if layout.keys.walls else 0.0, layout.deck)
-    return half._column(chord)
-
-
 def _halves(layout: Layout, support: Support) -> list[tuple[Half, float]]:
     """The halves of arches that stand on a support, and which way they go."""
     assert layout.keys.walls is not None
@@ -200,38 +182,3 @@ def _halves(layout: Layout, support: Support) -> list[tuple[Half, float]]:
 
 def _mirrored(polygon: np.ndarray, sign: float) -> np.ndarray:
     return polygon if sign > 0 else (polygon * [-1.0, 1.0])[::-1]
-
-
-def _turned(course: Course, sign: float) -> Course:
-    if sign > 0:
-        return course
-    (a, b), (c, d) = course.left, course.right
-    return Course(course.low, course.high, (-c, -d), (-a, -b))
-
-
-def _merged(rows: Sequence[Course]) -> list[Course]:
-    """Courses with those of the same levels that begin, upright, where they end."""
-    out = list[Course]()
-    for row in sorted(rows, key=lambda r: (round(r.low, 6), round(r.high, 6), min(r.left))):
-        last = out[-1] if out else None
-        if (
-            last is not None
-            and abs(last.low - row.low) + abs(last.high - row.high) < 1e-7
-            and max(abs(last.right[k] - row.left[k]) for k in (0, 1)) < 1e-7
-            and abs(row.left[0] - row.left[1]) < 1e-7
-        ):
-            out[-1] = Course(last.low, last.high, last.left, row.right)
-        else:
-            out.append(row)
-    return out
-
-
-def heads_of(row: Course, unit: float, start: float) -> list[float]:
-    """x of the head joints of a course, whole stones from where its bond begins [m]."""
-    return running(max(row.left) + LEAST_HEAD * unit, min(row.right) - LEAST_HEAD * unit, unit, start)
-
-
-def cut(row: Course, heads: Sequence[float]) -> list[np.ndarray]:
-    """The stones (n, 2) of a course between its head joints."""
-    ends = [row.left, *((x, x) for x in heads), row.right]
-    return [Course(row.low, row.high, a, b).polygon for a, b in pairwise(ends)]

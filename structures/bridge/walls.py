@@ -11,7 +11,8 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import FillFace
 from structures.bridge.layout import Layout, Support
 from structures.bridge.masonry import SLAB, drawn_out
-from structures.bridge.spandrels import Course, cut, heads_of, pieces
+from structures.bridge.spandrels import pieces
+from structures.courser.courses import Course, cut, divided, heads_of
 from structures.geometry.prism import rectangle
 
 SIDES = (("front", -1.0), ("back", 1.0))
@@ -59,9 +60,8 @@ def _rows(layout: Layout, low: float, high: float, start: float, end: float, cou
     """The stones of a wall between two levels and two upright ends."""
     assert layout.keys.walls is not None
     unit = layout.keys.walls.unit_length
-    beds = np.linspace(low, high, max(1, round((high - low) / course)) + 1).tolist()
     found = list[np.ndarray]()
-    for number, (below, above) in enumerate(pairwise(beds)):
+    for number, (below, above) in enumerate(pairwise(divided(low, high, course))):
         row = Course(below, above, (start, start), (end, end))
         found += cut(row, heads_of(row, unit, start + 0.5 * unit * (number % 2)))
     return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from structures import size
 from structures.building.stones import upright
 from structures.building.table import BuildingColumnTable, BuildingTable
 from structures.courser.columns import MOST_DRUMS, ColumnTable, column
+from structures.courser.courses import divided
 
 SIDES = 12  # of a round column
 LEAST_HEIGHT = 1.5  # of a round column, in diameters: what is lower has no plinth and capital
@@ -130,14 +132,14 @@ def _square(row: Row, place: np.ndarray, prefix: str, table: BuildingTable, dens
     half, turn = 0.5 * keys.size, math.radians(keys.turned)
     x, y = libm.cos(np.array([turn]))[0], libm.sin(np.array([turn]))[0]
     axes = np.array([[x, y], [-y, x]])
-    beds = keys.base + np.linspace(0.0, keys.height, max(1, round(_courses(keys, table))) + 1)
+    beds = [keys.base + z for z in divided(0.0, keys.height, keys.drum or table.course_height)]
     count = max(1, round(keys.size / table.block_length))
     found = []
-    for course in range(len(beds) - 1):
+    for course, bed in enumerate(pairwise(beds)):
         ends = np.linspace(-half, half, count + 1)
         for k in range(count):
             plan = np.array([(ends[k], -half), (ends[k + 1], -half), (ends[k + 1], half), (ends[k], half)])
             plan = plan if course % 2 == 0 else plan[:, ::-1]
-            vertices, faces = upright(place + plan @ axes, float(beds[course]), float(beds[course + 1]))
+            vertices, faces = upright(place + plan @ axes, *bed)
             found.append(Block(f"{prefix}{course + 1}.{k + 1}", vertices, faces, density, row.name))
     return found

@@ -20,6 +20,7 @@ from structures.building.panels import Laying
 from structures.building.table import BuildingTable, WallOpeningTable
 from structures.building.widths import fat_pieces
 from structures.courser.bond import even
+from structures.courser.courses import divided
 from structures.geometry import polygons
 from structures.plans.places import place
 
@@ -138,9 +139,8 @@ def _check_within(plan: Plan, number: int, f: int, frame: Frame, laying: Laying)
 def back(frame: Frame, course: float, unit: float) -> Iterator[list[np.ndarray]]:
     """Convex polygons s, z of each stone at the back of a niche."""
     left, low, right, high = frame.hole.bounds
-    rows, columns = max(1, round((high - low) / course)), max(1, round((right - left) / unit))
-    levels = np.linspace(low, high, rows + 1)
-    for j in range(rows):
+    columns = max(1, round((right - left) / unit))
+    for j, bed in enumerate(pairwise(divided(low, high, course))):
         for a, b in pairwise([left, *even(left, right, columns, odd=j % 2 == 1 and columns > 1), right]):
-            for part in polygons.polygons(frame.hole.intersection(polygons.box(a, b, float(levels[j]), float(levels[j + 1])))):
+            for part in polygons.polygons(frame.hole.intersection(polygons.box(a, b, *bed))):
                 yield fat_pieces(part)

@@ -25,14 +25,14 @@ from structures.building.footprints import Plan
 from structures.building.frames import Frame
 from structures.building.junctions import Arm
 from structures.building.table import Bond
-from structures.building.widths import ASIDE
+from structures.building.widths import ASIDE, narrower
 from structures.courser import bond
 from structures.geometry import polygons
 
-THIN = 0.3  # a stone lower than this of a course is joined to another one
+THIN = 0.3  # of a course: a stone that is lower on the average, or narrower throughout, is joined to another one
+SHORT = 0.15  # of a block: and one that is shorter on the average
 TONGUE = 0.1  # of a course over the head of an opening that may end at a head joint, at least
 LONG = 1.6  # of a stone without head joint, at most, in blocks
-SHORT = 0.15  # and one shorter than this of a block
 JITTER = {"regular": 0.0, "irregular": 0.22, "rubble": 0.32}  # by how much of a block head joints are moved at most
 
 
@@ -304,8 +304,10 @@ def _joined(piece: Piece, other: Piece) -> Piece | None:
 
 
 def _is_sliver(shape: Polygon, laying: Laying) -> bool:
+    """Whether a stone is too low, too short, or too narrow throughout."""
     left, low, right, high = shape.bounds
-    return shape.area < THIN * laying.course * (right - left) or shape.area < SHORT * laying.unit * (high - low)
+    thin = shape.area < THIN * laying.course * (right - left) or shape.area < SHORT * laying.unit * (high - low)
+    return thin or narrower(shape, THIN * min(laying.course, laying.unit))
 
 
 def _both_clean(one: Piece, other: Piece) -> bool:

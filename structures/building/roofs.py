@@ -24,6 +24,7 @@ from structures.building.axes import Facet, Leg
 from structures.building.footprints import Plan
 from structures.building.table import BuildingRoofTable, BuildingTable, BuildingVaultTable
 from structures.building.vaults import Bay
+from structures.courser.courses import divided
 from structures.geometry import polygons
 from structures.geometry.convex import halves
 from structures.geometry.polygons import plan_of
@@ -97,9 +98,9 @@ class Roof:
 def _pairs(roof: Roof) -> Iterator[tuple[list[Block], Bar]]:
     """Pair after pair of rafters, with the tie beam between their feet; each as wide as the bay is in its middle."""
     keys, bearing, b = roof.keys, roof.bearing, roof.bay.half[1]
-    ends = np.linspace(-b, b, max(1, round(2.0 * b / keys.spacing)) + 1)
+    ends = divided(-b, b, keys.spacing)
     for k in range(len(ends) - 1):
-        y = 0.5 * float(ends[k] + ends[k + 1])
+        y = 0.5 * (ends[k] + ends[k + 1])
         a = roof.bay.half[0] + roof.widening * y
         section, outer = roof.section(a)
         density = keys.mass * (a + bearing) / abs(polygon_area(section))
@@ -117,7 +118,7 @@ def _hipped(roof: Roof) -> Iterator[tuple[list[Block], Bar | None]]:
     section, outer = roof.section(a)
     left = list[tuple[str, float]]()
     for side, turn, far, half in (("left", 0, a, b), ("right", 2, a, b), ("start", 1, b, a), ("end", 3, b, a)):
-        cuts = np.linspace(-half, half, max(1, round(2.0 * half / roof.keys.spacing)) + 1)
+        cuts = np.array(divided(-half, half, roof.keys.spacing))
         feet = 0.5 * (cuts[:-1] + cuts[1:])
         cuts[[0, -1]] += [-roof.bearing, roof.bearing]
         for k, (low, high) in enumerate(pairwise(cuts.tolist()), start=1):

@@ -18,7 +18,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.strtree import STRtree
 
 from structures.building.stones import WELD, Part, upright
-from structures.building.widths import ASIDE, TOUCH, fat_pieces, least_width
+from structures.building.widths import ASIDE, TOUCH, fat_pieces, least_width, narrower
 from structures.geometry import polygons
 
 SQUARE = 0.5  # sine of the angle between a joint that cuts a sliver and its longest side, at least
@@ -64,7 +64,7 @@ def joined(stones: Sequence[Stone]) -> list[Stone]:
     found: list[Stone | None] = list(stones)
     tree = STRtree([stone.plan for stone in stones])
     moved: dict[int, int] = {}  # number of a sliver, and of the stone that it is now part of
-    for k in sorted((k for k, stone in enumerate(stones) if _is_sliver(stone)), key=lambda k: stones[k].plan.area):
+    for k in sorted((k for k, stone in enumerate(stones) if narrower(stone.plan, stone.narrow)), key=lambda k: stones[k].plan.area):
         sliver = found[k]
         assert sliver is not None
         near = {_last(moved, int(i)) for i in tree.query(stones[k].plan.buffer(TOUCH))} - {k}
@@ -79,7 +79,7 @@ def _cut_at_joints(stones: Sequence[Stone]) -> list[Stone]:
     tree = STRtree([stone.plan for stone in stones])
     found = list[Stone]()
     for stone in stones:
-        if not _is_sliver(stone) or not stone.is_upright:
+        if not narrower(stone.plan, stone.narrow) or not stone.is_upright:
             found.append(stone)
             continue
         shapes = [stone.plan]
@@ -123,13 +123,6 @@ def _last(moved: dict[int, int], k: int) -> int:
     while k in moved:
         k = moved[k]
     return k
-
-
-def _is_sliver(stone: Stone) -> bool:
-    plan = stone.plan
-    if 2.0 * plan.area >= stone.narrow * plan.length:  # no convex polygon is narrower than twice its area over its length
-        return False
-    return 2.0 * float(shapely.maximum_inscribed_circle(plan, 0.01 * stone.narrow).length) < stone.narrow
 
 
 def _unions(sliver: Stone, others: Sequence[tuple[int, Stone]]) -> Iterator[tuple[tuple[bool, float], int, Stone]]:

@@ -13,7 +13,6 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
 from shapely.geometry import Polygon
 
 from masonry_cd.foundation.errors import InputError
@@ -25,6 +24,7 @@ from structures.building.widths import NARROW, fat_pieces
 from structures.geometry import polygons
 from structures.geometry.compound_block import compound_block
 from structures.geometry.convex import halves
+from structures.geometry.near_points import first_of_near
 from structures.geometry.outer_shell import is_closed, outer_shell
 from structures.geometry.prism import between, prism_xz
 
@@ -103,12 +103,7 @@ def welded(blocks: Sequence[Block]) -> list[Block]:
     """The blocks with corners that rounding parts made equal to the bit."""
     shells = [vertices for block in blocks for vertices in (block.vertices, *(part.vertices for part in block.parts))]
     points = np.concatenate(shells)
-    pairs = cKDTree(points).query_pairs(WELD, output_type="ndarray")
-    first = np.arange(len(points))
-    for _ in range(3):  # the first of those near it, and of what is near that
-        np.minimum.at(first, pairs[:, 1], first[pairs[:, 0]])
-        np.minimum.at(first, pairs[:, 0], first[pairs[:, 1]])
-    points = points[first]
+    points = points[first_of_near(points, WELD)]
     ends = np.cumsum([len(shell) for shell in shells])
     moved = iter(np.split(points, ends[:-1]))
     made = []

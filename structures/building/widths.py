@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
 
 from structures.geometry import polygons
 
@@ -27,6 +28,13 @@ def without_tails(shape: Polygon, narrow: float) -> list[Polygon]:
         return [shape]
     tails = polygons.polygons(shape.difference(wide))
     return polygons.polygons(shape.difference(shapely.union_all(tails))) + tails
+
+
+def narrower(shape: BaseGeometry, width: float) -> bool:
+    """Whether the widest circle within a polygon is narrower than a width [m]."""
+    if 2.0 * shape.area >= width * shape.length:  # no polygon whose circle is that narrow has so much area
+        return False
+    return 2.0 * float(shapely.maximum_inscribed_circle(shape, 0.01 * width).length) < width
 
 
 def least_width(ring: np.ndarray) -> float:

@@ -27,7 +27,6 @@ from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import between
 
 LEAST = 0.3  # between a head joint and a mitre or jamb, in blocks
-SAME = 1e-9  # lengths closer than this are one [m]
 
 Part = tuple[np.ndarray, Faces]
 

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -26,13 +25,13 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
-from masonry_cd.foundation.files import read_text
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 from masonry_cd.mechanics.model.sphere import ball_centre
 from structures.files import fillfile
+from structures.files.json_object import load
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.convex import split
 from structures.geometry.merge_coplanar import merge_coplanar
@@ -114,7 +113,7 @@ def read(path: Path, density: float) -> list[Block]:
 
 def read_unchecked(path: Path, density: float) -> list[Block]:
     """The blocks of a block file, whose shells may be open, or reach into each other."""
-    content = load(path)
+    content = load(path, "blocks")
     scale = _scale(content, path)
     entries = content.get("blocks")
     if not isinstance(entries, list) or not entries:
@@ -128,7 +127,7 @@ def read_fill(path: Path) -> dict[str, Any]:
     Raises:
         InputError: in units that are not those of fill.
     """
-    content = load(path)
+    content = load(path, "blocks")
     if _scale(content, path) != 1.0 and any(key in content for key in fillfile.KEYS):
         raise InputError(path.name, f"{' and '.join(fillfile.KEYS)} are in metres; give the blocks in metres as well")
     return content
@@ -158,41 +157,6 @@ def _form(block: Block) -> dict[str, Any]:
     if block.radius:
         return {"centre": ball_centre(block.vertices).tolist(), "radius": block.radius}
     return {"vertices": block.vertices.tolist(), "faces": [list(face) for face in block.faces]}
-
-
-def _once(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:
-    """The object of pairs (key, value): json would take the last of two values in silence."""
-    made = dict(pairs)
-    if len(made) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise InputError(path.name, f'an object with the key "{twice[:40]}" twice')
-    return made
-
-
-def load(path: Path, key: str = "blocks") -> dict[str, Any]:
-    """The object that a JSON file holds, which has a key.
-
-    Raises:
-        InputError: one line that names the file and, where the text is at fault, the line.
-    """
-    try:
-        content = json.loads(read_text(path, path.name, "utf-8-sig"), object_pairs_hook=lambda pairs: _once(pairs, path))
-    except OSError as failure:
-        raise InputError(path.name, f"cannot be read, {failure.strerror}") from None
-    except UnicodeDecodeError:
-        raise InputError(path.name, "no JSON text") from None
-    except json.JSONDecodeError as failure:
-        raise InputError(path.name, f"line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
-    except InputError:
-        raise
-    except ValueError:  # of a number that Python does not convert
-        raise InputError(path.name, f"a number of more than {sys.get_int_max_str_digits()} digits") from None
-    except RecursionError:
-        raise InputError(path.name, "lists or objects nested too deep") from None
-    if not isinstance(content, dict):
-        raise InputError(path.name, f'must be an object with the key "{key}"')
-    return content
 
 
 def _scale(content: Mapping[str, Any], path: Path) -> float:

@@ -3,8 +3,8 @@
 
 OpenCASCADE, VTK and the mesh libraries were written for files that mean well: one changed character may end the process, fill the
 memory or go round for ever. So a reader is a function that runs in a child process, with limits of time, memory and size of its output,
-without a shell, without the environment and in an empty folder that is removed. It answers with plain arrays, which are checked before
-they are used. However the child ends, the caller gets one line that names the file.
+without a shell, without the environment and in an empty folder that is removed. It answers in JSON, which is checked before it is used.
+However the child ends, the caller gets one line that names the file.
 
 A reader is named ``module:function``, takes the path and keywords that JSON knows, and returns an :class:`Answer`. It raises
 :class:`Refused` with place and text for the user; the message of any other exception becomes "FILE: cannot be read: ...". The child
@@ -21,10 +21,8 @@ import os
 import subprocess
 import sys
 import tempfile
-import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -50,7 +48,7 @@ class Piece(NamedTuple):
 class Answer(NamedTuple):
     """What a file holds."""
 
-    pieces: Sequence[Piece]
+    pieces: Sequence[Any]  # Piece each; of a plan what it is made of
     figures: Sequence[float] = ()  # whose meaning the reader states
     notes: Sequence[str] = ()  # a line each for the user: what of the file was not read
 
@@ -64,6 +62,7 @@ WAIT = 2.0  # wall time, in processor times: another program may have the core, 
 LOADER = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # of the environment, what a child needs to start: Windows the latter
 SHOWN = 300  # most characters of a child's message
 NOTES = 50  # most lines of its notes
+ANSWER = "answer.json"  # in the child's folder
 CHILD = """import json, sys
 request = json.load(open("request.json", encoding="utf-8"))
 sys.path[:] = request["path"]
@@ -88,13 +87,44 @@ class Limits(NamedTuple):
     output: int = OUTPUT  # of each file that it writes [B]
 
 
+def piece_of(number: Any, name: Any, vertices: Any, faces: Any, group: Any = "", fixed: Any = False, density: Any = 0.0) -> Piece:
+    """A piece of an answer.
+
+    Raises:
+        ValueError, TypeError: it is none.
+    """
+    points, loops = points_of(vertices), tuple(tuple(map(int, loop)) for loop in faces)
+    if not all(0 <= corner < len(points) for loop in loops for corner in loop):
+        raise ValueError("a face names a vertex that there is not")
+    return Piece(int(number), _utf8(name).decode(), points, loops, _utf8(group).decode(), bool(fixed), float(density))
+
+
+def points_of(rows: Any) -> np.ndarray:
+    """Points (P, 3) of an answer.
+
+    Raises:
+        ValueError, TypeError: they are none.
+    """
+    points = np.array(rows, dtype=float)
+    if len(points) and points.shape[1:] != (3,):
+        raise ValueError("points have three coordinates")
+    return points.reshape(-1, 3)
+
+
 def of_model(path: Path) -> Limits:
     """What a child may use for a CAD model: memory by the size of its file, since a damaged surface asks for any."""
     limits = Limits()
     return limits._replace(memory=min(limits.memory, MODEL + PER_BYTE * path.stat().st_size))
 
 
-def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, limits: Limits | None = None, advice: str = "") -> Answer:
+def read(
+    reader: str,
+    path: Path,
+    keywords: Mapping[str, Any] | None = None,
+    limits: Limits | None = None,
+    advice: str = "",
+    of: Callable[..., Any] = piece_of,
+) -> Answer:
     """Read a file by a reader in a child process.
 
     Args:
@@ -103,6 +133,7 @@ def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, lim
         keywords: for the reader, of kinds that JSON knows.
         limits: what the child may use.
         advice: what the user can do where it takes too long, at the end of that message.
+        of: makes and checks each piece of the answer from what it holds.
 
     Raises:
         InputError: one line: the file cannot be read, or the child crashed, took too long or too much.
@@ -123,11 +154,12 @@ def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, lim
         code = _run(folder, limits)
         if (folder / "refused").is_file():
             raise InputError(*(_line(_utf8(word)) for word in json.loads((folder / "refused").read_bytes())))
-        if code != 0 or not (folder / "answer.npz").is_file():
+        if code != 0 or not (folder / ANSWER).is_file():
             raise InputError(path.name, f"cannot be read: {_ending(code, limits, advice, folder)}")
         try:
-            return _unpacked(_checked(folder / "answer.npz"))
-        except (ValueError, KeyError, EOFError, OSError, MemoryError, zipfile.BadZipFile) as failure:
+            pieces, figures, notes = json.loads((folder / ANSWER).read_bytes())
+            return Answer([of(*piece) for piece in pieces], [*map(float, figures)], [_line(_utf8(note)) for note in notes[:NOTES]])
+        except (ValueError, TypeError, AttributeError, ArithmeticError, RecursionError, OSError, MemoryError) as failure:
             raise InputError(path.name, f"cannot be read: its reader answers nonsense: {_line(str(failure).encode())}") from None
 
 
@@ -194,8 +226,8 @@ def answer(request: Mapping[str, Any]) -> None:
     limits, file = Limits(*request["limits"]), request["file"]
     try:
         module, function = request["reader"].split(":")
-        made = getattr(import_module(module), function)(Path(file), **request["keywords"])
-        np.savez("answer.npz", allow_pickle=False, **_packed(Answer(*made)))
+        made = Answer(*getattr(import_module(module), function)(Path(file), **request["keywords"]))
+        Path(ANSWER).write_text(json.dumps(made, default=lambda array: array.tolist()), encoding="utf-8")
     except Refused as refusal:
         _refuse(refusal.place, refusal.text)
     except MemoryError:
@@ -211,102 +243,3 @@ def answer(request: Mapping[str, Any]) -> None:
 
 def _refuse(place: str, text: str) -> None:
     Path("refused").write_text(json.dumps([place, text]), encoding="utf-8")
-
-
-def _packed(made: Answer) -> dict[str, np.ndarray]:
-    """An answer as plain arrays: ``*_start`` delimit a piece or a face, the loops count the vertices of their own piece."""
-    pieces = [Piece(*piece) for piece in made.pieces]
-    loops = [loop for piece in pieces for loop in piece.faces]
-    return {
-        "number": np.array([piece.number for piece in pieces], dtype=np.int64),
-        "name": np.array([piece.name for piece in pieces], dtype=np.str_),
-        "group": np.array([piece.group for piece in pieces], dtype=np.str_),
-        "fixed": np.array([int(piece.fixed) for piece in pieces], dtype=np.int64),
-        "density": np.array([piece.density for piece in pieces], dtype=float),
-        "vertices": np.concatenate([np.zeros((0, 3)), *(np.asarray(piece.vertices, dtype=float) for piece in pieces)]),
-        "vertex_start": _starts([len(piece.vertices) for piece in pieces]),
-        "face_start": _starts([len(piece.faces) for piece in pieces]),
-        "loops": np.fromiter((corner for loop in loops for corner in loop), dtype=np.int64),
-        "loop_start": _starts([len(loop) for loop in loops]),
-        "figures": np.array(made.figures, dtype=float),
-        "notes": np.array(list(made.notes), dtype=np.str_),
-    }
-
-
-def _starts(counts: Sequence[int]) -> np.ndarray:
-    return np.concatenate([[0], np.cumsum(np.array(counts, dtype=np.int64))])
-
-
-# --- in the caller again --------------------------------------------------------------------------------------------------------------
-
-KINDS = {
-    "number": "i",
-    "name": "U",
-    "group": "U",
-    "fixed": "i",
-    "density": "f",
-    "vertices": "f",
-    "vertex_start": "i",
-    "face_start": "i",
-    "loops": "i",
-    "loop_start": "i",
-    "figures": "f",
-    "notes": "U",
-}
-
-
-def _checked(path: Path) -> dict[str, np.ndarray]:
-    """The arrays of an answer, of the names, kinds, shapes and ranges that :func:`_packed` gives them.
-
-    Raises:
-        ValueError: another name, kind, shape or range.
-        KeyError, EOFError, OSError, MemoryError, BadZipFile: no file of arrays.
-    """
-    with zipfile.ZipFile(path) as whole:
-        if any(entry.compress_type != zipfile.ZIP_STORED for entry in whole.infolist()):
-            raise ValueError("compressed arrays")
-    with np.load(path, allow_pickle=False) as stored:
-        if set(stored.files) != set(KINDS):
-            raise ValueError("arrays of other names")
-        arrays = {name: stored[name] for name in KINDS}
-    for name, kind in KINDS.items():
-        if arrays[name].dtype.kind != kind or arrays[name].shape[1:] != ((3,) if name == "vertices" else ()):
-            raise ValueError(f"{name} is of another kind or shape")
-    count = len(arrays["number"])
-    for name, groups, total in (("vertex_start", count, "vertices"), ("face_start", count, None), ("loop_start", None, "loops")):
-        starts = arrays[name]
-        if not len(starts) or starts[0] != 0 or (np.diff(starts) < 0).any() or (groups is not None and len(starts) != groups + 1):
-            raise ValueError(f"{name} does not delimit its pieces")
-        if total and starts[-1] != len(arrays[total]):
-            raise ValueError(f"{name} does not end with the {total}")
-    if (
-        any(len(arrays[name]) != count for name in ("name", "group", "fixed", "density"))
-        or arrays["face_start"][-1] != len(arrays["loop_start"]) - 1
-    ):
-        raise ValueError("pieces, names and faces do not agree")
-    loops_before = arrays["loop_start"][arrays["face_start"]]
-    corners = np.repeat(np.diff(arrays["vertex_start"]), np.diff(loops_before))  # vertices of the piece that each loop entry belongs to
-    if ((arrays["loops"] < 0) | (arrays["loops"] >= corners)).any():
-        raise ValueError("a face names a vertex that there is not")
-    return arrays
-
-
-def _unpacked(arrays: Mapping[str, np.ndarray]) -> Answer:
-    """The pieces and figures of checked arrays."""
-    loops = arrays["loops"].tolist()
-    faces = [tuple(loops[a:b]) for a, b in pairwise(arrays["loop_start"].tolist())]
-    of_vertices, of_faces = (list(pairwise(arrays[name].tolist())) for name in ("vertex_start", "face_start"))
-    names = zip(*(arrays[name].tolist() for name in ("number", "name", "group", "fixed", "density")), strict=True)
-    pieces = [
-        Piece(
-            number,
-            _utf8(name).decode(),
-            arrays["vertices"][a:b].copy(),
-            tuple(faces[c:d]),
-            _utf8(group).decode(),
-            bool(fixed),
-            density,
-        )
-        for (number, name, group, fixed, density), (a, b), (c, d) in zip(names, of_vertices, of_faces, strict=True)
-    ]
-    return Answer(pieces, arrays["figures"].tolist(), [_line(_utf8(note)) for note in arrays["notes"].tolist()[:NOTES]])

@@ -29,7 +29,7 @@ class Format(NamedTuple):
 
 FORMATS = {
     "json": Format((".json",), "a block file; the only one that keeps everything", written=True),
-    "obj": Format((".obj",), "an object a block; g, or else usemtl, is its group", written=True),
+    "obj": Format((".obj",), "an object a block; g, or else usemtl, is its group", f"{PACKAGE}objfile:read", written=True),
     "stl": Format((".stl",), "a closed shell a block, solids of a text apart", f"{PACKAGE}mesh_readers:read_stl", written=True),
     "ply": Format((".ply",), "a closed shell a block", f"{PACKAGE}surface_readers:read_ply"),
     "off": Format((".off",), "a closed shell a block", f"{PACKAGE}surface_readers:read_off"),

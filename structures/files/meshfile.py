@@ -28,13 +28,15 @@ from masonry_cd.foundation.arrays import LARGEST
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
+from masonry_cd.foundation.files import read_text
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, triangles
-from structures.files import foreign, objfile, solidfile, vtkfile
-from structures.files.entries import Entry, Read, Shell, lines_of
-from structures.files.formats import CAD, FORMATS, format_of
+from structures.files import foreign, solidfile, vtkfile
+from structures.files.foreign import Piece
+from structures.files.formats import CAD, FORMATS
 from structures.files.manifold import apart_at_edges, outwards, without_fins
 from structures.geometry.compound_block import compound_block
+from structures.geometry.near_points import numbered
 
 MET = 100  # corners within the tolerance of one: a solid has a few
 MARK = "masonry-cd: "  # before what the formats themselves have no place for: unit, axis, and names, groups and supports
@@ -46,7 +48,7 @@ DEFAULT = "block"  # group of a block for which the file states none
 class Loaded:
     """What a mesh file holds, and what it says of its unit and axes."""
 
-    entries: list[Entry]
+    stones: list[list[Piece]]  # the convex parts of each block, or its shell; the first has its name, group and support
     metres: float | None = None  # of its unit
     up: str | None = None
     firm: bool = True  # whether what it says is to be relied upon
@@ -64,37 +66,37 @@ def load(path: Path, format_: str, **asked: Any) -> Loaded:
     Raises:
         InputError: one line that names the file, and the line or block.
     """
-    entries, figures, notes = objfile.read(path) if format_ == "obj" else _read_apart(path, format_, asked)
-    marks = _marks(path, format_)
-    if marks and len(marks["blocks"]) == len(entries):
-        for entry, mark in zip(entries, marks["blocks"], strict=True):
-            entry.name, entry.group, entry.fixed = str(mark["name"]), str(mark["group"]), bool(mark["fixed"])
-            entry.density = float(mark.get("density", 0.0))
-        return Loaded(entries, 1.0, "z", firm=False, notes=notes)
-    _name_apart(entries)
+    pieces, figures, notes = foreign.read(FORMATS[format_].reader, path, asked, foreign.of_model(path) if format_ in CAD else None)
+    parts: dict[int, list[Piece]] = {}
+    for piece in pieces:
+        parts.setdefault(piece.number, []).append(piece)
+    stones, marks = list(parts.values()), _marks(path, format_)
+    if marks and len(marks["blocks"]) == len(stones):
+        for stone, mark in zip(stones, marks["blocks"], strict=True):
+            name, group, density = str(mark["name"]), str(mark["group"]), float(mark.get("density", 0.0))
+            stone[0] = stone[0]._replace(name=name, group=group, fixed=bool(mark["fixed"]), density=density)
+        return Loaded(stones, 1.0, "z", firm=False, notes=notes)
+    _name_apart(stones)
     if format_ in CAD:
-        for entry in entries:
-            entry.shells = [mended(vertices, faces, figures[0]) for vertices, faces in entry.shells]
-        return Loaded(entries, 1.0 if format_ == "step" else None, notes=notes)
+        for stone in stones:
+            for k, piece in enumerate(stone):
+                vertices, faces = mended(piece.vertices, piece.faces, figures[0])
+                stone[k] = piece._replace(vertices=vertices, faces=faces)
+        return Loaded(stones, 1.0 if format_ == "step" else None, notes=notes)
     if format_ in ("gltf", "vrml"):
-        return Loaded(entries, 1.0, "y", firm=False, notes=notes)
+        return Loaded(stones, 1.0, "y", firm=False, notes=notes)
     if format_ in ("3mf", "dxf") and figures and figures[0] > 0.0:
-        return Loaded(entries, float(figures[0]), "z" if format_ == "3mf" else None, notes=notes)
-    return Loaded(entries, notes=notes)
+        return Loaded(stones, float(figures[0]), "z" if format_ == "3mf" else None, notes=notes)
+    return Loaded(stones, notes=notes)
 
 
-def _name_apart(entries: Sequence[Entry]) -> None:
+def _name_apart(stones: Sequence[list[Piece]]) -> None:
     """Number the blocks that share a name, as copies of one object do: ``name.0``, ``name.1`` ..., since the name of a block is its own."""
-    count, taken = Counter(entry.name for entry in entries), {entry.name for entry in entries}
-    for name in [name for name, times in count.items() if times > 1]:
-        numbers = itertools.count()
-        for entry in [entry for entry in entries if entry.name == name]:
-            entry.name = next(own for k in numbers if (own := f"{name}.{k}") not in taken)
-
-
-def read(path: Path, density: float, scale: float, up: str, repair: bool = False, tolerance: float = 1e-6) -> list[Block]:
-    """Read a mesh file of a known ending, see :func:`load` and :func:`blocks_of`."""
-    return blocks_of(load(path, format_of(path) or ""), path.name, density, scale, up, repair, tolerance)
+    count = Counter(stone[0].name for stone in stones)
+    taken, numbers = set(count), {name: itertools.count() for name, times in count.items() if times > 1}
+    for stone in stones:
+        if (name := stone[0].name) in numbers:
+            stone[0] = stone[0]._replace(name=next(own for k in numbers[name] if (own := f"{name}.{k}") not in taken))
 
 
 def blocks_of(
@@ -118,18 +120,18 @@ def blocks_of(
         InputError: one line that names the file and the block.
     """
     blocks = []
-    for entry in loaded.entries:
-        parts = [(placed(vertices, scale, up), faces) for vertices, faces in entry.shells]
+    for stone in loaded.stones:
+        of, parts = stone[0], [(placed(piece.vertices, scale, up), piece.faces) for piece in stone]
         if not all((np.abs(vertices) <= LARGEST).all() for vertices, _ in parts):
-            raise InputError(source, f'block "{entry.name}": a corner has coordinates that are no finite numbers, or far too large')
+            raise InputError(source, f'block "{of.name}": a corner has coordinates that are no finite numbers, or far too large')
         try:
             if repair:
                 parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
             if not all(len(vertices) for vertices, _ in parts):
-                raise InputError(f'block "{entry.name}"', "a face without corners")
-            group = entry.group or ("base" if entry.fixed else DEFAULT)
-            block = compound_block(entry.name, parts, entry.density if entry.density > 0.0 else density, group)
-            blocks.append(replace(block, fixed=True) if entry.fixed else block)
+                raise InputError(f'block "{of.name}"', "a face without corners")
+            group = of.group or ("base" if of.fixed else DEFAULT)
+            block = compound_block(of.name, parts, of.density if of.density > 0.0 else density, group)
+            blocks.append(replace(block, fixed=True) if of.fixed else block)
         except InputError as failure:
             raise failure.under(source) from None
     if not blocks:
@@ -143,16 +145,6 @@ def placed(vertices: np.ndarray, scale: float, up: str) -> np.ndarray:
     return np.asarray(turned * scale, dtype=float)
 
 
-def _read_apart(path: Path, format_: str, asked: dict[str, Any]) -> Read:
-    """The blocks of a file that is read in a child process; shells of one number are one block."""
-    found: dict[int, Entry] = {}
-    pieces, figures, notes = foreign.read(FORMATS[format_].reader, path, asked, foreign.of_model(path) if format_ in CAD else None)
-    for piece in pieces:
-        new = Entry(piece.name, [], piece.group, piece.fixed, piece.density)
-        found.setdefault(piece.number, new).shells.append((piece.vertices, piece.faces))
-    return list(found.values()), figures, notes
-
-
 def _marks(path: Path, format_: str) -> dict[str, Any] | None:
     """What this program wrote beside the shells of a file; None where it did not write it, or another has changed it."""
     if format_ not in MARKED:
@@ -164,7 +156,7 @@ def _marks(path: Path, format_: str) -> dict[str, Any] | None:
             with h5py.File(path, "r") as file:
                 text = str(file["VTKHDF"].attrs[MARK.strip(" :")])
         else:
-            text = next(line.partition(MARK)[2] for line in lines_of(path, path.name) if MARK in line)
+            text = next(line.partition(MARK)[2] for line in read_text(path, path.name).splitlines() if MARK in line)
             text = text.removesuffix("-->").strip()
         marks = json.loads(text)
         sound = marks["units"] == "m" and all({"name", "group", "fixed"} <= set(block) for block in marks["blocks"])
@@ -181,7 +173,7 @@ def marks_of(blocks: Sequence[Block]) -> str:
     return MARK + text.replace("--", "\\u002d\\u002d")  # which would end a comment of XML
 
 
-def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:
+def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> tuple[np.ndarray, Faces]:
     """Weld corners, drop faces without area and those given twice, and turn all loops to run counter-clockwise seen from outside.
 
     Args:
@@ -192,25 +184,19 @@ def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:
     """
     from scipy.spatial import cKDTree  # takes as long to load as a small run
 
-    tree = cKDTree(vertices)
-    met = int(tree.query_ball_point(vertices, tolerance, return_length=True).sum())
+    met = int(cKDTree(vertices).query_ball_point(vertices, tolerance, return_length=True).sum())
     if met > MET * len(vertices):
         raise InputError(
             "",
             f"{1e3 * tolerance:g} mm, within which corners are one, is as far as {met // len(vertices)} of them are apart; mind the units",
         )
-    first, pairs = np.arange(len(vertices)), tree.query_pairs(tolerance, output_type="ndarray")
-    np.minimum.at(first, pairs[:, 1], pairs[:, 0])
-    while (first != first[first]).any():
-        first = first[first]
-    used, index = np.unique(first, return_inverse=True)
+    points, index = numbered(vertices, tolerance)
     loops = []
     for face in faces:
         loop = [int(index[i]) for i in face]
         loop = [i for i, before in zip(loop, loop[-1:] + loop[:-1], strict=True) if i != before]
         if len(set(loop)) >= 3:
             loops.append(loop)
-    points = vertices[used]
     loops = _agreeing(without_fins(points, list({frozenset(loop): loop for loop in reversed(loops)}.values())[::-1]))
     points, loops = apart_at_edges(points, outwards(points, loops))
     shell = tuple(tuple(loop) for loop in loops)

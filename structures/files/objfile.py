@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blocks of an OBJ: its polygons, with their names, groups and materials. Source: Wavefront, Advanced Visualizer, appendix B1.
+"""Blocks of an OBJ, in a child process (:mod:`structures.files.foreign`): its polygons, with their names, groups and materials.
+
+Source: Wavefront, Advanced Visualizer, appendix B1.
 
 Curved surfaces, and files that it calls, would be blocks, too, and are refused by line; lines of other words that could be are counted.
 """
@@ -12,8 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.foundation.errors import InputError
-from structures.files.entries import Entry, Read, lines_of
+from structures.files.foreign import Answer, Piece, Refused
 from structures.files.shells import shells
 
 ELSEWHERE = ("call", "csh", "surf", "bzp", "bsp", "cdc", "cdp", "res", "con")  # bring faces
@@ -25,19 +26,22 @@ LOOKS = (
 MOST = 5  # words that a line names
 
 
-def read(path: Path) -> Read:
+def read(path: Path) -> Answer:
     """Objects (``o``; ``g`` where there are none, else ``usemtl``) with their faces; indices count from one, or back from the end.
 
     The group of an object is its ``g``, or else its material. A file that names none of them is a soup of closed shells. Where a name
     comes more than once, closed shells are blocks of their own, ``name.0``, ``name.1`` ..., and open ones belong together.
 
     Raises:
-        InputError: a line that is wrong, or brings faces that are not read.
+        Refused: a line that is wrong, or brings faces that are not read.
     """
     points: list[list[float]] = []
     objects: dict[str, list[list[list[int]]]] = {}
     groups: dict[str, str] = {}
-    lines = lines_of(path, path.name)
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except UnicodeDecodeError:
+        raise Refused(path.name, "no text in UTF-8") from None
     named = {line[:2].strip() for line in lines if line[:2] in ("o ", "g ")}
     mark = "o" if "o" in named else "g"
     name, last, unread = "", {"g": "", "usemtl": ""}, Counter[str]()
@@ -46,7 +50,7 @@ def read(path: Path) -> Read:
         try:
             if word == "v":
                 if len(rest) < 3:
-                    raise InputError(path.name, f"line {number}: a vertex has three coordinates: {line.strip()[:60]}")
+                    raise Refused(path.name, f"line {number}: a vertex has three coordinates: {line.strip()[:60]}")
                 points.append([float(x) for x in rest[:3]])
             elif word == mark:
                 name = " ".join(rest) or "b0"
@@ -56,31 +60,29 @@ def read(path: Path) -> Read:
             elif word == "f":
                 corners = [int(corner.split("/")[0]) for corner in rest]
                 if len(corners) < 3 or 0 in corners:
-                    raise InputError(path.name, f"line {number}: a face has three corners or more, counted from 1: {line.strip()[:60]}")
+                    raise Refused(path.name, f"line {number}: a face has three corners or more, counted from 1: {line.strip()[:60]}")
                 objects.setdefault(name, [[]])[-1].append([i - 1 if i > 0 else len(points) + i for i in corners])
                 groups.setdefault(name, (last["g"] if mark == "o" else "") or last["usemtl"])
             elif word in ELSEWHERE:
-                raise InputError(
+                raise Refused(
                     path.name, f"line {number}: {word} brings faces that are not read; write them as polygons: {line.strip()[:60]}"
                 )
             elif word and word not in LOOKS:
                 unread[word] += 1
-        except InputError:
-            raise
         except ValueError:
-            raise InputError(path.name, f"line {number}: no number where one belongs: {line.strip()[:60]}") from None
-    found = []
+            raise Refused(path.name, f"line {number}: no number where one belongs: {line.strip()[:60]}") from None
+    found: list[Piece] = []
     vertices = np.array(points).reshape(-1, 3)
     for name, group, faces in _apart(objects, groups):
         used = sorted({i for face in faces for i in face})
         if used[0] < 0 or used[-1] >= len(vertices):
-            raise InputError(path.name, f'block "{name or "b0"}": a face names a vertex outside 1 to {len(vertices)}')
+            raise Refused(path.name, f'block "{name or "b0"}": a face names a vertex outside 1 to {len(vertices)}')
         number_of = {old: new for new, old in enumerate(used)}
         own = (vertices[used], tuple(tuple(number_of[i] for i in face) for face in faces))
         apart = [own] if name else shells(*own)
-        found += [Entry(name or f"b{k}", [shell], group) for k, shell in enumerate(apart)]
+        found += [Piece(len(found) + k, name or f"b{k}", *shell, group) for k, shell in enumerate(apart)]
     said = ", ".join(f"{count} of {word[:20]}" for word, count in list(unread.items())[:MOST])
-    return found, (), [f"{path.name}: lines not read: {said}"] if unread else []
+    return Answer(found, (), [f"{path.name}: lines not read: {said}"] if unread else [])
 
 
 def _apart(objects: dict[str, list[list[list[int]]]], groups: dict[str, str]) -> Iterator[tuple[str, str, list[list[int]]]]:

@@ -37,7 +37,7 @@ def read(path: Path) -> Answer:
         if name not in READ:
             raise Refused(file.name, f"of a folder {', '.join(f'.{one}' for one in READ)} are read, which state no unit")
         module, _, function = FORMATS[name].reader.partition(":")
-        made = _of_obj(file) if name == "obj" else getattr(import_module(module), function)(file)
+        made = getattr(import_module(module), function)(file)
         numbers = list(dict.fromkeys(piece.number for piece in made.pieces))
         first, names = len(pieces), [f"{file.stem}.{k}" for k in range(len(numbers))] if len(numbers) > 1 else [file.stem]
         for piece in made.pieces:
@@ -48,18 +48,6 @@ def read(path: Path) -> Answer:
         raise Refused(path.name, f"no mesh in this folder; {', '.join(f'.{one}' for one in READ)} are read")
     kinds = ", ".join(f"{count} {what}" for what, count in sorted(unread.items()))
     return Answer(pieces, (), [*notes, *([f"{path.name}: files that are no meshes not read: {kinds}"] if kinds else [])])
-
-
-def _of_obj(file: Path) -> Answer:
-    """The objects of an OBJ, whose reader gives entries of blocks."""
-    from masonry_cd.foundation.errors import InputError
-    from structures.files import objfile
-
-    try:
-        entries, _, notes = objfile.read(file)
-    except InputError as failure:
-        raise Refused(*failure.faults[0][:2]) from None
-    return Answer([Piece(k, e.name, *shell, e.group) for k, e in enumerate(entries) for shell in e.shells], (), notes)
 
 
 def _in_order(file: Path) -> list[tuple[int, str]]:

@@ -180,28 +180,33 @@ def _checked(shell: Polyhedron, block: Block) -> Polyhedron:
         raise Unsound(f'block "{block.name}"', f"vertex {row} is more than {LARGEST:g} m away from the origin", [block.name])
     if len(shell.faces) < 4:
         raise Unsound(f'block "{block.name}"', f"open shell, it has only {len(shell.faces)} faces", [block.name])
-    refuse_corners(block)
-    last = len(vertices) - 1
+    _refuse_faces(shell, block, "")
     for number, face in enumerate(shell.faces):
         if len(face) < 3 or len(set(face)) < len(face):
             raise Unsound(f'block "{block.name}"', f"face {number} is degenerate, it needs 3 or more different vertices", [block.name])
-        if min(face) < 0 or max(face) > last:
-            raise Unsound(f'block "{block.name}"', f"face {number} names a vertex outside 0 to {last}", [block.name])
     return shell
 
 
 def refuse_corners(block: Block, source: str = "") -> None:
-    """Refuse faces of more corners than are checked in a while.
+    """Refuse faces of more corners than are checked in a while, and of corners that there are not.
 
     Raises:
         Unsound: names the block and the face.
     """
-    for number, face in enumerate(block.faces):
+    for shell in (block, *block.parts):
+        _refuse_faces(shell, block, source)
+
+
+def _refuse_faces(shell: Block | Polyhedron, block: Block, source: str) -> None:
+    """See :func:`refuse_corners`, of the shell of a block or of one of its parts."""
+    where, last = f'{source}: block "{block.name}"' if source else f'block "{block.name}"', len(shell.vertices) - 1
+    for number, face in enumerate(shell.faces):
         if len(face) > MOST_CORNERS:
-            where = f'{source}: block "{block.name}"' if source else f'block "{block.name}"'
             raise Unsound(
                 where, f"face {number} has {len(face)} corners, at most {MOST_CORNERS} are allowed; make it coarser", [block.name]
             )
+        if face and (min(face) < 0 or max(face) > last):
+            raise Unsound(where, f"face {number} names a vertex outside 0 to {last}", [block.name])
 
 
 def _check_closed(blocks: Sequence[Block], shells: Shells) -> None:

@@ -19,7 +19,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron, sixfold_volumes, triangles
@@ -27,6 +26,7 @@ from masonry_cd.mechanics.model.polygon import clip, clip_loops, loop_area, loop
 from structures.geometry.checks import FLATNESS, WARPED, Unsound, check, warp
 from structures.geometry.loops import open_edges, single_loop
 from structures.geometry.merge_coplanar import merge_coplanar
+from structures.geometry.near_points import numbered
 from structures.geometry.prism import box
 from structures.size import MOST_BENT
 
@@ -235,7 +235,7 @@ def _below(cell: Cell, normal: np.ndarray, offset: float, on: float, own: int = 
     reaching = np.minimum.reduceat(heights[corners], start[:-1]) < -on  # the other faces lie above or in the plane
     corners, counts = corners[np.repeat(reaching, np.diff(start))], np.diff(start)[reaching]
     cut, ends, _ = clip_loops(cell.vertices[corners], np.cumsum([0, *counts]), -heights[corners], on)
-    points, index = _numbered(cut, on)
+    points, index = numbered(cut, on)
     faces = [tuple(dict.fromkeys(part.tolist())) for part in np.split(index, ends[1:-1])]
     rim = single_loop([(b, a) for a, b in open_edges(faces)])
     if rim is None:  # where faces are warped, or slivers
@@ -250,15 +250,6 @@ def _starts(loops: Sequence[Any]) -> np.ndarray:
 def _heights(points: np.ndarray, normal: np.ndarray, offset: float) -> np.ndarray:
     """Distances (n,) of points (n, 3) from a plane [m]; BLAS would round otherwise on another processor."""
     return np.asarray(np.sum(points * normal, axis=1) - offset)
-
-
-def _numbered(points: np.ndarray, on: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points closer than a tolerance once, and the number of each."""
-    pairs = cKDTree(points).query_pairs(on, output_type="ndarray")
-    first = np.arange(len(points))
-    np.minimum.at(first, pairs[:, 1], pairs[:, 0])
-    used, index = np.unique(first, return_inverse=True)
-    return points[used], index
 
 
 def _convex_loops(vertices: np.ndarray, face: tuple[int, ...]) -> list[tuple[int, ...]]:

@@ -13,11 +13,11 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 from masonry_cd.mechanics.model.polygon import loop_normal, loop_planes
 from structures.geometry.compound_block import GRID
+from structures.geometry.near_points import numbered
 
 ON = 1e-6  # planes closer than this are one [m]
 OPPOSITE = -1.0 + 1e-9  # cosine of the angle between the normals of two faces that lie on each other
@@ -36,7 +36,7 @@ def outer_shell(parts: Sequence[Polyhedron]) -> Polyhedron:
         for loop, normal, offset in zip(own, *planes[k], strict=True):
             hidden = [loops[j][i] for j in range(len(parts)) if j != k for i in _facing(planes[j], normal, offset)]
             outer += list(_left(loop, normal, hidden)) if hidden else [loop]
-    points, numbers = _numbered(np.concatenate(outer))
+    points, numbers = numbered(np.concatenate(outer), GRID)
     ends = np.cumsum([len(loop) for loop in outer])[:-1]
     faces = [tuple(dict.fromkeys(own.tolist())) for own in np.split(numbers, ends)]
     faces = [_without_spurs(_with_corners_between(points, face)) for face in faces if len(face) > 2]
@@ -72,17 +72,6 @@ def _left(loop: np.ndarray, normal: np.ndarray, hidden: Sequence[np.ndarray]) ->
         return
     for polygon in polygons(left):
         yield from (loop[0] + piece @ plane.T for piece in convex_pieces(polygon))
-
-
-def _numbered(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points closer than the grid once, and the number of each."""
-    pairs = cKDTree(points).query_pairs(GRID, output_type="ndarray")
-    first = np.arange(len(points))
-    for _ in range(3):  # the first of those near it, and of what is near that
-        np.minimum.at(first, pairs[:, 1], first[pairs[:, 0]])
-        np.minimum.at(first, pairs[:, 0], first[pairs[:, 1]])
-    used, numbers = np.unique(first, return_inverse=True)
-    return points[used], numbers
 
 
 def _with_corners_between(points: np.ndarray, face: tuple[int, ...]) -> tuple[int, ...]:

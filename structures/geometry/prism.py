@@ -36,19 +36,6 @@ def rectangle(x0: float, x1: float, z0: float, z1: float) -> np.ndarray:
     return np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
 
 
-def prism(polygon: np.ndarray, axis: int, near: float, far: float) -> tuple[np.ndarray, Faces]:
-    """Extrude a polygon of an upright plane across it.
-
-    Args:
-        polygon: (n, 2) corners s, z [m], s being x (axis 0) or y (axis 1).
-        near, far: the two end planes on the other horizontal axis [m].
-    """
-    vertices, faces = prism_xz(polygon, near, far)
-    if axis == 0:
-        return vertices, faces
-    return vertices[:, [1, 0, 2]], tuple(tuple(reversed(face)) for face in faces)
-
-
 def between(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, Faces]:
     """The solid between two polygons (n, 3) with as many corners, side by side: frusta, voussoirs of domes.
 

@@ -35,6 +35,7 @@ from structures.bridge.spandrels import STEP, bed_over, pieces
 from structures.bridge.table import AbutmentTable, BridgeTable, SpanTable, SupportTable, WallTable
 from structures.courser import wall_plan
 from structures.courser.bond import LEAST_BOND, cleared
+from structures.courser.courses import divided
 from structures.geometry.prism import box, prism_xz, rectangle
 from structures.kind import Keys, StructureKind, scaled, value_of
 from structures.macro_elements import AROUND, EAST, HINGES, NORTH, OVERTURNING, WEST, Layout, MacroElement
@@ -195,8 +196,7 @@ def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]
     ]
     sizes = wall_plan.Sizes(tier.course, tier.unit)
     blocks = square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, density)
-    ends = np.linspace(start, end, max(1, round((end - start) / tier.unit)) + 1)
-    for number, (x0, x1) in enumerate(pairwise(ends), start=1):
+    for number, (x0, x1) in enumerate(pairwise(divided(start, end, tier.unit)), start=1):
         slab = box((x0, -half, high), (x1, half, high + max(0.5 * tier.course, 0.15 * wide)))
         blocks.append(Block(f"channel_slab.{number}", *slab, density, "channel"))
     return blocks

@@ -24,7 +24,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.mechanics.model.blocks import Block, Carried
-from masonry_cd.mechanics.model.fill import Fill, FillFace
+from masonry_cd.mechanics.model.fill import RIDDEN, Fill, FillFace
 from masonry_cd.mechanics.model.geometry import mass_properties
 from structures import Made, size
 from structures.bridge.layout import Layout, layout_of
@@ -37,7 +37,6 @@ from structures.kind import Keys, StructureKind, scaled, value_of
 from structures.macro_elements import AROUND, EAST, HINGES, NORTH, OVERTURNING, SOUTH, WEST, MacroElement
 from structures.macro_elements import Layout as Groups
 
-RIDDEN = ("extrados", "top")  # faces on which the fill lies
 TURN = 5.0  # by which the friction angle of fill is varied [degrees]
 
 

@@ -11,13 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-import numpy as np
-
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from structures.courser import rings
 from structures.courser.arch_profiles import ring as circle
 from structures.courser.columns import ColumnTable, column
+from structures.courser.courses import divided
 from structures.courser.vault_courses import barrel
 from structures.courser.wall_plan import Opening, Sizes, Wall, natural_ring
 from structures.geometry.prism import box
@@ -325,10 +324,9 @@ def roof_plates(church: Church) -> list[Block]:
         for side in (-1.0, 1.0):
             cut = [church.tower_x] if keys.tower and side > 0 and inner + t > church.outer - 1e-9 else []
             for x0, x1 in _stretches(t + GAP, church.length - t - GAP, cut):
-                ends = np.linspace(x0, x1, max(1, round((x1 - x0) / max(3.0, 2.0 * church.unit))) + 1)
                 y0, y1 = sorted((side * (inner + 0.2 * t), side * (inner + 0.8 * t)))
                 heavy = keys.roof_mass * carried / (PLATE * 0.6 * t)
-                for low, high in pairwise(ends):
+                for low, high in pairwise(divided(x0, x1, max(3.0, 2.0 * church.unit))):
                     label = f"plate_{name}_{'south' if side < 0 else 'north'}.{len(found) + 1}"
                     found.append(Block(label, *box((low, y0, z), (high, y1, z + PLATE)), heavy, "roof"))
     return found

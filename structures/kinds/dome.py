@@ -16,13 +16,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.courser import rings
+from structures.courser.courses import divided
 from structures.kind import Keys, StructureKind, scaled, straight_joints, value_of
 from structures.layout.ground import ground
 from structures.macro_elements import whole
@@ -72,8 +72,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         thick = keys.drum_thickness or 1.6 * keys.thickness
         if thick < keys.thickness:
             raise InputError("structure.drum_thickness", f"must be at least that of the dome, {keys.thickness:g} m, got {thick:g}")
-        courses = max(1, round(keys.drum_height / keys.thickness))
-        rows = rings.wall_rows("drum", inner, thick, list(np.linspace(0.0, keys.drum_height, courses + 1)))
+        rows = rings.wall_rows("drum", inner, thick, divided(0.0, keys.drum_height, keys.thickness))
         level = keys.drum_height
     elif keys.drum_thickness is not None:
         raise InputError("structure.drum_height", "missing; it makes the drum whose thickness is given")

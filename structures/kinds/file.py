@@ -17,6 +17,7 @@ from structures import Made
 from structures.files import blockfile, fillfile, meshfile
 from structures.files.blockfile import METRES, sound
 from structures.files.formats import CAD, endings, format_of
+from structures.files.json_object import load
 from structures.files.supports import HOW, Rules, with_supports
 from structures.geometry.checks import Unsound, check, check_shells, deepest_overlap, refuse_corners
 from structures.geometry.flatten import flattened
@@ -77,7 +78,7 @@ def _fill_of(keys: FileTable, folder: Path) -> tuple[Mapping[str, Any], str]:
         raise InputError("structure.fill", f"belongs to blocks in other formats; {path.name} holds its own")
     if not is_file(folder / keys.fill):
         raise InputError("structure.fill", f'no file "{keys.fill}" in {folder}')
-    return blockfile.load(folder / keys.fill, fillfile.FILLS), Path(keys.fill).name
+    return load(folder / keys.fill, fillfile.FILLS), Path(keys.fill).name
 
 
 def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], list[str]]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Plans of buildings from files: drawings in DXF, models in IFC, and tables in JSON, as tables of ``kind = "building"``.
 
-:func:`open_plan` says what a file holds and what of it was not understood; :func:`read` is its tables alone.
+:func:`open_plan` says what a file holds and what of it was not understood.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from masonry_cd.foundation.errors import Fault
     from structures.plans.keys import PlanKeys
-    from structures.plans.recognised import Left
+    from structures.plans.recognised import Left, Recognised
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 UNITS_OF_CODE = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # $INSUNITS
@@ -39,11 +39,6 @@ class Plan(NamedTuple):
         """All that a file of a name says."""
         lists = {key: value for key, value in tables.items() if isinstance(value, list)}
         return cls(tables, [], [], {}, (0.0, 0.0), {key: [(name, i) for i in range(len(value))] for key, value in lists.items()}, [])
-
-
-def read(path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a plan, see :func:`open_plan`."""
-    return open_plan(path, keys).tables
 
 
 def open_plan(path: Path, keys: Mapping[str, Any], origin: tuple[float, float] | None = None) -> Plan:
@@ -79,36 +74,22 @@ def open_plan(path: Path, keys: Mapping[str, Any], origin: tuple[float, float] |
 
 def _model(path: Path) -> Plan:
     """The plan of an IFC."""
-    from masonry_cd.foundation.errors import InputError
     from structures.files import foreign
-    from structures.plans.ifc_model import elements_of, read_model
-    from structures.plans.recognised import counted
+    from structures.plans.ifc_model import element_of, read_model
 
-    pieces, _, unread = foreign.read("structures.plans.ifc_file:read", path)
-    try:
-        elements = elements_of(pieces)
-    except ValueError as failure:
-        raise InputError(path.name, str(failure)) from None
-    found = read_model(elements, path.name)
-    notes = [*unread, *found.notes]
-    if found.left:
-        notes += [f"{path.name}: {len(found.left)} elements are not understood:", *(f"  {line}" for line in counted(found.left))]
-    return Plan.of(path.name, found.tables)._replace(notes=notes, left=found.left)
+    elements, _, unread = foreign.read("structures.plans.ifc_file:read", path, of=element_of)
+    return _plan(path.name, [*unread], read_model(elements, path.name), "elements")
 
 
 def _drawing(path: Path, keys: PlanKeys, origin: tuple[float, float] | None) -> Plan:
     """The plan of a DXF."""
     from masonry_cd.foundation.errors import InputError
     from structures.files import foreign
-    from structures.plans.entities import from_pieces
+    from structures.plans.entities import entity_of
     from structures.plans.places import drawn_about
-    from structures.plans.recognised import counted, recognise
+    from structures.plans.recognised import recognise
 
-    pieces, figures, unread = foreign.read("structures.plans.dxf_file:read", path)
-    try:
-        entities = from_pieces(pieces)
-    except ValueError as failure:
-        raise InputError(path.name, str(failure)) from None
+    entities, figures, unread = foreign.read("structures.plans.dxf_file:read", path, of=entity_of)
     stated = UNITS_OF_CODE.get(int(figures[0]))
     unit = keys.units or stated
     if unit is None:
@@ -126,11 +107,16 @@ def _drawing(path: Path, keys: PlanKeys, origin: tuple[float, float] | None) -> 
         scaled = [e.scaled(1.0, origin) for e in scaled]
     with drawn_about(origin):
         found = recognise(scaled, keys, path.name)
-    notes += found.notes
-    if found.left:
-        notes.append(f"{path.name}: {len(found.left)} entities are not understood:")
-        notes += [f"  {line}" for line in counted(found.left)]
-    return Plan.of(path.name, found.tables)._replace(notes=notes, left=found.left, faults=found.faults, origin=origin)
+    return _plan(path.name, notes, found, "entities")._replace(origin=origin)
+
+
+def _plan(name: str, notes: Sequence[str], found: Recognised, what: str) -> Plan:
+    """The plan of a file of which some was recognised, with what there is to say of it before."""
+    from structures.plans.recognised import counted
+
+    left = [f"{name}: {len(found.left)} {what} are not understood:", *(f"  {line}" for line in counted(found.left))]
+    said = [*notes, *found.notes, *(left if found.left else [])]
+    return Plan.of(name, found.tables)._replace(notes=said, left=found.left, faults=found.faults)
 
 
 def _doubt_unit(places: Sequence[np.ndarray], unit: str, name: str) -> None:

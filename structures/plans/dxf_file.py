@@ -16,10 +16,11 @@ import numpy as np
 
 from structures.files.drawing import DAMAGED, Shown, opened, sheets_line, shown
 from structures.files.foreign import Answer, Refused
-from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity, to_pieces
+from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity
 
 MOST = 200_000  # entities of a plan: a drawing of a whole town has as many
 LONGEST = 300  # characters of a text that are read: a mark has thirty
+MOST_BULGE = 1e4  # of an arc: with more it is a whole circle to a thousandth of a degree
 FARTHEST = 1e12  # of a place from the origin, in units of the file
 LETTER = 0.8  # width of a letter over its height
 CHORD = 1e-3  # of the extent of an ellipse or a spline, by which its chords may be off
@@ -34,11 +35,13 @@ def read(path: Path) -> Answer:
     drawing, mended = opened(path, mend=True)
     entities: list[Entity] = []
     for item in shown(drawing):
-        entities += _read_one(item)
+        entities += (own := _read_one(item))
+        if any(one.kind == PATH and np.abs(one.points[:, 2]).max(initial=0.0) > MOST_BULGE for one in own):
+            raise Refused(path.name, f"{item.kind} {item.handle} on layer {item.layer} has a bulge of more than {MOST_BULGE:g}")
         if len(entities) > MOST:
             raise Refused(path.name, f"more than {MOST} entities; keep those of one floor")
     units = drawing.header.get("$INSUNITS", 0)
-    return Answer(to_pieces(entities), [float(units) if isinstance(units, int) else 0.0, float(mended)], sheets_line(drawing, path.name))
+    return Answer(entities, [float(units) if isinstance(units, int) else 0.0, float(mended)], sheets_line(drawing, path.name))
 
 
 def _read_one(item: Shown) -> list[Entity]:

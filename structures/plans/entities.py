@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a drawing holds, as values: outlines, paths, texts, inserts, and what is none of these, each with its handle and its layer.
 
-A child process reads them from the file (:mod:`structures.plans.dxf_file`); they cross over as pieces of :mod:`structures.files.foreign`.
+A child process reads them from the file (:mod:`structures.plans.dxf_file`), in the order of their fields, by which :func:`entity_of` makes
+them again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from structures.files.foreign import Piece
+from structures.files.foreign import points_of
 
-MOST_BULGE = 1e4  # of an arc: with more it is a whole circle to a thousandth of a degree
 LONGEST_NAME = 255  # characters, of a layer in DXF
 PATH, TEXT, INSERT, OTHER = KINDS = ("path", "text", "insert", "other")
 
@@ -45,31 +45,17 @@ class Entity(NamedTuple):
         return shapely.LineString(self.points[[0, -1], :2])
 
 
-def to_pieces(entities: Iterable[Entity]) -> list[Piece]:
-    """Entities as a reader's answer."""
-    return [
-        Piece(KINDS.index(e.kind), "\n".join((e.handle, e.owner, e.drawn_as, e.text)), e.points, (), e.layer, e.closed, e.width)
-        for e in entities
-    ]
-
-
-def from_pieces(pieces: Iterable[Piece]) -> list[Entity]:
-    """Entities of a reader's checked answer.
+def entity_of(kind: Any, handle: str, drawn_as: str, layer: str, points: Any, text: str, closed: Any, width: Any, owner: str) -> Entity:
+    """An entity of a reader's answer.
 
     Raises:
-        ValueError: no answer of ours, or places that are no numbers.
+        ValueError, TypeError, AttributeError: no answer of ours, or places that are no numbers.
     """
-    found = []
-    for piece in pieces:
-        handle, owner, drawn_as, text = piece.name.split("\n", 3)
-        if not (0 <= piece.number < len(KINDS) and np.isfinite(piece.vertices).all() and np.isfinite(piece.density)):
-            raise ValueError(f"{drawn_as} {handle} on layer {piece.group} has places that are no numbers")
-        if piece.number == KINDS.index(PATH) and np.abs(piece.vertices[:, 2]).max(initial=0.0) > MOST_BULGE:
-            raise ValueError(f"{drawn_as} {handle} on layer {piece.group} has a bulge of more than {MOST_BULGE:g}")
-        handle, owner, drawn_as, layer = (_plain(words) for words in (handle, owner, drawn_as, piece.group))
-        text = "\n".join(map(_plain, text.split("\n")))
-        found.append(Entity(KINDS[piece.number], handle, drawn_as, layer, piece.vertices, text, piece.fixed, piece.density, owner))
-    return found
+    places = points_of(points)
+    if kind not in KINDS or not (np.isfinite(places).all() and np.isfinite(width)):
+        raise ValueError(f"{drawn_as} {handle} has places that are no numbers")
+    text = "\n".join(map(_plain, text.split("\n")))
+    return Entity(kind, _plain(handle), _plain(drawn_as), _plain(layer), places, text, bool(closed), float(width), _plain(owner))
 
 
 def _plain(words: str) -> str:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Elements of a building model in IFC, by ifcopenshell (the optional extra ``ifc``), in a child process (:mod:`structures.files.foreign`).
 
-Each wall, opening, column, slab and roof comes as a piece: corners and triangles in metres in the world, z up, walls without their openings
-cut out; its class, GlobalId, name, storey and, of an opening, its wall stand in its name. What has a shape and is of another class is
-counted. The unit is that of the model. Source: ISO 16739-1 (IFC 4), IFC 2x3.
+Each wall, opening, column, slab and roof comes by its class, GlobalId, name, storey and, of an opening, its wall, with its corners and
+triangles in metres in the world, z up, walls without their openings cut out. What has a shape and is of another class is counted. The unit
+is that of the model. Source: ISO 16739-1 (IFC 4), IFC 2x3.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from masonry_cd.foundation.extras import require
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import Answer, Faces, Refused
 
 WALLS, OPENINGS, COLUMNS, SLABS, ROOFS = "IfcWall", "IfcOpeningElement", "IfcColumn", "IfcSlab", "IfcRoof"
 READ = (WALLS, OPENINGS, COLUMNS, SLABS, ROOFS)
@@ -30,7 +30,18 @@ PASSED = (
 )  # are no parts of it
 FILLINGS = ("IfcDoor", "IfcWindow")  # of openings
 MARK = b"ISO-10303-21"
-SEPARATOR = "\x1f"  # between what stands in the name of a piece
+
+
+class Shape(NamedTuple):
+    """An element as it is read."""
+
+    kind: str  # class of IFC
+    guid: str
+    name: str
+    storey: str
+    host: str  # of an opening, the wall's guid
+    vertices: np.ndarray  # (V, 3) [m]
+    faces: Faces  # triangles
 
 
 def read(path: Path) -> Answer:
@@ -53,14 +64,14 @@ def read(path: Path) -> Answer:
     for key, value in (("use-world-coords", True), ("disable-opening-subtractions", True), ("weld-vertices", True)):
         settings.set(key, value)
     unread: Counter[str] = Counter()
-    pieces = [*_pieces(model, lambda element: geom.create_shape(settings, element), unread)]
-    if not any(piece.group == WALLS for piece in pieces):
+    shapes = [*_shapes(model, lambda element: geom.create_shape(settings, element), unread)]
+    if not any(shape.kind == WALLS for shape in shapes):
         seen = f"; {', '.join(f'{count} {what}' for what, count in unread.items())}" if unread else ""
         raise Refused(path.name, f"no IfcWall with a shape in it{seen}")
-    return Answer(pieces, (), [f"{path.name}: {count} {what} not read" for what, count in sorted(unread.items())])
+    return Answer(shapes, (), [f"{path.name}: {count} {what} not read" for what, count in sorted(unread.items())])
 
 
-def _pieces(model: Any, shape_of: Any, unread: Counter[str]) -> Iterator[Piece]:
+def _shapes(model: Any, shape_of: Any, unread: Counter[str]) -> Iterator[Shape]:
     """The elements that are read; others with a shape are counted."""
     for element in model.by_type("IfcProduct"):
         kind = next((kind for kind in READ if element.is_a(kind)), "")
@@ -82,8 +93,7 @@ def _pieces(model: Any, shape_of: Any, unread: Counter[str]) -> Iterator[Piece]:
         points = np.array(shape.verts, dtype=float).reshape(-1, 3)
         faces = tuple(tuple(map(int, face)) for face in np.array(shape.faces, dtype=int).reshape(-1, 3))
         if len(points):
-            name = SEPARATOR.join((str(element.GlobalId), str(element.Name or ""), _storey(element), host))
-            yield Piece(len(points), name, points, faces, kind)
+            yield Shape(kind, str(element.GlobalId), str(element.Name or ""), _storey(element), host, points, faces)
 
 
 def _is(element: Any, kind: str) -> bool:

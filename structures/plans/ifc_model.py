@@ -18,13 +18,13 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.geometry import sixfold_volumes
-from structures.files.foreign import Piece
+from structures.files.foreign import piece_of
 from structures.plans.axes import Wall, walls_of
 from structures.plans.bands import Band, merged
 from structures.plans.edges import Edge
-from structures.plans.ifc_file import COLUMNS, OPENINGS, ROOFS, SEPARATOR, SLABS, WALLS
+from structures.plans.ifc_file import COLUMNS, OPENINGS, ROOFS, SLABS, WALLS
 from structures.plans.places import place
-from structures.plans.recognised import Left, axis_of
+from structures.plans.recognised import Left, Recognised, axis_of
 
 ALIKE = 0.02  # by how much a volume may differ from that of the wall or column that it is taken for
 LEVEL = 0.01  # heights that differ by less are one [m]
@@ -73,33 +73,20 @@ class _Straight(NamedTuple):
     top: np.ndarray  # (n, 2) distance along the middle line, z [m]
 
 
-class Read(NamedTuple):
-    """The building that a model describes."""
-
-    tables: dict[str, Any]
-    notes: list[str]
-    left: list[Left]
-
-
-def elements_of(pieces: Sequence[Piece]) -> list[Element]:
-    """The elements of a reader's answer.
+def element_of(kind: str, guid: str, name: str, storey: str, host: str, vertices: Any, faces: Any) -> Element:
+    """An element of a reader's answer.
 
     Raises:
-        ValueError: no answer of ours, or places that are no numbers.
+        ValueError, TypeError: no answer of ours, or places that are no numbers.
     """
-    found = []
-    for piece in pieces:
-        words = piece.name.split(SEPARATOR)
-        if len(words) != 4 or not np.isfinite(piece.vertices).all():
-            raise ValueError("its reader answers nonsense")
-        corners = (piece.vertices - piece.vertices.mean(axis=0))[np.array(piece.faces, dtype=np.int64).reshape(-1, 3)]
-        volume = abs(float(sixfold_volumes(corners).sum())) / 6.0
-        guid, name, storey, host = words
-        found.append(Element(piece.group, guid, name, storey, host, piece.vertices, volume))
-    return found
+    shape = piece_of(0, name, vertices, faces)
+    if not len(shape.vertices) or not np.isfinite(shape.vertices).all():
+        raise ValueError(f"{kind} {guid} has places that are no numbers")
+    corners = (shape.vertices - shape.vertices.mean(axis=0))[np.array(shape.faces, dtype=np.int64).reshape(-1, 3)]
+    return Element(kind, guid, shape.name, storey, host, shape.vertices, abs(float(sixfold_volumes(corners).sum())) / 6.0)
 
 
-def read_model(elements: Sequence[Element], source: str) -> Read:
+def read_model(elements: Sequence[Element], source: str) -> Recognised:
     """The tables of a model.
 
     Raises:
@@ -129,7 +116,7 @@ def read_model(elements: Sequence[Element], source: str) -> Read:
         table.get("openings", []).sort(key=lambda opening: (opening["at"], opening["sill"]))
     columns = [column for element in elements if element.kind == COLUMNS and (column := _column(element, left)) is not None]
     notes += [_slab_line(element, source) for element in elements if element.kind in (SLABS, ROOFS)]
-    return Read({"walls": tables, **({"columns": columns} if columns else {})}, notes, left)
+    return Recognised({"walls": tables, **({"columns": columns} if columns else {})}, notes, left, {})
 
 
 def _straight(element: Element, left: list[Left]) -> _Straight | None:

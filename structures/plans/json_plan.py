@@ -10,7 +10,7 @@ from typing import Any
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.files import read_bytes
+from structures.files.json_object import load
 
 OF_A_FILE = ("$schema", "comment")  # keys that say nothing of the building
 
@@ -21,18 +21,7 @@ def read_json(path: Path) -> dict[str, Any]:
     Raises:
         InputError: no JSON, no object, other units, or no walls; with the line of what is wrong.
     """
-    try:
-        plan = json.loads(read_bytes(path, path.name).decode("utf-8"))
-    except UnicodeDecodeError:
-        raise InputError(path.name, "is no text in UTF-8") from None
-    except json.JSONDecodeError as failure:
-        raise InputError(path.name, f"line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
-    except (ValueError, RecursionError):
-        raise InputError(path.name, "numbers too long or lists too deep for a plan") from None
-    except OSError as failure:
-        raise InputError(path.name, f"cannot be read: {failure.strerror}") from None
-    if not isinstance(plan, dict):
-        raise InputError(path.name, 'a plan is an object, {"units": "m", "walls": [...]}')
+    plan = load(path, "walls")
     if plan.get("units", "m") != "m":
         raise InputError(path.name, 'units: lengths of a plan in JSON are in metres, "m"; single ones may be texts with a unit, "30 cm"')
     if not isinstance(plan.get("walls"), list) or not plan["walls"]:

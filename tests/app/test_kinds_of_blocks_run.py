@@ -119,7 +119,7 @@ def test_rigid_uniform_and_meshed_blocks_come_to_rest_under_their_weight(tmp_pat
 @pytest.mark.parametrize("name", ["elastic", "tilt"])
 def test_a_run_that_was_stopped_ends_with_the_bits_of_one_that_was_not(tmp_path: Path, name: str, material: tuple[str, ...]) -> None:
     """Ctrl-C on its way, then --resume: all that the steps depend on is in the checkpoint."""
-    scene, keys = BITS / f"{name}.toml", ("run.duration=0.1", "report.stress=true")
+    scene, keys = BITS / f"{name}.toml", ("run.duration=0.05", "report.stress=true")
     assert run(scene, tmp_path / "whole", *keys, material=material).exit_code == 0
 
     with ctrl_c_before_step(12):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small_runs import ctrl_c_before_step
 
 import masonry_cd as mc
 from masonry_cd.app.case import prepare
@@ -63,11 +64,10 @@ def test_a_cyclic_push_has_loops_whose_energy_is_that_of_friction_and_gauges_tha
 
 
 def test_a_run_that_is_resumed_in_the_middle_of_a_push_has_the_same_bits(tmp_path: Path) -> None:
-    short = SCENE | {"run": {"dt": 5e-3, "duration": 0.4, "checkpoint_every": 0.0}}
-    scene = mc.scene(short)
+    scene = mc.scene(SCENE | {"run": {"dt": 5e-3, "duration": 0.2}})
     whole = mc.run(scene, tmp_path / "whole", progress=False)
-
-    run_case(prepare(scene.checked), tmp_path / "parts", limit=0.0)
+    with ctrl_c_before_step(20):
+        run_case(prepare(scene.checked), tmp_path / "parts")
     resumed = mc.resume(tmp_path / "parts", progress=False)
     assert not resumed.stopped
     first, second = whole.force_displacement(), resumed.force_displacement()

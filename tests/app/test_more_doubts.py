@@ -169,6 +169,12 @@ def test_the_block_that_rocks_too_fast_is_named():
     assert before_run(assembly(1.0, 0.1), still(10), 9.81, 3e-3) == []
 
 
+def test_remarks_on_the_step_name_one_step_that_meets_all_of_them():
+    remarks = before_run(assembly(1.0, 0.1), shaking(12.0, 1e-2), 9.81, 1e-2)
+    assert [line.rsplit(" dt ", 1)[1] for line in remarks] == ["0.003", "0.003"]  # by the shaking alone 0.008
+    assert before_run(assembly(1.0, 0.1), shaking(12.0, 3e-3), 9.81, 3e-3) == []
+
+
 def test_a_block_that_could_pass_through_another_is_named(tmp_path):
     cubes = [box("thin", (0, 0, 0), (0.5, 0.5, 0.02)), box("cube", (1, 0, 0), (1.5, 0.5, 0.5))]
     state = at_rest([PLATE, *cubes])

@@ -22,67 +22,52 @@ from masonry_cd.foundation.quantities import force, in_words, length
 from masonry_cd.foundation.system import STOPPING
 
 
-@pytest.mark.parametrize(
-    ("seconds", "words"), [(0.0123, "0.012 s"), (12.34, "12.3 s"), (59.99, "60.0 s"), (245, "4 min 5 s"), (7800, "2 h 10 min")]
-)
-def test_times_in_words(seconds, words):
-    assert in_words(seconds) == words
+def test_numbers_in_words():
+    """Times, forces, and lengths, which below a nanometre get no digits."""
+    times = {0.0123: "0.012 s", 12.34: "12.3 s", 59.99: "60.0 s", 245: "4 min 5 s", 7800: "2 h 10 min"}
+    assert {seconds: in_words(seconds) for seconds in times} == times
+    forces = {1.05e6: "1.05 MN", 999_600.0: "1 MN", 12e3: "12 kN", 3.14159: "3.14 N", 0.0: "0 N"}
+    assert {newtons: force(newtons) for newtons in forces} == forces
+    lengths = {0.0: "0 m", 2.76e-13: "under 1 nm", -3e-12: "under 1 nm", 1e-9: "1 nm", 9.996e-10: "1 nm", 44.9e-9: "44.9 nm"}
+    lengths |= {1.66e-3: "1.66 mm", 2.0: "2 m", 459.0: "459 m", 5800.0: "5.8 km"}
+    assert {metres: length(metres) for metres in lengths} == lengths
 
 
-@pytest.mark.parametrize(("value", "words"), [(1.05e6, "1.05 MN"), (999_600.0, "1 MN"), (12e3, "12 kN"), (3.14159, "3.14 N"), (0.0, "0 N")])
-def test_forces_in_words(value, words):
-    assert force(value) == words
+class Terminal(io.StringIO):
+    """Where a person looks on."""
+
+    def isatty(self) -> bool:
+        return True
 
 
-@pytest.mark.parametrize(
-    ("done", "begin", "end"),
-    [(50, "step 50 of 200 (25 %), ", " left\n"), (250, "step 250 of 200, ", "so far, until all blocks are still\n")],
-)
-def test_plain_lines_tell_steps_and_time_left_or_what_is_waited_for(monkeypatch, done, begin, end):
+def shown_of(stream: io.StringIO, *done: int, of: int = 200, quiet: bool = False) -> str:
+    """What a stream gets of a run of some steps."""
+    with Progress(of, quiet=quiet, stream=stream) as show:
+        for steps in done:
+            show(steps)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize("stream", [io.StringIO, Terminal])
+@pytest.mark.parametrize("name", ["dumb", "unknown", ""])  # terminals that cannot go back
+def test_plain_lines_tell_steps_and_time_left_or_what_is_waited_for(monkeypatch, stream, name):
+    monkeypatch.setenv("TERM", name)
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
-    stream = io.StringIO()
-    with Progress(200, stream=stream) as show:
-        show(done)
-    assert stream.getvalue().startswith(begin)
-    assert stream.getvalue().endswith(end)
+    on_its_way, beyond = shown_of(stream(), 50), shown_of(stream(), 250)
+    assert on_its_way.startswith("step 50 of 200 (25 %), ") and on_its_way.endswith(" left\n")
+    assert beyond.startswith("step 250 of 200, ") and beyond.endswith("so far, until all blocks are still\n")
 
 
 def test_lines_come_no_more_often_than_asked_and_not_at_all_when_quiet(monkeypatch):
-    stream = io.StringIO()
-    with Progress(1000, stream=stream) as show:
-        for done in range(1, 1001):
-            show(done)
-    assert stream.getvalue() == ""
+    assert shown_of(io.StringIO(), *range(1, 1001), of=1000) == ""
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
-    with Progress(10, quiet=True, stream=stream) as show:
-        show(1)
-    assert stream.getvalue() == ""
+    assert shown_of(io.StringIO(), 1, of=10, quiet=True) == ""
 
 
 def test_a_terminal_gets_a_bar_with_the_time_left(monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
-
-    class Terminal(io.StringIO):
-        def isatty(self) -> bool:
-            return True
-
-    stream = Terminal()
-    with Progress(10, stream=stream) as show:
-        show(10)
-    assert "10/10" in stream.getvalue()
-    assert "100%" in stream.getvalue()
-    assert "left" in stream.getvalue()
-
-
-@pytest.mark.parametrize("name", ["dumb", "unknown", ""])
-def test_a_terminal_that_cannot_go_back_gets_plain_lines(monkeypatch, name):
-    monkeypatch.setenv("TERM", name)
-    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
-    stream = io.StringIO()
-    monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
-    with Progress(200, stream=stream) as show:
-        show(50)
-    assert stream.getvalue().startswith("step 50 of 200 (25 %), ")
+    said = shown_of(Terminal(), 10, of=10)
+    assert "10/10" in said and "100%" in said and "left" in said
 
 
 @pytest.mark.parametrize("number", STOPPING)
@@ -142,12 +127,6 @@ def test_a_run_under_nohup_is_not_stopped_by_its_terminal():
             interrupt.check()
     finally:
         signal.signal(signal.SIGHUP, former)
-
-
-def test_lengths_below_a_nanometre_are_not_given_digits():
-    assert [length(value) for value in (0.0, 2.76e-13, -3e-12, 1e-9, 9.996e-10, 44.9e-9, 1.66e-3, 2.0, 459.0, 5800.0)] == [
-        "0 m", "under 1 nm", "under 1 nm", "1 nm", "1 nm", "44.9 nm", "1.66 mm", "2 m", "459 m", "5.8 km",
-    ]  # fmt: skip
 
 
 def test_of_work_that_grows_no_time_is_promised(monkeypatch):

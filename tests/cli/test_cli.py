@@ -139,19 +139,14 @@ def test_quiet_says_nothing(block_on_plate, tmp_path):
     assert (result.exit_code, result.output) == (0, "")
 
 
-def test_more_threads_than_cores_are_reported(block_on_plate, tmp_path):
-    result = masonry_cd("run", block_on_plate(duration="duration = 0.01"), "-o", tmp_path / "out", "--set", "run.threads=1000", "-q")
-    used = json.loads((tmp_path / "out" / "summary.json").read_text())["solver"]["threads"]
-    assert result.exit_code == 0
-    assert f"run.threads: 1000 asked for, {used} used" in result.stderr
-
-
-def test_missed_tolerances_are_said_and_written_down(block_on_plate, tmp_path):
+def test_more_threads_than_cores_and_missed_tolerances_are_said_and_written_down(block_on_plate, tmp_path):
     scene = block_on_plate(friction="friction = 0.3", duration="duration = 0.01", amplitude="amplitude = 0.6")
-    result = masonry_cd("run", scene, "-o", tmp_path / "out", "--set", "run.max_iterations=1", "--set", "run.tolerance=1e-15", "-q")
-    missed = json.loads((tmp_path / "out" / "summary.json").read_text())["solver"]["steps_missed"]
-    assert missed > 0
-    assert f"{missed} of 10 steps missed the tolerance 1e-15" in result.stderr
+    changes = [word for key in ("max_iterations=1", "tolerance=1e-15", "threads=1000") for word in ("--set", f"run.{key}")]
+    result = done("run", scene, "-o", tmp_path / "out", "-q", *changes)
+    solver = json.loads((tmp_path / "out" / "summary.json").read_text())["solver"]
+    assert solver["steps_missed"] > 0
+    assert f"{solver['steps_missed']} of 10 steps missed the tolerance 1e-15" in result.stderr
+    assert f"run.threads: 1000 asked for, {solver['threads']} used" in result.stderr
 
 
 def test_a_folder_with_a_run_is_kept_unless_forced(block_on_plate, tmp_path):
@@ -233,15 +228,8 @@ def test_a_folder_that_may_not_be_written_is_refused_before_the_run(block_on_pla
 @pytest.mark.slow(reason="a process of its own loads the kernels anew")
 def test_ctrl_c_leaves_readable_results(block_on_plate, tmp_path):
     out = tmp_path / "out"
-    command = [
-        sys.executable,
-        "-m",
-        "masonry_cd",
-        "run",
-        str(block_on_plate(duration="duration = 3000.0\ncheckpoint_every = 0.1")),
-        "-o",
-        str(out),
-    ]
+    scene = block_on_plate(duration="duration = 3000.0\ncheckpoint_every = 0.1")
+    command = [sys.executable, "-m", "masonry_cd", "run", str(scene), "-o", str(out)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     while not (out / "checkpoint.npz").exists() and process.poll() is None:
         time.sleep(0.05)

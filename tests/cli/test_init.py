@@ -68,7 +68,7 @@ def test_a_starter_is_built_and_runs(kind, tmp_path):
     scene = tmp_path / "scene.toml"
     said, trust = init(kind, "-o", scene).stdout, ["--trust"] if kind == "solid" else []
     assert ("--trust" in said) == bool(trust)
-    built = done("build", scene, "-o", tmp_path / "built", *trust)
+    built = done("build", scene, "-o", tmp_path / "built", "--no-picture", *trust)
     assert ("loose spheres" if kind == "packing" else "1 piece") in built.stdout
     coarse = ["structure.block_length=2.5"] if kind == "church" else []  # its joints take up the weight of 945 blocks in 8 s
     words = [word for change in (*SHORT, *coarse, "report.crack_map=false", "report.html=false") for word in ("--set", change)]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -124,42 +125,51 @@ print(scaled_twice(1.0), sum(getattr(scaled_twice, "outer", scaled_twice).stats.
 """
 
 
+def run_kernel(folder: Path, factor: float, caller: str = CALLER, **environment: str) -> tuple[float, int]:
+    """Run a kernel whose callee, in another file, multiplies by a factor: the result, and how many versions were compiled."""
+    (folder / "kernel_below.py").write_text(CALLEE.format(factor=factor))
+    (folder / "kernel_above.py").write_text(caller)
+    result, compiled = in_python(PROGRAM, folder, **environment).split()
+    return float(result), int(compiled)
+
+
+def in_python(program: str, folder: Path, **environment: str) -> str:
+    """What a program prints that finds the kernels in a folder."""
+    places = {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "NUMBA_CACHE_DIR": str(folder / "cache")}
+    settings = os.environ | places | environment
+    return subprocess.run([sys.executable, "-c", program], env=settings, capture_output=True, text=True, check=True).stdout.strip()
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the kernels and what was kept of them as they were compiled, for a factor of two."""
+    folder = tmp_path_factory.mktemp("kernels")
+    assert run_kernel(folder, 2.0) == (4.0, 1)
+    return folder
+
+
 @pytest.fixture
-def run_kernel(tmp_path):
-    """Runs a kernel whose callee, in another file, multiplies by a factor: the result, and how many versions were compiled."""
-
-    def run(factor: float, caller: str = CALLER, **environment: str) -> tuple[float, int]:
-        (tmp_path / "kernel_below.py").write_text(CALLEE.format(factor=factor))
-        (tmp_path / "kernel_above.py").write_text(caller)
-        root = str(ROOT)
-        paths = os.pathsep.join([str(tmp_path), root])
-        settings = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(tmp_path / "cache")} | environment
-        done = subprocess.run([sys.executable, "-c", PROGRAM], env=settings, capture_output=True, text=True, check=True)
-        result, compiled = done.stdout.split()
-        return float(result), int(compiled)
-
-    return run
+def kept(made: Path, tmp_path: Path) -> Path:
+    """A copy of that folder."""
+    return shutil.copytree(made, tmp_path, dirs_exist_ok=True)
 
 
-def test_an_edited_callee_in_another_file_makes_its_callers_anew(run_kernel):
-    assert run_kernel(2.0) == (4.0, 1)
-    assert run_kernel(2.0) == (4.0, 0)
-    assert run_kernel(3.0) == (9.0, 1)
-    assert run_kernel(3.0) == (9.0, 0)
+def test_an_edited_callee_in_another_file_makes_its_callers_anew(kept):
+    assert run_kernel(kept, 2.0) == (4.0, 0)
+    assert run_kernel(kept, 3.0) == (9.0, 1)
 
 
-def test_kernels_that_are_given_kernels_are_kept(run_kernel):
-    assert run_kernel(2.0, GIVING) == (9.0, 1)
-    assert run_kernel(2.0, GIVING) == (9.0, 0)
-    assert run_kernel(1.0, GIVING) == (4.0, 1)
+def test_kernels_that_are_given_kernels_are_kept(tmp_path):
+    assert run_kernel(tmp_path, 2.0, GIVING) == (9.0, 1)
+    assert run_kernel(tmp_path, 2.0, GIVING) == (9.0, 0)
+    assert run_kernel(tmp_path, 1.0, GIVING) == (4.0, 1)
 
 
-def test_a_damaged_cache_is_compiled_anew(run_kernel, tmp_path):
-    assert run_kernel(2.0) == (4.0, 1)
-    for file in (tmp_path / "cache").rglob("*.nb[ci]"):
+def test_a_damaged_cache_is_compiled_anew(kept):
+    for file in (kept / "cache").rglob("*.nb[ci]"):
         file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
-    assert run_kernel(2.0)[0] == 4.0
-    assert run_kernel(2.0) == (4.0, 0)
+    assert run_kernel(kept, 2.0)[0] == 4.0
+    assert run_kernel(kept, 2.0) == (4.0, 0)
 
 
 LATER = """
@@ -172,36 +182,28 @@ def once_more(x):
 """
 
 
-def test_a_kernel_that_is_compiled_later_takes_in_an_entry_of_which_only_machine_code_was_loaded(run_kernel, tmp_path):
-    assert run_kernel(2.0) == (4.0, 1)
-    (tmp_path / "kernel_later.py").write_text(LATER)
-    said = in_python(
-        "from kernel_later import once_more, scaled_twice\nprint(scaled_twice(1.0), once_more(1.0), scaled_twice.outer.stats.cache_hits)",
-        tmp_path,
-    )
+def test_a_kernel_that_is_compiled_later_takes_in_an_entry_of_which_only_machine_code_was_loaded(kept):
+    (kept / "kernel_later.py").write_text(LATER)
+    names = "from kernel_later import once_more, scaled_twice"
+    said = in_python(f"{names}\nprint(scaled_twice(1.0), once_more(1.0), scaled_twice.outer.stats.cache_hits)", kept)
     assert said.startswith("4.0 5.0 Counter({(float64,): 1}")
 
 
-def test_loading_an_entry_does_not_fill_the_registries_of_numba(run_kernel, tmp_path):
+def test_loading_an_entry_does_not_fill_the_registries_of_numba(kept):
     """They take longer than a small run."""
-    run_kernel(2.0)
-    said = in_python(
-        "import sys\nfrom kernel_above import scaled_twice\nprint(scaled_twice(1.0), 'numba.np.arraymath' in sys.modules)", tmp_path
-    )
-    assert said == "4.0 False"
+    program = "import sys\nfrom kernel_above import scaled_twice\nprint(scaled_twice(1.0), 'numba.np.arraymath' in sys.modules)"
+    assert in_python(program, kept) == "4.0 False"
 
 
-def test_kernels_that_a_wheel_brings_are_used_where_nothing_can_be_written(run_kernel, tmp_path):
-    run_kernel(2.0)
-    (tmp_path / "cache").rename(tmp_path / "brought")
-    (tmp_path / "cache").touch()  # no folder
+def test_kernels_that_a_wheel_brings_are_used_where_nothing_can_be_written(kept):
+    (kept / "cache").rename(kept / "brought")
+    (kept / "cache").touch()  # no folder
     program = "from masonry_cd.foundation import kernel_store\nkernel_store.SHIPPED = {!r}\n" + PROGRAM
-    assert in_python(program.format(str(tmp_path / "brought")), tmp_path) == "4.0 0"
-    assert in_python(program.format(str(tmp_path / "elsewhere")), tmp_path) == "4.0 1"
+    assert in_python(program.format(str(kept / "brought")), kept) == "4.0 0"
+    assert in_python(program.format(str(kept / "elsewhere")), kept) == "4.0 1"
 
 
-def test_the_clock_of_steps_leaves_out_the_loading_of_kernels(run_kernel, tmp_path):
-    run_kernel(2.0)
+def test_the_clock_of_steps_leaves_out_the_loading_of_kernels(kept):
     program = """
 import time
 from kernel_above import scaled_twice
@@ -211,17 +213,11 @@ begin, own = time.perf_counter(), kernel_store.clock()
 scaled_twice(1.0)
 print(time.perf_counter() - begin - (kernel_store.clock() - own) > 0.2)
 """
-    assert in_python(program, tmp_path) == "True"
+    assert in_python(program, kept) == "True"
 
 
-def in_python(program: str, folder: Path) -> str:
-    """What a program prints that finds the kernels in a folder."""
-    settings = os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "NUMBA_CACHE_DIR": str(folder / "cache")}
-    return subprocess.run([sys.executable, "-c", program], env=settings, capture_output=True, text=True, check=True).stdout.strip()
-
-
-def test_plain_njit_gives_the_same_and_keeps_nothing(run_kernel, tmp_path):
-    assert run_kernel(2.0, MASONRY_CD_PLAIN_NJIT="1")[0] == 4.0
+def test_plain_njit_gives_the_same_and_keeps_nothing(tmp_path):
+    assert run_kernel(tmp_path, 2.0, MASONRY_CD_PLAIN_NJIT="1")[0] == 4.0
     assert not list((tmp_path / "cache").rglob("*.nbc"))
 
 
@@ -235,11 +231,8 @@ print(scaled_twice(1), lost().strerror)
 """
 
 
-def test_what_a_full_disc_does_not_take_is_known(run_kernel, tmp_path):
-    run_kernel(2.0)
-    settings = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)]), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    done = subprocess.run([sys.executable, "-c", FULL_DISC], env=settings, capture_output=True, text=True, check=True)
-    assert done.stdout == "4.0 File too large\n"
+def test_what_a_full_disc_does_not_take_is_known(kept):
+    assert in_python(FULL_DISC, kept) == "4.0 File too large"
 
 
 LACKING = """
@@ -251,9 +244,8 @@ print(scaled_twice(1.0), why_nothing_is_kept())
 """
 
 
-def test_a_numba_that_lacks_a_private_name_leaves_plain_njit_and_the_reason(run_kernel, tmp_path):
-    run_kernel(2.0)
-    said = in_python(LACKING, tmp_path)
+def test_a_numba_that_lacks_a_private_name_leaves_plain_njit_and_the_reason(kept):
+    said = in_python(LACKING, kept)
     assert said.startswith("4.0 numba ") and "NativeLowering" in said
 
 
@@ -266,6 +258,5 @@ print(scaled_twice(1.0), why_nothing_is_kept())
 """
 
 
-def test_beyond_the_versions_tried_plain_njit_serves(run_kernel, tmp_path):
-    run_kernel(2.0)
-    assert "is newer than" in in_python(NEWER, tmp_path)
+def test_beyond_the_versions_tried_plain_njit_serves(kept):
+    assert "is newer than" in in_python(NEWER, kept)

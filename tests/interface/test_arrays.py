@@ -57,34 +57,6 @@ def test_keys_of_a_structure_stand_beside_its_blocks(tables: dict[str, Any]) -> 
     assert "corners moved" in made.notes[0]
 
 
-@pytest.mark.parametrize(
-    ("blocks", "place", "reason"),
-    [
-        ([], "structure.blocks", "a list of blocks"),
-        ([7], "structure.blocks[0]", "got a int"),
-        ([(np.zeros((8, 2)), [])], 'structure.blocks: block "b0": vertices', "(N, 3) is needed, got (8, 2)"),
-        ([([[0, 0, np.nan]], [])], 'structure.blocks: block "b0": vertices', "not finite at [0, 2]"),
-        ([([["a", 0, 0]], [])], 'structure.blocks: block "b0": vertices', "numbers"),
-        ([(np.zeros((4, 3)), [[0, 1.5]])], 'structure.blocks: block "b0": faces', "whole numbers"),
-        ([{"name": "a", "vertices": np.zeros((4, 3))}], 'structure.blocks: block "a": faces', "missing"),
-        ([{"name": "a", "centre": (0, 0, 0)}], 'structure.blocks: block "a": radius', "missing"),
-        ([{"centre": (0, 0), "radius": 1}], 'structure.blocks: block "b0": centre', "got (2,)"),
-        ([{"centre": (0, 0, 0), "radius": 1, "faces": []}], 'structure.blocks: block "b0": faces', "sphere"),
-        ([{"vertexes": 1}], 'structure.blocks: block "b0": vertexes', '"vertices"'),
-    ],
-)
-def test_blocks_that_are_none(tables: dict[str, Any], blocks: list[Any], place: str, reason: str) -> None:
-    refused(tables | {"structure": blocks}, place, reason)
-
-
-def refused(tables: dict[str, Any], place: str, reason: str) -> None:
-    """The one line about a scene names a place and has the reason."""
-    with pytest.raises(mc.InputError) as caught:
-        mc.scene(tables)
-    assert str(caught.value).startswith(f"{place}: ") and reason in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
 def test_blocks_and_a_file_exclude_each_other(tables: dict[str, Any]) -> None:
     for more in ({"path": "a.json"}, {"kind": "arch"}):
         with refused_at("structure.blocks"):
@@ -164,29 +136,6 @@ def test_a_component_of_zeros_is_left_out(tables: dict[str, Any]) -> None:
     motion["acceleration"][:, 1] = 0.0
     made = mc.scene(tables | {"loads": [motion]})
     assert [load["direction"] for load in made.tables["loads"]] == ["x", "z"]
-
-
-@pytest.mark.parametrize(
-    ("change", "key", "reason"),
-    [
-        ({"acceleration": None}, "acceleration", "missing"),
-        ({"time": None}, "time", "missing"),
-        ({"velocity": np.zeros(401)}, "velocity", "acceleration, too"),
-        ({"quantity": "velocity"}, "quantity", "acceleration"),
-        ({"channels": ["HNE", "HNN"]}, "channels", "1 different names"),
-        ({"channels": "a,b"}, "channels", "got a,b"),
-        ({"acceleration": np.zeros((401, 4))}, "acceleration", "got (401, 4)"),
-        ({"acceleration": np.zeros(7)}, "time", "401 times for 7"),
-        ({"acceleration": [np.inf] * 401}, "acceleration", "not finite at [0]"),
-        ({"time": "now"}, "time", "numbers"),
-        ({"time": 0.001}, "time", "got ()"),
-        ({"path": "a.csv"}, "path", "in a file"),
-        ({"acceleration": np.ones((401, 2)), "direction": "x"}, "direction", "along x, y"),
-    ],
-)
-def test_motions_that_are_none(tables: dict[str, Any], change: dict[str, Any], key: str, reason: str) -> None:
-    motion = {name: value for name, value in (shaking() | change).items() if value is not None}
-    refused(tables | {"loads": [motion]}, f"loads[0].{key}", reason)
 
 
 def test_times_that_are_uneven_are_refused_in_the_words_of_the_reader(tables: dict[str, Any]) -> None:

@@ -14,12 +14,24 @@ from two_blocks import two_blocks
 import masonry_cd as mc
 
 pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
-PUSH = {"push": "x", "check": {"spectrum": "EC8", "ag": 2.0}}
+CHECK = {"spectrum": "EC8", "ag": 2.0}
 
 
-def test_values_tables_and_files_are_those_of_the_command(tmp_path) -> None:
-    found = mc.limit_analysis(mc.scene(two_blocks(), limit=PUSH), tmp_path / "out")
-    made = json.loads((tmp_path / "out" / "limit.json").read_text())
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> mc.LimitAnalysis:
+    """Two blocks pushed, with their check and their curve, in a folder."""
+    asked = {"push": "x", "check": CHECK, "curve": {}}
+    return mc.limit_analysis(mc.scene(two_blocks(), limit=asked), tmp_path_factory.mktemp("limit") / "out")
+
+
+@pytest.fixture(scope="module")
+def bare() -> mc.LimitAnalysis:
+    """The factor alone, in no folder."""
+    return mc.limit_analysis(mc.scene(two_blocks(), limit={"push": "x"}))
+
+
+def test_values_tables_and_files_are_those_of_the_command(whole: mc.LimitAnalysis) -> None:
+    found, made = whole, json.loads((whole.folder / "limit.json").read_text())
     assert found.stands is made["stands"] is True
     assert found.factor == made["associated"]
     assert found.least == made["least"]["factor"]
@@ -31,37 +43,30 @@ def test_values_tables_and_files_are_those_of_the_command(tmp_path) -> None:
     assert found.check["value"].tolist() == [step["value"] for step in made["check"]["steps"]]
     assert found.check.attrs["verdicts"] == made["check"]["verdicts"]
     with pytest.raises(mc.InputError, match="force"):
-        found.write(tmp_path / "out")
+        found.write(whole.folder)
 
 
-def test_pictures_are_images_and_the_page_shows_itself(tmp_path) -> None:
-    found = mc.limit_analysis(mc.scene(two_blocks(), limit={"push": "x"}))
-    assert found.folder is None and found.check is None
-    for picture in (found.mechanism(), found.thrust("front")):
+def test_pictures_are_images_and_the_page_shows_itself(bare: mc.LimitAnalysis, tmp_path: Path) -> None:
+    assert bare.folder is None and bare.check is None
+    for picture in (bare.mechanism(), bare.thrust("front")):
         assert np.asarray(picture.convert("RGB")).std() > 1.0
-    assert "How good the answer is" in found.write(tmp_path / "page")._repr_html_()
+    assert "How good the answer is" in bare.write(tmp_path / "page")._repr_html_()
 
 
-def test_the_capacity_curve_is_that_of_the_command(tmp_path) -> None:
-    found = mc.limit_analysis(mc.scene(two_blocks(), limit={"push": "x", "curve": {}}), tmp_path / "out")
-    made = json.loads((tmp_path / "out" / "capacity.json").read_text())
+def test_the_capacity_curve_is_that_of_the_command(whole: mc.LimitAnalysis) -> None:
+    found, made = whole, json.loads((whole.folder / "capacity.json").read_text())
     assert found.capacity is not None
     assert found.capacity.attrs["end"] == made["end"] and found.capacity.attrs["control"] == made["control"]["block"]
-    with (tmp_path / "out" / "capacity.csv").open() as file:
-        lines = file.read().splitlines()
+    lines = (whole.folder / "capacity.csv").read_text().splitlines()
     assert lines[0].split(",") == ["point", *found.capacity.columns]
     assert [float(line.split(",")[2]) for line in lines[1:]] == pytest.approx(found.capacity["factor"].tolist(), rel=1e-8)
     assert np.asarray(found.capacity_curve().convert("RGB")).std() > 1.0
 
 
-def test_no_curve_is_none_and_its_picture_a_line() -> None:
-    found = mc.limit_analysis(mc.scene(two_blocks(), limit={"push": "x"}))
-    assert found.capacity is None
+def test_no_curve_is_none_and_its_picture_a_line(bare: mc.LimitAnalysis) -> None:
+    assert bare.capacity is None
     with pytest.raises(mc.InputError, match=r"limit\.curve"):
-        found.capacity_curve()
-
-
-CHECK = {"spectrum": "EC8", "ag": 2.0}
+        bare.capacity_curve()
 
 
 def test_tables_and_verdict_are_those_of_the_command(tmp_path: Path) -> None:

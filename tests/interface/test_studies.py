@@ -35,11 +35,11 @@ GRID_TABLES: dict[str, Any] = {
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A study file beside its scene, and what it came to in Python."""
     folder = tmp_path_factory.mktemp("study")
     write_study(folder)
-    mc.study(folder / "study.toml", folder / "out", workers=1, progress=False)
+    mc.study(folder / "study.toml", folder / "out", scheduler=scheduler, progress=False)
     return folder
 
 

@@ -32,9 +32,19 @@ def facts(folder: Path) -> dict[str, Any]:
     return {key: made[key] for key in ("mechanisms", "verdict", "least", "associated", "parts")}
 
 
-def test_what_was_stopped_after_a_part_goes_on_to_the_same_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What the parts come to where two processes analyse them at a stretch."""
+    folder = tmp_path_factory.mktemp("whole")
+    with pytest.MonkeyPatch.context() as two:
+        two.setattr("masonry_cd.limit.case.cores", lambda: 2)
+        assert command(scene(folder, slabs(), TABLES, mu=0.6), folder / "out").exit_code == 0
+    return facts(folder / "out")
+
+
+def test_what_was_stopped_after_a_part_goes_on_to_the_same_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: Any) -> None:
+    """Here one process analyses them, one after another."""
     path = scene(tmp_path, slabs(), TABLES, mu=0.6)
-    assert command(path, tmp_path / "whole").exit_code == 0
     calls: list[str] = []
     analyse = parts.analyse_element
 
@@ -45,14 +55,13 @@ def test_what_was_stopped_after_a_part_goes_on_to_the_same_numbers(tmp_path: Pat
         return analyse(whole, element, way, effort)
 
     monkeypatch.setattr(parts, "analyse_element", counted)
-    monkeypatch.setattr("masonry_cd.limit.case.cores", lambda: 1)
     folder = tmp_path / "stopped"
     assert command(path, folder).exit_code == 130
     with (folder / "mechanisms.csv").open() as file:
         assert {row["element"] for row in csv.DictReader(file)} == {"slab"}  # the table has grown so far
     (tmp_path / "go").touch()
     assert command(path, folder, "--resume").exit_code == 0
-    assert calls == ["slab", "low"] and facts(folder) == facts(tmp_path / "whole")
+    assert calls == ["slab", "low"] and facts(folder) == whole
     assert not (folder / NAME).exists()
 
 
@@ -82,7 +91,6 @@ def test_a_record_runs_no_code(tmp_path: Path) -> None:
         Kept.to(folder, structure, True)
 
 
-def test_where_nothing_is_kept_all_is_analysed(tmp_path: Path) -> None:
-    path = scene(tmp_path, slabs(), TABLES, mu=0.6)
-    assert command(path, tmp_path / "resumed", "--resume").exit_code == 0 and command(path, tmp_path / "whole").exit_code == 0
-    assert facts(tmp_path / "resumed") == facts(tmp_path / "whole")
+def test_where_nothing_is_kept_all_is_analysed(tmp_path: Path, whole: dict[str, Any]) -> None:
+    assert command(scene(tmp_path, slabs(), TABLES, mu=0.6), tmp_path / "resumed", "--resume").exit_code == 0
+    assert facts(tmp_path / "resumed") == whole

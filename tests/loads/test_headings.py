@@ -72,28 +72,30 @@ def test_a_heading_without_one_step_is_refused(tmp_path: Path, heading: str) -> 
     assert load(tmp_path, text, layout="series", time_step=STEP)[1].values == pytest.approx(VALUES, abs=1e-6)
 
 
+TWO_STEPS, TWICE = "0.005 and 0.01 s", f"{N} as the number of values and as their rate"
+
+
 @pytest.mark.parametrize(
-    "heading", [f"{N} SAMPLES AT 200 HZ, DT = 0.01", f"DT = 0.01\n{N} SAMPLES AT 200 HZ", f"DT = 0.01\n{N} 0.005", f"{N} 0.005\n100 SPS"]
+    ("heading", "both"),
+    [
+        (f"{N} SAMPLES AT 200 HZ, DT = 0.01", TWO_STEPS),
+        (f"DT = 0.01\n{N} SAMPLES AT 200 HZ", TWO_STEPS),
+        (f"DT = 0.01\n{N} 0.005", TWO_STEPS),
+        (f"{N} 0.005\n100 SPS", TWO_STEPS),
+        (f"{N} SAMPLES AT {N} HZ", TWICE),
+        (f"{N} SPS\n{N} SAMPLES", TWICE),
+    ],
 )
-def test_a_heading_that_contradicts_itself_is_refused_with_both_steps(tmp_path: Path, heading: str) -> None:
-    with pytest.raises(InputError, match=r"line \d: .* 0.005 and 0.01 s"):
+def test_a_heading_that_contradicts_itself_is_refused_by_its_line(tmp_path: Path, heading: str, both: str) -> None:
+    with pytest.raises(InputError, match=f"line \\d: .* {both}"):
         load(tmp_path, f"A RECORD, ACCELERATION IN M/S2\n{heading}\n{BODY}")
 
 
-@pytest.mark.parametrize("heading", [f"{N} SAMPLES AT {N} HZ", f"{N} SPS\n{N} SAMPLES"])
-def test_one_number_as_count_and_rate_is_refused(tmp_path: Path, heading: str) -> None:
-    with pytest.raises(InputError, match=f"line \\d: .* {N} as the number of values and as their rate"):
-        load(tmp_path, f"A RECORD, ACCELERATION IN M/S2\n{heading}\n{BODY}")
-
-
-@pytest.mark.parametrize("count", [7, 8])
-def test_eight_values_are_the_fewest_below_their_count(tmp_path: Path, count: int) -> None:
-    text = f"A RECORD, ACCELERATION IN M/S2\n{count} 0.005\n" + "".join(f"{v:.6f}\n" for v in VALUES[:count])
-    if count == 8:
-        assert load(tmp_path, text)[0] == "counted"
-        return
+def test_eight_values_are_the_fewest_below_their_count(tmp_path: Path) -> None:
+    few, enough = (f"A RECORD, ACCELERATION IN M/S2\n{n} 0.005\n" + "".join(f"{v:.6f}\n" for v in VALUES[:n]) for n in (7, 8))
+    assert load(tmp_path, enough)[0] == "counted"
     with pytest.raises(InputError):
-        load(tmp_path, text)
+        load(tmp_path, few)
 
 
 def test_a_million_samples_a_second_are_the_most_of_a_web_service(tmp_path: Path) -> None:
@@ -234,8 +236,7 @@ OTHER = np.round(np.sin(np.pi * TIME / 4.02) ** 2 * (np.sin(26.0 * TIME + 2.0) +
 
 
 def load_wrapped(folder: Path, text: str, **request: object) -> RawRecord:
-    (folder / "quake.txt").write_text(text)
-    return read(Source.open(folder / "quake.txt", "p"), "auto", Request(**request))[1]
+    return load(folder, text, **request)[1]
 
 
 @pytest.mark.parametrize("width", [2, 3, 5, 8, 10])
@@ -250,19 +251,26 @@ def test_a_series_of_several_values_a_line_is_refused_and_read_on_request(tmp_pa
     assert record.step == STEP_WRAPPED
 
 
-def test_a_delimiter_at_the_end_of_the_lines_or_words_above_them_hide_no_series(tmp_path: Path) -> None:
-    text = wrapped(QUAKE[:400], 8, ",")
-    for table in (text.replace("\n", ",\n"), "Acceleration,of,station,X,comp,NS,run,1b\n" + text):
-        with pytest.raises(InputError, match="8 columns that could be one series"):
-            load_wrapped(tmp_path, table, column=0, time_step=STEP_WRAPPED)
+BETWEEN_COMMAS = wrapped(QUAKE[:400], 8, ",")
+NUMBERED = "".join(f"{line} {k + 1}\n" for k, line in enumerate(wrapped(QUAKE[:400], 8).splitlines()))
+TIMED = side_by_side(TIME[:400:8], *(QUAKE[k:400:8] for k in range(8)))
 
 
-def test_numbers_at_the_end_of_lines_are_no_part_of_a_series(tmp_path: Path) -> None:
-    text = "".join(f"{line} {k + 1}\n" for k, line in enumerate(wrapped(QUAKE[:400], 8).splitlines()))
-    with pytest.raises(InputError, match="8 columns before the numbers of the lines that could be one series"):
-        load_wrapped(tmp_path, text, column=0, time_step=STEP_WRAPPED)
-    with pytest.raises(InputError, match="each line ends with its time or number"):
-        load_wrapped(tmp_path, text, layout="series", time_step=STEP_WRAPPED)
+@pytest.mark.parametrize(
+    ("text", "keys", "words"),
+    [
+        (BETWEEN_COMMAS.replace("\n", ",\n"), {"column": 0}, "8 columns that could be one series"),
+        ("Acceleration,of,station,X,comp,NS,run,1b\n" + BETWEEN_COMMAS, {"column": 0}, "8 columns that could be one series"),
+        (NUMBERED, {"column": 0}, "8 columns before the numbers of the lines that could be one series"),
+        (NUMBERED, {"layout": "series"}, "each line ends with its time or number"),
+        (TIMED, {"column": 1}, "8 columns behind the times that could be one series"),
+        (TIMED, {"layout": "series"}, "each line begins with its time"),
+        (side_by_side(TIME, QUAKE), {"column": 0}, "column 0 is the time"),
+    ],
+)
+def test_what_stands_around_a_series_does_not_hide_it_and_is_no_part_of_it(tmp_path: Path, text: str, keys: dict, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        load_wrapped(tmp_path, text, time_step=STEP_WRAPPED, **keys)
 
 
 def test_columns_that_are_asked_for_are_read_even_where_they_could_be_a_series(tmp_path: Path) -> None:
@@ -289,14 +297,6 @@ def test_components_side_by_side_stay_columns(tmp_path: Path, columns: tuple[np.
 def test_a_heading_that_names_units_makes_columns(tmp_path: Path) -> None:
     text = "ns_m_s2 ew_m_s2\n" + wrapped(QUAKE, 2)
     assert load_wrapped(tmp_path, text, column="ew", time_step=STEP_WRAPPED).values == pytest.approx(QUAKE[1::2], abs=1e-9)
-
-
-def test_times_at_the_head_of_lines_of_one_series_are_noticed(tmp_path: Path) -> None:
-    text = side_by_side(TIME[:400:8], *(QUAKE[k:400:8] for k in range(8)))
-    with pytest.raises(InputError, match="8 columns behind the times that could be one series"):
-        load_wrapped(tmp_path, text, column=1)
-    with pytest.raises(InputError, match="each line begins with its time"):
-        load_wrapped(tmp_path, text, layout="series", time_step=STEP_WRAPPED)
 
 
 def pairs(width: int) -> str:
@@ -338,11 +338,6 @@ def test_components_with_times_of_their_own_take_the_times_beside_them(tmp_path:
         load_wrapped(tmp_path, text, column=2)
     headed = load_wrapped(tmp_path, "time,ns,time,ew\n" + side_by_side(TIME, QUAKE, 2.0 * TIME, OTHER, between=","), column="ew")
     assert headed.step == pytest.approx(2 * STEP_WRAPPED)
-
-
-def test_a_time_column_is_not_taken_for_values(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="column 0 is the time"):
-        load_wrapped(tmp_path, side_by_side(TIME, QUAKE), column=0, time_step=STEP_WRAPPED)
 
 
 def test_time_step_wins_over_times_of_columns_and_of_pairs(tmp_path: Path) -> None:

@@ -263,8 +263,3 @@ def test_a_spectrum_that_no_draw_meets_is_refused(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(artificial, "DRAWS", 2)
     with refused_at("loads[0]"):
         build_artificial(tolerance=0.03, level=0.5, rise=0.1, duration=2.0)
-
-
-def test_a_coarse_step_is_reported_by_number() -> None:
-    assert any("only 10 steps per cycle" in line for line in build(dt=0.05, steps=100, cycles=4).lines)
-    assert not any("steps per cycle" in line for line in build(cycles=4).lines)

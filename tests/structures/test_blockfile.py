@@ -121,6 +121,7 @@ def test_a_plain_block_is_left_as_it_is() -> None:
         ({"blocks": [cube(density=-1.0)]}, 'blocks.json: block "c".density: input should be greater than 0'),
         ({"blocks": [cube(vertices=[[0, 0, "x"]] * 4)]}, 'blocks.json: block "c".vertices[0][2]: input should be a valid number'),
         ({"blocks": [cube(faces=cube()["faces"][:-1])]}, 'blocks.json: block "c": open shell'),
+        ({"blocks": [cube(faces=[*cube()["faces"][:-1], [0, 1, 100]])]}, 'blocks.json: block "c": face 5 names a vertex outside 0 to 7'),
         ({"blocks": [cube(faces=[face[::-1] for face in cube()["faces"]])]}, 'blocks.json: block "c": its faces are reversed'),
         ({"blocks": [cube(), cube(name="d")]}, 'blocks.json: blocks "c" and "d": they overlap by 1000 mm'),
         ({"blocks": [ball(radius=0.0)]}, 'blocks.json: block "s".radius: input should be greater than 0'),

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import random
 import shutil
@@ -328,31 +330,43 @@ def test_whatever_a_child_does_ends_in_one_line(tmp_path: Path, reader: str, mes
     assert refused(capfd, "a.bin", foreign.read, f"test_foreign:{reader}", tmp_path / "a.bin", None, limits).startswith(message)
 
 
+SOUND = [0, "b", [[0.0] * 3] * 4, [[0, 1, 2]], "", False, 0.0]  # a piece with one face
+
+
+def forged(path: Path, text: str) -> None:
+    """Write an answer as it is, and leave at once."""
+    Path(foreign.ANSWER).write_text(text, encoding="utf-8")
+    os._exit(0)
+
+
 @pytest.mark.parametrize(
-    ("change", "message"),
+    "answer",
     [
-        ({"vertices": [[0.0, 0.0]] * 4}, "vertices is of another kind or shape"),
-        ({"loops": [0.0] * 3}, "loops is of another kind or shape"),
-        ({"loop_start": [0, 2]}, "loop_start does not end with the loops"),
-        ({"loop_start": [0, 5, 3]}, "loop_start does not delimit its pieces"),
-        ({"face_start": [0, 2]}, "pieces, names and faces do not agree"),
-        ({"vertex_start": [0, 3]}, "vertex_start does not end with the vertices"),
-        ({"name": ["a", "b"]}, "pieces, names and faces do not agree"),
-        ({"loops": [0, 1, -1]}, "a face names a vertex that there is not"),
-        ({"more": [0.0]}, "arrays of other names"),
-        ({"name": [None]}, "Object arrays cannot be loaded when allow_pickle=False"),
+        [[SOUND[:-1] + [0.0, 1]], [], []],
+        [[[*SOUND[:2], [[0.0, 0.0]] * 4, *SOUND[3:]]], [], []],
+        [[[*SOUND[:2], [[0.0, 0.0, "x"]] * 4, *SOUND[3:]]], [], []],
+        [[[*SOUND[:3], [[0, 1, -1]], *SOUND[4:]]], [], []],
+        [[[*SOUND[:3], 5, *SOUND[4:]]], [], []],
+        [[[math.inf, *SOUND[1:]]], [], []],
+        [[[0, None, *SOUND[2:]]], [], []],
+        [[SOUND], [None], []],
+        [[SOUND], [], [1]],
+        [[SOUND], []],
+        {"pieces": []},
     ],
 )
-def test_answers_are_checked(tmp_path: Path, change: dict[str, list[object]], message: str) -> None:
-    with pytest.raises(InputError, match=f"a.bin: cannot be read: its reader answers nonsense: {message}"):
-        foreign.read("forged_answer:forge", tmp_path / "a.bin", {"change": change})
+def test_answers_are_checked(tmp_path: Path, answer: object) -> None:
+    with pytest.raises(InputError, match=r"a\.bin: cannot be read: its reader answers nonsense: "):
+        foreign.read("test_foreign:forged", tmp_path / "a.bin", {"text": json.dumps(answer)})
 
 
-def test_an_answer_that_could_swell_is_refused(tmp_path: Path) -> None:
-    (((number, name, vertices, faces, *_),), figures, _) = foreign.read("forged_answer:forge", tmp_path / "a.bin", {"change": {}})
-    assert (number, name, vertices.shape, faces, figures) == (0, "b", (4, 3), ((0, 1, 2),), [1.0])
-    with pytest.raises(InputError, match=r"a\.bin: cannot be read: its reader answers nonsense: compressed arrays"):
-        foreign.read("forged_answer:forge", tmp_path / "a.bin", {"change": {}, "compressed": True})
+def test_an_answer_that_is_no_json_is_refused(tmp_path: Path) -> None:
+    sound = json.dumps([[SOUND], [1.0], ["a\nb"]])
+    (((number, name, vertices, faces, *_),), figures, notes) = foreign.read("test_foreign:forged", tmp_path / "a.bin", {"text": sound})
+    assert (number, name, vertices.shape, faces, figures, notes) == (0, "b", (4, 3), ((0, 1, 2),), [1.0], ["a b"])
+    for text in (sound[:-1], "[" * 100_000, ""):
+        with pytest.raises(InputError, match=r"a\.bin: cannot be read: its reader answers nonsense: "):
+            foreign.read("test_foreign:forged", tmp_path / "a.bin", {"text": text})
 
 
 def test_the_command_line_tells_one_line_and_exits_with_2(tmp_path: Path) -> None:

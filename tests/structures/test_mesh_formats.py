@@ -252,7 +252,7 @@ def test_a_density_that_another_program_has_spoilt_is_no_traceback(tmp_path: Pat
     text = (tmp_path / "a.obj").read_text().replace('"density": 2000.0', '"density": "little"')
     assert '"little"' in text
     (tmp_path / "a.obj").write_text(text)
-    assert len(meshfile.load(tmp_path / "a.obj", "obj").entries) == 1
+    assert len(meshfile.load(tmp_path / "a.obj", "obj").stones) == 1
 
 
 def test_meshes_of_gmsh_come_back_with_their_groups(tmp_path: Path) -> None:

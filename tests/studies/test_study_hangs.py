@@ -18,7 +18,7 @@ from command_line import done
 from studied import GRID, rows_without_seconds, wait_until, write_study
 
 from masonry_cd.analysis.run_row import RunRow
-from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, connected
+from masonry_cd.studies.study.clusters import ONE_THREAD, Where, connected
 from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import Engine
 from masonry_cd.studies.study.plan import Planned
@@ -31,15 +31,11 @@ pytestmark = pytest.mark.slow(reason="runs hang until their time is over, and th
 REASON = "out of time, 1 s, in a step or a set-up that did not end"
 
 
-@pytest.fixture(scope="module", params=[1, 2])
-def scheduler(request: pytest.FixtureRequest) -> Iterator[str]:
-    """The address of a scheduler with one worker or two, in which scenes of the amplitude HANGING hang."""
-    import dask
-    from distributed import LocalCluster  # before its settings are changed
-
-    alone = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50, "env": ONE_THREAD, "preload": ["hanging_worker"]}
-    with dask.config.set(SETTINGS), LocalCluster(n_workers=request.param, **alone) as cluster:
-        yield cluster.scheduler_address
+@pytest.fixture(scope="module")
+def scheduler() -> Iterator[str]:
+    """The address of a scheduler with two workers, in which scenes of the amplitude HANGING hang."""
+    with studied.cluster(2, env=ONE_THREAD, preload=["hanging_worker"]) as address:
+        yield address
 
 
 def executed(client: Client, folder: Path, function: Callable[[Task], Outcome], names: str) -> dict[str, RunRow]:
@@ -80,9 +76,8 @@ def test_a_set_up_that_hangs_is_a_row_of_the_table(scheduler: str, tmp_path: Pat
     """The scene with the largest amplitude hangs in its set-up, in the workers alone."""
 
     def made(*options: str) -> str:
-        command = ["study", str(path), "-o", str(tmp_path / "out"), "--scheduler", scheduler, *options]
-        result = done(*command)
-        return result.output
+        with studied.undrawn():
+            return done("study", path, "-o", tmp_path / "out", "--scheduler", scheduler, *options).output
 
     path = write_study(tmp_path, GRID, **{'"loads': '"loads[0].amplitude" = [0.3, 0.4]'})
     assert "4 of 4 runs done" in made()
@@ -138,7 +133,8 @@ def test_a_scheduler_that_is_lost_ends_the_study_in_a_line_and_the_next_call_goe
         assert "Traceback" not in said
     before = studied.row_names(tmp_path / "out")
     assert 2 <= len(before) < 18
-    result = done("study", path, "-o", tmp_path / "out", "--workers", "1")
+    with studied.undrawn():
+        result = done("study", path, "-o", tmp_path / "out", "--workers", "1")
     assert f"18 runs, {18 - len(before)} of them to be made" in result.stderr
     assert {name: studied.row_names(tmp_path / "out")[name] for name in before} == before
     assert len(rows_without_seconds(tmp_path / "out")) == 19

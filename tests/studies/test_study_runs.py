@@ -20,7 +20,7 @@ from typer.testing import Result
 
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.io.results import Results
-from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, read_slurm, slurm_cluster
+from masonry_cd.studies.study.clusters import ONE_THREAD, Where, read_slurm, slurm_cluster
 from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.plan import Planned
@@ -28,16 +28,10 @@ from masonry_cd.studies.study.task import Outcome, Task
 
 
 @pytest.fixture(scope="module")
-def scheduler() -> Iterator[str]:
-    """The address of a scheduler with two workers, as a user would have started them."""
-    import dask
-    from distributed import LocalCluster
-
-    with (
-        dask.config.set(SETTINGS),
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50, env=ONE_THREAD) as cluster,
-    ):
-        yield cluster.scheduler_address
+def processes() -> Iterator[str]:
+    """The address of a scheduler whose two workers are processes, which may be killed."""
+    with studied.cluster(2, env=ONE_THREAD) as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +47,8 @@ def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def invoke(path: Path, *options: str) -> Result:
     """The command on a study file, its results beside it."""
-    return masonry_cd("study", path, "-o", path.parent / "out", *options)
+    with studied.undrawn():
+        return masonry_cd("study", path, "-o", path.parent / "out", *options)
 
 
 # --- what a study leaves ------------------------------------------------------------------------------------------------------------
@@ -291,8 +286,8 @@ def executed(scheduler: str, folder: Path, function: Callable[[Task], Outcome], 
 
 
 @pytest.mark.slow(reason="a worker is killed, whose whole time counts then, and another one started")
-def test_a_worker_that_is_killed_costs_its_run_which_is_made_again(scheduler: str, tmp_path: Path) -> None:
-    rows = executed(scheduler, tmp_path, studied.dies_once, "abcd")
+def test_a_worker_that_is_killed_costs_its_run_which_is_made_again(processes: str, tmp_path: Path) -> None:
+    rows = executed(processes, tmp_path, studied.dies_once, "abcd")
     assert (tmp_path / "b.died").exists()
     assert {name: row.status for name, row in rows.items()} == dict.fromkeys(["a", "b", "c", "d", "followed"], "done")
 

@@ -8,7 +8,7 @@ stands beside it, it resists what moves into it, and it spreads the wheels on th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -18,6 +18,7 @@ import numpy as np
 from masonry_cd.foundation import libm
 
 FaceKind = Literal["extrados", "top", "back", "wall"]
+RIDDEN = ("extrados", "top")  # faces on which fill lies, and rides
 ACTIVE_AT = (
     0.002  # movement over height of a wall at which sand of medium density is active (Clough & Duncan 1991; dense 0.001, loose 0.004)
 )
@@ -113,3 +114,21 @@ class Fill:
         """The fill of a bridge that is one of several structures, each named and put in its place."""
         faces = tuple(FillFace(f"{name}.{face.block}", face.kind, points(face.corners)) for face in self.faces)
         return replace(self, level=self.level + float(at[2]), faces=faces, origin=np.array([at[0], at[1], 0.0]), turn=turn)
+
+
+class Ridden(NamedTuple):
+    """The G faces of blocks on which fill lies, up to a level."""
+
+    block: np.ndarray  # (G,) number of each
+    level: np.ndarray  # (G,) of the road [m]
+    start: np.ndarray  # (G + 1,) where its corners begin, and where the last end
+    corners: np.ndarray  # (n, 3) at rest, counter-clockwise seen from above [m]
+
+    @classmethod
+    def of(cls, fills: Sequence[Fill], names: Sequence[str]) -> Ridden:
+        """Those of the fills of a structure, whose blocks have names."""
+        number = {name: k for k, name in enumerate(names)}
+        faces = [(number[face.block], fill.level, face.corners) for fill in fills for face in fill.faces if face.kind in RIDDEN]
+        corners = [own for *_, own in faces]
+        block, level = (np.array([face[k] for face in faces], dtype=kind) for k, kind in ((0, np.int64), (1, float)))
+        return cls(block, level, np.cumsum([0, *map(len, corners)]), np.concatenate([np.zeros((0, 3)), *corners]))

@@ -293,8 +293,8 @@ def test_fallen_blocks_leave_the_drift_of_their_part(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("scene", "changes", "lost"),
     [
-        ("arch", ["run.duration=1.0", "run.frames_per_second=1000", "run.until_still=false", "loads[0].amplitude=3.0"], True),
-        ("two_piers", ["run.duration=0.5", "run.frames_per_second=500", "run.until_still=false"], False),
+        ("arch", ["run.dt=2e-3", "run.duration=0.8", "run.frames_per_second=500", "run.until_still=false", "loads[0].amplitude=4.0"], True),
+        ("two_piers", ["run.duration=0.3", "run.frames_per_second=500", "run.until_still=false"], False),
     ],
 )
 def test_steps_give_what_frames_of_every_step_give(tmp_path: Path, scene: str, changes: list[str], lost: bool) -> None:

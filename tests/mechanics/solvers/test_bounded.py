@@ -4,18 +4,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from threading import Thread
 
 import numpy as np
 import pytest
 from scipy import sparse
 
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
-from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 UNREACHABLE = 1e-300
-LONG = 60.0  # an end that does not come for so long is none: with its kernels compiled a solve takes milliseconds [s]
 LIMITS = (None, 1, 40)
 
 
@@ -48,31 +46,12 @@ def problems(m: int) -> list[Problem]:
     return [identity(m), *found, still, *(problem.to_local() for problem in (*found, still))]
 
 
-def solved(name: str, problem: Problem, options: Options) -> Solution:
-    """What a solver returns, in a thread of its own, so that one that does not end fails the test."""
-    SOLVERS[name](problem, Options(1e-6), None)  # to have its kernels compiled
-    found: list[Solution | Exception] = []
-
-    def ask() -> None:
-        try:
-            found.append(SOLVERS[name](problem, options, None))
-        except Exception as error:
-            found.append(error)
-
-    thread = Thread(target=ask, daemon=True)
-    thread.start()
-    thread.join(LONG)
-    assert found, f"{name} does not end"
-    assert isinstance(found[0], Solution), found[0]
-    return found[0]
-
-
 @pytest.mark.parametrize("m", [2, 3], ids=["plane", "space"])
 @pytest.mark.parametrize("name", ["nlgs", "admm", "newton", "interior", "pivoting", "accelerated", "auto"])
 def test_every_solver_ends_at_a_tolerance_that_no_impulses_meet(name: str, m: int) -> None:
     for problem in problems(m):
         for limit in LIMITS:
-            solution = solved(name, problem, Options(UNREACHABLE, limit))
+            solution = SOLVERS[name](problem, Options(UNREACHABLE, limit), None)
             assert np.isfinite(solution.impulse).all()
             error = natural_map_error(problem, solution.impulse)
             assert np.isfinite(error) and (error > UNREACHABLE or error == 0.0)
@@ -82,5 +61,5 @@ def test_every_solver_ends_at_a_tolerance_that_no_impulses_meet(name: str, m: in
 
 @pytest.mark.parametrize("m", [2, 3], ids=["plane", "space"])
 def test_one_contact_is_solved_to_rounding_though_the_tolerance_is_below(m: int) -> None:
-    solution = solved("auto", identity(m), Options(1e-16))
+    solution = SOLVERS["auto"](identity(m), Options(1e-16), None)
     assert natural_map_error(identity(m), solution.impulse) <= 1e-12

@@ -9,13 +9,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_run import shifted, write_run
 
 import structures
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.fill import Ridden
 from masonry_cd.mechanics.model.geometry import mass_properties
-from reports.drawing.solids import fill_layer, structure_scene
+from masonry_cd.mechanics.model.state import State
+from reports.drawing.solids import fill_layer, structure_scene, tops_of
+from reports.maps.crack_map import Subject, crack_scene
+from reports.maps.framing import MapStyle, framing
 from structures import Made
 
 SPAN = {"span": 6.0, "rise": 1.5, "thickness": 0.5, "voussoirs": 12}
@@ -87,22 +93,43 @@ def test_any_two_shapes_stand_on_a_pier_with_walls_that_fill_the_space_up_to_the
     assert volume(of(bridge, "spandrel_front")) == pytest.approx((filled + over) * 0.5 / 3.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("step", [0.3, -0.8])
-def test_the_higher_of_two_springings_over_a_pier_is_in_its_top_stone_which_lies_on_all_of_it(step: float) -> None:
+def stepped(step: float) -> tuple[list[Block], set[tuple[str, str]]]:
+    """The stones of a pier from the foot up, between two springings that differ, and the names of blocks that meet."""
     low, high = max(-step, 0.0), max(step, 0.0)
     other = {"span": 4.4, "rise": 1.3, "thickness": 0.45, "voussoirs": 15, "springing": high}
     bridge = made({**SPAN, "springing": low}, other, piers=[{"width": 1.6, "height": 3.0}], walls={**WALLS, "thickness": 0.5}, width=4.0)
-    pier = of(bridge, "pier1")
+    pier = sorted(of(bridge, "pier1"), key=lambda block: float(block.vertices[:, 2].min()))
     assert len({block.name for block in pier}) == len(pier)
-    top = max(pier, key=lambda block: float(block.vertices[:, 2].max()))
+    assembly = Assembly.from_blocks(bridge.blocks, 0.6)
+    assert built_gap(assembly) < 1e-9
+    joints, names = find_joints(assembly), assembly.names
+    return pier, {(names[a], names[b]) for a, b in zip(joints.block_a.tolist(), joints.block_b.tolist(), strict=True)}
+
+
+def neighbours(pairs: set[tuple[str, str]], name: str) -> set[str]:
+    return {b if a == name else a for a, b in pairs if name in (a, b)}
+
+
+@pytest.mark.parametrize("step", [0.3, -0.8, 1.6])
+def test_level_courses_lie_between_two_skewbacks_each_of_which_has_a_stone_of_its_own(step: float) -> None:
+    pier, pairs = stepped(step)
+    first, last = ("arch1.v12", "arch2.v1") if step > 0.0 else ("arch2.v1", "arch1.v12")  # on the lower and on the higher springing
+    (lower,) = [block for block in pier if first in neighbours(pairs, block.name)]
+    assert last in neighbours(pairs, pier[-1].name) and lower is not pier[-1]
+    for below, above in pairwise(pier):
+        assert not above.parts
+        bed = above.vertices[np.abs(above.vertices[:, 2] - above.vertices[:, 2].min()) < 1e-9]
+        on = below.vertices[np.abs(below.vertices[:, 2] - bed[0, 2]) < 1e-9]
+        assert (bed.min(axis=0) > on.min(axis=0) - 1e-9).all() and (bed.max(axis=0) < on.max(axis=0) + 1e-9).all()
+        assert np.ptp(above.vertices[:, 2]) > 0.2 and np.ptp(bed[:, 0]) > 0.7  # of courses of 0.5 m
+
+
+def test_two_skewbacks_beside_each_other_are_cut_from_one_stone_with_a_bed_of_the_whole_pier() -> None:
+    pier, pairs = stepped(0.05)
+    top = pier[-1]
     bed = top.vertices[np.abs(top.vertices[:, 2] - top.vertices[:, 2].min()) < 1e-9]
     assert np.ptp(bed, axis=0) == pytest.approx([1.6, 4.0, 0.0], abs=1e-9)
-    assembly = Assembly.from_blocks(bridge.blocks, 0.6)
-    joints, names = find_joints(assembly), assembly.names
-    pairs = [(names[a], names[b]) for a, b in zip(joints.block_a.tolist(), joints.block_b.tolist(), strict=True)]
-    met = {b if a == top.name else a for a, b in pairs if top.name in (a, b)}
-    assert {"arch1.v12", "arch2.v1"} <= met  # both skewbacks are cut from it
-    assert built_gap(assembly) < 1e-9
+    assert {"arch1.v12", "arch2.v1"} <= neighbours(pairs, top.name)
 
 
 def test_fill_rides_on_the_blocks_below_it_as_one_body_with_them() -> None:
@@ -128,7 +155,8 @@ def test_fill_rides_on_the_blocks_below_it_as_one_body_with_them() -> None:
 @pytest.mark.parametrize("walls", [None, {**WALLS, "thickness": 0.5}])
 def test_pictures_show_all_of_the_fill(walls: dict | None) -> None:
     bridge = made(SPAN, width=2.0, cover=0.3, skew=15.0, walls=walls)
-    layer = fill_layer(bridge.fills)
+    fill = Ridden.of(bridge.fills, [block.name for block in bridge.blocks])
+    layer = fill_layer(fill, fill.corners, tops_of(fill), len(bridge.blocks))
     volume = 0.0  # by the divergence theorem, as a sum of tetrahedra
     for first, end in pairwise(layer.loop_start.tolist()):
         a, *rest = layer.points[layer.loops[first:end]]
@@ -138,6 +166,24 @@ def test_pictures_show_all_of_the_fill(walls: dict | None) -> None:
     scene = structure_scene(bridge.blocks, "bridge", fills=bridge.fills)
     x, y = scene.view.plane(layer.points).T
     assert scene.window.left < x.min() < x.max() < scene.window.right and scene.window.bottom < y.min() < y.max() < scene.window.top
+
+
+def test_maps_of_a_run_show_the_fill_where_the_blocks_below_it_are(tmp_path: Path) -> None:
+    bridge = made(SPAN, width=2.0, cover=0.3)
+    assembly, by = Assembly.from_blocks(bridge.blocks, 0.6), np.array([0.1, 0.0, -0.05])
+    rest, crown = State.at_rest(assembly), assembly.names.index("arch1.v6")
+    path = write_run(tmp_path / "result.h5", bridge.blocks, [rest, shifted(rest, crown, by)], fills=bridge.fills)
+    with Results.open(path) as results:
+        fill, wanted = results.fill, Ridden.of(bridge.fills, assembly.names)
+        assert fill is not None and all(np.array_equal(got, own) for got, own in zip(fill, wanted, strict=True))
+        framed = framing(results, [0, 1], MapStyle(scale=1.0))
+        first, last = (Subject.of(results, k, framed).fill for k in (0, 1))
+        assert any(layer.inside is not None and layer.owner is not None for layer in crack_scene(results, 1, framed).layers[3:])
+    moved = last.points - first.points
+    on_crown = np.tile(np.repeat(fill.block, np.diff(fill.start)) == crown, 2)
+    assert moved[on_crown] == pytest.approx(np.broadcast_to(by, moved[on_crown].shape), abs=1e-12) and not moved[~on_crown].any()
+    x, y = framed.view.plane(first.points).T
+    assert framed.window.left < x.min() < x.max() < framed.window.right and framed.window.bottom < y.min() < y.max() < framed.window.top
 
 
 def test_a_strip_without_walls_is_its_own_mirror_image_and_stands_on_one_foot_to_a_pier() -> None:

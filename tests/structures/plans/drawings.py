@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from structures.plans.dxf_file import read
-from structures.plans.entities import Entity, from_pieces
+from structures.plans.entities import Entity
 from structures.plans.keys import PlanKeys
 from structures.plans.recognised import Recognised, recognise
 
@@ -49,7 +49,7 @@ class Drawing:
         """What the file of the drawing holds."""
         path = folder / "plan.dxf"
         self.document.saveas(path)
-        return from_pieces(read(path)[0])
+        return list(read(path).pieces)
 
     def plan(self, folder: Path, keys: PlanKeys = HIGH) -> Recognised:
         """The plan that it shows."""

@@ -47,8 +47,8 @@ def test_units_are_stated_and_never_guessed(tmp_path: Path):
     drawing.document.header["$INSUNITS"] = 0
     drawing.document.saveas(tmp_path / "a.dxf")
     with pytest.raises(InputError, match=r"structure\.units: missing; a\.dxf does not state its unit"):
-        plans.read(tmp_path / "a.dxf", HIGH)
-    assert plans.read(tmp_path / "a.dxf", {**HIGH, "units": "cm"})["walls"][0]["thickness"] == 0.6
+        plans.open_plan(tmp_path / "a.dxf", HIGH)
+    assert plans.open_plan(tmp_path / "a.dxf", {**HIGH, "units": "cm"}).tables["walls"][0]["thickness"] == 0.6
     drawing.document.header["$INSUNITS"] = 6
     drawing.document.saveas(tmp_path / "a.dxf")
     assert 'units "cm" as the scene says, where the file has "m"' in plans.open_plan(tmp_path / "a.dxf", {**HIGH, "units": "cm"}).notes[0]
@@ -58,26 +58,26 @@ def test_layers_of_the_scene(tmp_path: Path):
     drawing = Drawing()
     drawing.box((0, 0), (6, 0.6), "A-STRUCT")
     drawing.document.saveas(tmp_path / "a.dxf")
-    assert len(plans.read(tmp_path / "a.dxf", {**HIGH, "layers": {"walls": "a-struct*"}})["walls"]) == 1
+    assert len(plans.open_plan(tmp_path / "a.dxf", {**HIGH, "layers": {"walls": "a-struct*"}}).tables["walls"]) == 1
     with pytest.raises(InputError, match=r"structure\.layers\.wals: unknown key"):
-        plans.read(tmp_path / "a.dxf", {"layers": {"wals": "A"}})
+        plans.open_plan(tmp_path / "a.dxf", {"layers": {"wals": "A"}})
 
 
 def test_json_comes_back_as_it_was_written(tmp_path: Path):
     write_json(tmp_path / "plan.json", PLAN)
     assert read_json(tmp_path / "plan.json") == PLAN
-    assert plans.read(tmp_path / "plan.json", {}) == PLAN
+    assert plans.open_plan(tmp_path / "plan.json", {}).tables == PLAN
     assert (tmp_path / "plan.json").read_text().count("\n") < 25  # a line for what is flat
 
 
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
-        ("a.json", "[1]", "a plan is an object"),
+        ("a.json", "[1]", 'must be an object with the key "walls"'),
         ("a.json", '{"walls": []}', "walls: missing"),
         ("a.json", '{"units": "cm", "walls": [{}]}', "lengths of a plan in JSON are in metres"),
         ("a.json", '{"walls": [\n{"name": "a",}]}', "line 2, column 14"),
-        ("a.json", b"\xff\xfe", "no text in UTF-8"),
+        ("a.json", b"\xff\xfe", "no JSON text"),
         ("a.json", "[" * 100_000, "too deep"),
         ("a.dwg", "", "plans are read from .dxf, .ifc and .json; save it as DXF"),
         ("a.dxf", "nothing\n", "is no DXF file"),
@@ -87,7 +87,7 @@ def test_json_comes_back_as_it_was_written(tmp_path: Path):
 def test_what_is_no_plan_ends_in_one_line(name: str, content: str | bytes, said: str, tmp_path: Path):
     (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     with pytest.raises(InputError) as refused:
-        plans.read(tmp_path / name, HIGH)
+        plans.open_plan(tmp_path / name, HIGH)
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
 
@@ -95,4 +95,4 @@ def test_what_is_no_plan_ends_in_one_line(name: str, content: str | bytes, said:
 def test_keys_of_a_drawing_are_refused_beside_json(tmp_path: Path):
     (tmp_path / "a.json").write_text(json.dumps(PLAN))
     with pytest.raises(InputError, match=r"structure\.units: belongs to a drawing"):
-        plans.read(tmp_path / "a.json", {"units": "cm"})
+        plans.open_plan(tmp_path / "a.json", {"units": "cm"})

@@ -6,12 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 from drawings import Drawing, axes
 
-from structures.files.foreign import Piece
-from structures.plans.entities import from_pieces
+from structures.files.foreign import Refused
+from structures.plans.entities import entity_of
 from structures.plans.recognised import Recognised
 
 CORNERS = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0)]
@@ -95,16 +94,18 @@ def test_an_outline_that_runs_to_and_fro_has_no_part_in_the_ground(tmp_path: Pat
 
 
 def test_control_characters_of_a_drawing_are_not_shown() -> None:
-    piece = Piece(3, "1A\n\nLI\0NE\nw\tords\nmore", np.zeros((1, 3)), (), "WA\x1bLLS", False, 0.0)
-    (entity,) = from_pieces([piece])
+    row = ("other", "1A", "LI\0NE", "WA\x1bLLS", [[0.0, 0.0, 0.0]], "w\tords\nmore", False, 0.0, "")
+    entity = entity_of(*row)
     assert (entity.drawn_as, entity.layer, entity.text) == ("LI?NE", "WA?LLS", "w?ords\nmore")
-    (entity,) = from_pieces([piece._replace(group="(" * 3000)])
-    assert entity.layer == "(" * 255 + "..."
+    assert entity_of(*row[:3], "(" * 3000, *row[4:]).layer == "(" * 255 + "..."
 
 
-def test_an_arc_whose_bulge_is_none_is_refused_by_its_handle() -> None:
-    with pytest.raises(ValueError, match="LINE 1A on layer WALLS has a bulge of more than 10000"):
-        from_pieces([Piece(0, "1A\n\nLINE\n", np.array([[0.0, 0.0, 1e200], [1.0, 0.0, 0.0]]), (), "WALLS", False, 0.0)])
+def test_an_arc_whose_bulge_is_none_is_refused_by_its_handle(tmp_path: Path) -> None:
+    drawing = Drawing()
+    drawing.space.add_lwpolyline([(0.0, 0.0, 1e6), (1.0, 0.0, 0.0)], format="xyb", dxfattribs={"layer": "WALLS"})
+    with pytest.raises(Refused) as refusal:
+        drawing.entities(tmp_path)
+    assert "on layer WALLS has a bulge of more than 10000" in refusal.value.text
 
 
 def test_a_line_beyond_all_bounds_is_left_out_with_its_reason(tmp_path: Path) -> None:
