@@ -193,18 +193,18 @@ def refuse_corners(block: Block, source: str = "") -> None:
     Raises:
         Unsound: names the block and the face.
     """
-    for shell in (block, *block.parts):
-        _refuse_faces(shell, block, source)
+    _refuse_faces(block, block, source)
+    for part in block.parts:
+        _refuse_faces(part, block, source)
 
 
 def _refuse_faces(shell: Block | Polyhedron, block: Block, source: str) -> None:
     """See :func:`refuse_corners`, of the shell of a block or of one of its parts."""
-    where, last = f'{source}: block "{block.name}"' if source else f'block "{block.name}"', len(shell.vertices) - 1
+    where, last = f'{source}: block "{block.name}"'.removeprefix(": "), len(shell.vertices) - 1
     for number, face in enumerate(shell.faces):
         if len(face) > MOST_CORNERS:
-            raise Unsound(
-                where, f"face {number} has {len(face)} corners, at most {MOST_CORNERS} are allowed; make it coarser", [block.name]
-            )
+            count = f"{len(face)} corners, at most {MOST_CORNERS} are allowed"
+            raise Unsound(where, f"face {number} has {count}; make it coarser", [block.name])
         if face and (min(face) < 0 or max(face) > last):
             raise Unsound(where, f"face {number} names a vertex outside 0 to {last}", [block.name])
 
