@@ -137,7 +137,9 @@ def in_python(program: str, folder: Path, **environment: str) -> str:
     """What a program prints that finds the kernels in a folder."""
     places = {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "NUMBA_CACHE_DIR": str(folder / "cache")}
     settings = os.environ | places | environment
-    return subprocess.run([sys.executable, "-c", program], env=settings, capture_output=True, text=True, check=True).stdout.strip()
+    # without bytecode, which is taken for that of a module written in the same second
+    command = [sys.executable, "-B", "-c", program]
+    return subprocess.run(command, env=settings, capture_output=True, text=True, check=True).stdout.strip()
 
 
 @pytest.fixture(scope="module")
