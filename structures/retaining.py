@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Assembly
-from masonry_cd.mechanics.model.fill import RIDDEN, Fill, FillFace
+from masonry_cd.mechanics.model.fill import COVERED, Fill, FillFace
 
 SAME = 1e-6  # [m]: beds nearer than this are one
 
@@ -72,7 +72,7 @@ def weakest_of(assembly: Assembly, fill: Fill) -> list[Weakest]:
         if pressed and not assembly.fixed[number[face.block]]:
             walls.setdefault(assembly.groups[assembly.group_of[number[face.block]]], []).append(face)
     borne = {face.block for face in fill.faces}
-    carrying = {int(assembly.group_of[number[f.block]]) for f in fill.faces if f.kind in RIDDEN and f.block in number}
+    carrying = {int(assembly.group_of[number[f.block]]) for f in fill.faces if f.kind in COVERED and f.block in number}
     return [_weakest(group, _stones(faces, borne, assembly, fill), carrying, assembly, fill) for group, faces in walls.items()]
 
 

@@ -13,7 +13,7 @@ from masonry_cd.io.layout import MESH_ARRAYS
 from masonry_cd.mechanics.dynamics.element_stress import meshes_of, starts
 from masonry_cd.mechanics.dynamics.strain import Strains
 from masonry_cd.mechanics.model.blocks import Assembly, Block, Carried
-from masonry_cd.mechanics.model.fill import Fill, Ridden
+from masonry_cd.mechanics.model.fill import CoveredFaces, Fill
 from masonry_cd.mechanics.model.geometry import Faces
 
 
@@ -32,8 +32,8 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...], fills: Sequence[F
         carried = [b.carried or Carried(0.0, np.zeros(3), np.zeros((3, 3))) for b in blocks]
         for name in Carried._fields:
             group[f"carried_{name}"] = np.array([getattr(each, name) for each in carried])
-    if fills:
-        for name, values in Ridden.of(fills, [b.name for b in blocks])._asdict().items():
+    if (fill := CoveredFaces.of(fills, [b.name for b in blocks])) is not None:
+        for name, values in fill._asdict().items():
             group[f"fill_{name}"] = values
     # of a sphere its centre
     shells: list[tuple[np.ndarray, Faces]] = [(b.vertices[:1], ()) if b.radius else (b.vertices, b.faces) for b in blocks]
@@ -65,9 +65,9 @@ def read_blocks(group: h5py.Group) -> Iterator[Block]:
         )  # fmt: skip
 
 
-def read_fill(group: h5py.Group) -> Ridden | None:
+def read_fill(group: h5py.Group) -> CoveredFaces | None:
     """The faces on which fill lies; None without one, and in a file of an older version."""
-    return Ridden(*(group[f"fill_{name}"][...] for name in Ridden._fields)) if "fill_block" in group else None
+    return CoveredFaces(*(group[f"fill_{name}"][...] for name in CoveredFaces._fields)) if "fill_block" in group else None
 
 
 def _carried(group: h5py.Group, count: int) -> list[Carried | None]:

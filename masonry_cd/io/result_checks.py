@@ -70,6 +70,9 @@ def _check_fill(file: h5py.File, path: Path, found: Mapping[str, np.ndarray], si
             raise InputError(path, f"damaged: {name} is missing")
     _indices(path, "blocks/fill_block", found["blocks/fill_block"], sizes["B"])
     _check_lists(path, found, (("blocks/fill_start", "fill corners"),), sizes)
+    numbers = np.concatenate([found["blocks/fill_level"], found["blocks/fill_corners"].ravel()])
+    if not np.isfinite(numbers).all() or (np.diff(found["blocks/fill_start"]) < 3).any():
+        raise InputError(path, "blocks/fill_corners are not those of faces")
 
 
 def _check_radii(path: Path, radii: np.ndarray, vertex_start: np.ndarray) -> None:

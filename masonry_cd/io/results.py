@@ -42,7 +42,7 @@ from masonry_cd.io.summary import Summary
 from masonry_cd.io.tie_bars import TieBar, read_bars
 from masonry_cd.mechanics.dynamics.pauses import Aftermath
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.fill import Ridden
+from masonry_cd.mechanics.model.fill import CoveredFaces
 from masonry_cd.mechanics.model.joints import Joints
 
 CHUNK_BYTES = 1 << 24  # of frames that are read together
@@ -185,7 +185,7 @@ class Results:
         return tuple(read_blocks(self.file["blocks"]))
 
     @cached_property
-    def fill(self) -> Ridden | None:
+    def fill(self) -> CoveredFaces | None:
         """The faces on which the fill of bridges lies; None without one, and in a file of an older version."""
         return read_fill(self.file["blocks"])
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.fill import Fill, Ridden
+from masonry_cd.mechanics.model.fill import CoveredFaces, Fill
 from reports.drawing.figure import in_metres
 from reports.drawing.palette import EDGE, FILL, GROUPS, PULLING, SUPPORT
 from reports.drawing.parts import RULER, Layer, Lines, Panel, Sign, Surface, Ties, View, Window, rgb, view_named
@@ -112,7 +112,7 @@ def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, face
     ]
 
 
-def fill_layer(fill: Ridden, corners: np.ndarray, tops: np.ndarray, count: int) -> Surface:
+def fill_layer(fill: CoveredFaces, corners: np.ndarray, tops: np.ndarray, count: int) -> Surface:
     """The fill of bridges on ``count`` blocks: a prism over each face that it lies on, between its corners and their tops (n, 3) [m]."""
     loops, owner = list[np.ndarray](), list[int]()
     for block, (first, end) in zip(fill.block.tolist(), pairwise(fill.start.tolist()), strict=True):
@@ -126,7 +126,7 @@ def fill_layer(fill: Ridden, corners: np.ndarray, tops: np.ndarray, count: int) 
     return Surface(np.concatenate([corners, tops]), np.concatenate(loops), start, colours, owner=np.array(owner), inside=inside)
 
 
-def tops_of(fill: Ridden) -> np.ndarray:
+def tops_of(fill: CoveredFaces) -> np.ndarray:
     """The corners (n, 3) of the faces on which fill lies, drawn up to its level [m]."""
     return np.column_stack([fill.corners[:, :2], np.repeat(fill.level, np.diff(fill.start))])
 
@@ -146,10 +146,10 @@ def structure_scene(
     extent = " × ".join(in_metres(v) for v in np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0))
     rows = [Sign("box", family.text, (family.colour, EDGE)) for family in families]
     rows += [Sign("line", f"ties ({len(ties)})", (PULLING,))] if ties else []
-    rows += [Sign("box", "fill", (FILL, EDGE))] if fills else []
+    fill = CoveredFaces.of(fills, [block.name for block in blocks])
+    rows += [Sign("box", "fill", (FILL, EDGE))] if fill is not None else []
     window, layers = structure_window(solids, looking), block_layers(solids, within_sight(solids, solids.vertices), colours)
-    if fills:
-        fill = Ridden.of(fills, [block.name for block in blocks])
+    if fill is not None:
         layers.append(fill_layer(fill, fill.corners, tops_of(fill), len(blocks)))
         window = window.joined(Window.around(looking.plane(layers[-1].points), MARGIN))
     return Scene(

@@ -17,6 +17,7 @@ from structures.bridge.table import BridgeTable, SpanTable, SupportTable
 COVER = 0.3  # of fill over the highest crown, by default [m]
 LEAST_COVER = 0.02  # [m]: of walls thinner than this over a crown nothing could be cut
 SAME = 1e-9  # [m]
+LEAST_COURSE = 0.3  # of its course height: between two skewbacks of a pier there is no level course lower than this
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,15 +50,17 @@ class Support:
 
     @property
     def rise(self) -> tuple[float, float] | None:
-        """Heights between which a pier goes on beside its lower springing: from the skewback there to the foot of the other one [m].
+        """Heights between which a pier goes on next to its lower springing: from the skewback there to the foot of the other one [m].
 
-        None where both skewbacks lie beside each other.
+        None where the skewbacks lie next to each other, or where only a thin slab would fit between.
         """
         if self.before is None or self.after is None:
             return None
         low, high = sorted((self.before.intrados[-1, 1], self.after.intrados[0, 1]))
         top = float(min(end[1] for end in self.seats))
-        return (top, float(high)) if high - low > SAME and high >= top - SAME else None
+        between = float(high) - top
+        fits = abs(between) <= SAME or between >= LEAST_COURSE * self.keys.course_height
+        return (top, float(high)) if high - low > SAME and fits else None
 
     @property
     def split(self) -> float:

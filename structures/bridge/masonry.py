@@ -96,6 +96,8 @@ def _head(support: Support, top: list[tuple[float, float]], low: float) -> list[
     if support.rise is not None and not support.keys.rigid:
         bed, foot = support.rise
         for z in np.linspace(bed, foot, round((foot - bed) / support.keys.course_height) + 1).tolist():
+            if left[:, 1].max() <= z + SAME:  # a level skewback is the top of its stone
+                break
             stones.append(clip(left, z - left[:, 1], SAME))
             left = clip(left, left[:, 1] - z, SAME)
     return [_parts(_without_middles(stone)) for stone in (*stones, left)]

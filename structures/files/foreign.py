@@ -23,6 +23,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
+from operator import index
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -93,10 +94,21 @@ def piece_of(number: Any, name: Any, vertices: Any, faces: Any, group: Any = "",
     Raises:
         ValueError, TypeError: it is none.
     """
-    points, loops = points_of(vertices), tuple(tuple(map(int, loop)) for loop in faces)
+    points, loops = points_of(vertices), tuple(tuple(map(index, loop)) for loop in faces)
     if not all(0 <= corner < len(points) for loop in loops for corner in loop):
         raise ValueError("a face names a vertex that there is not")
-    return Piece(int(number), _utf8(name).decode(), points, loops, _utf8(group).decode(), bool(fixed), float(density))
+    return Piece(int(number), word_of(name), points, loops, word_of(group), bool(fixed), float(density))
+
+
+def word_of(word: Any) -> str:
+    """A word of an answer, in which bytes that a library could not read are question marks.
+
+    Raises:
+        TypeError: it is none.
+    """
+    if not isinstance(word, str):
+        raise TypeError("a word is no text")
+    return _utf8(word).decode()
 
 
 def points_of(rows: Any) -> np.ndarray:

@@ -24,7 +24,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.mechanics.model.blocks import Block, Carried
-from masonry_cd.mechanics.model.fill import RIDDEN, Fill, FillFace
+from masonry_cd.mechanics.model.fill import COVERED, Fill, FillFace
 from masonry_cd.mechanics.model.geometry import mass_properties
 from structures import Made, size
 from structures.bridge.layout import Layout, layout_of
@@ -84,7 +84,7 @@ def _loaded(blocks: Sequence[Block], fill: Fill) -> list[Block]:
     """The blocks, with the columns of fill that lie on them up to the road."""
     over: dict[str, list[np.ndarray]] = {}
     for face in fill.faces:
-        if face.kind in RIDDEN:
+        if face.kind in COVERED:
             over.setdefault(face.block, []).append(face.corners)
     return [block if block.fixed or block.name not in over else replace(block, carried=carried(over[block.name], fill)) for block in blocks]
 

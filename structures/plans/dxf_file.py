@@ -16,11 +16,10 @@ import numpy as np
 
 from structures.files.drawing import DAMAGED, Shown, opened, sheets_line, shown
 from structures.files.foreign import Answer, Refused
-from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity
+from structures.plans.entities import INSERT, MOST_BULGE, OTHER, PATH, TEXT, Entity
 
 MOST = 200_000  # entities of a plan: a drawing of a whole town has as many
 LONGEST = 300  # characters of a text that are read: a mark has thirty
-MOST_BULGE = 1e4  # of an arc: with more it is a whole circle to a thousandth of a degree
 FARTHEST = 1e12  # of a place from the origin, in units of the file
 LETTER = 0.8  # width of a letter over its height
 CHORD = 1e-3  # of the extent of an ellipse or a spline, by which its chords may be off

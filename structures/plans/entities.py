@@ -14,6 +14,7 @@ import numpy as np
 
 from structures.files.foreign import points_of
 
+MOST_BULGE = 1e4  # of an arc: with more it is a whole circle to a thousandth of a degree
 LONGEST_NAME = 255  # characters, of a layer in DXF
 PATH, TEXT, INSERT, OTHER = KINDS = ("path", "text", "insert", "other")
 
@@ -53,7 +54,9 @@ def entity_of(kind: Any, handle: str, drawn_as: str, layer: str, points: Any, te
     """
     places = points_of(points)
     if kind not in KINDS or not (np.isfinite(places).all() and np.isfinite(width)):
-        raise ValueError(f"{drawn_as} {handle} has places that are no numbers")
+        raise ValueError(f"{drawn_as} {handle} on layer {layer} has places that are no numbers")
+    if kind == PATH and np.abs(places[:, 2]).max(initial=0.0) > MOST_BULGE:
+        raise ValueError(f"{drawn_as} {handle} on layer {layer} has a bulge of more than {MOST_BULGE:g}")
     text = "\n".join(map(_plain, text.split("\n")))
     return Entity(kind, _plain(handle), _plain(drawn_as), _plain(layer), places, text, bool(closed), float(width), _plain(owner))
 

@@ -18,11 +18,11 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.geometry import sixfold_volumes
-from structures.files.foreign import piece_of
+from structures.files.foreign import piece_of, word_of
 from structures.plans.axes import Wall, walls_of
 from structures.plans.bands import Band, merged
 from structures.plans.edges import Edge
-from structures.plans.ifc_file import COLUMNS, OPENINGS, ROOFS, SLABS, WALLS
+from structures.plans.ifc_file import COLUMNS, OPENINGS, READ, ROOFS, SLABS, WALLS
 from structures.plans.places import place
 from structures.plans.recognised import Left, Recognised, axis_of
 
@@ -79,8 +79,9 @@ def element_of(kind: str, guid: str, name: str, storey: str, host: str, vertices
     Raises:
         ValueError, TypeError: no answer of ours, or places that are no numbers.
     """
+    kind, guid, storey, host = map(word_of, (kind, guid, storey, host))
     shape = piece_of(0, name, vertices, faces)
-    if not len(shape.vertices) or not np.isfinite(shape.vertices).all():
+    if kind not in READ or not len(shape.vertices) or not np.isfinite(shape.vertices).all():
         raise ValueError(f"{kind} {guid} has places that are no numbers")
     corners = (shape.vertices - shape.vertices.mean(axis=0))[np.array(shape.faces, dtype=np.int64).reshape(-1, 3)]
     return Element(kind, guid, shape.name, storey, host, shape.vertices, abs(float(sixfold_volumes(corners).sum())) / 6.0)

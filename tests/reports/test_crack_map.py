@@ -338,15 +338,26 @@ def test_a_canvas_draws_each_picture_anew_and_once(monkeypatch):
             assert number == 0 or len(drawn) == before + 1  # the first picture opens OpenGL as well
 
 
+def test_a_pixel_is_the_mean_of_its_samples() -> None:
+    """A square that ends in the middle of the column of pixels at 20 covers half of the samples there, and all or none elsewhere."""
+    square = np.array([[0.0, 0, 0], [0.5, 0, 0], [0.5, 0, 1], [0, 0, 1]])
+    layer = Surface(square, np.arange(4), np.array([0, 4]), np.array([[200, 0, 100]], np.uint8), lit=False)
+    drawn = Scene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), [layer])
+    with Canvas(view_named("front"), (41, 41), samples=2) as canvas:
+        row = canvas.draw(drawn)[20]
+    assert (row[2:20] == [200, 0, 100]).all() and (row[21:39] == 255).all()
+    assert np.abs(row[20] - 0.5 * (np.array([200.0, 0.0, 100.0]) + 255.0)).max() <= 1.0
+
+
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
 def test_memory_of_pictures_goes_back_to_the_system() -> None:
-    """Of the 180 MB that a picture of 4.8 million samples takes, a process that keeps what its steps free has hardly any afterwards."""
+    """Of the 180 MB that a picture of 4.8 million samples takes, four to a pixel, one that keeps what its steps free has hardly any."""
 
     def draw(pixels: tuple[int, int]) -> float:
         """Resident memory after a picture [MB]."""
         square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]])
         layer = Surface(square, np.arange(4), np.array([0, 4]), np.array([[255, 0, 0]], np.uint8), lit=False)
-        with Canvas(view_named("front"), pixels) as canvas:
+        with Canvas(view_named("front"), pixels, samples=2) as canvas:
             canvas.draw(Scene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), [layer]))
         return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize() / 1e6
 

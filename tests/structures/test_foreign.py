@@ -340,23 +340,24 @@ def forged(path: Path, text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "answer",
+    ("answer", "why"),
     [
-        [[SOUND[:-1] + [0.0, 1]], [], []],
-        [[[*SOUND[:2], [[0.0, 0.0]] * 4, *SOUND[3:]]], [], []],
-        [[[*SOUND[:2], [[0.0, 0.0, "x"]] * 4, *SOUND[3:]]], [], []],
-        [[[*SOUND[:3], [[0, 1, -1]], *SOUND[4:]]], [], []],
-        [[[*SOUND[:3], 5, *SOUND[4:]]], [], []],
-        [[[math.inf, *SOUND[1:]]], [], []],
-        [[[0, None, *SOUND[2:]]], [], []],
-        [[SOUND], [None], []],
-        [[SOUND], [], [1]],
-        [[SOUND], []],
-        {"pieces": []},
+        ([[SOUND[:-1] + [0.0, 1]], [], []], "positional"),
+        ([[[*SOUND[:2], [[0.0, 0.0]] * 4, *SOUND[3:]]], [], []], "coordinates"),
+        ([[[*SOUND[:2], [[0.0, 0.0, "x"]] * 4, *SOUND[3:]]], [], []], "float"),
+        ([[[*SOUND[:3], [[0, 1, -1]], *SOUND[4:]]], [], []], "vertex"),
+        ([[[*SOUND[:3], [[0, 1, 0.9]], *SOUND[4:]]], [], []], "integer"),
+        ([[[*SOUND[:3], 5, *SOUND[4:]]], [], []], "iterable"),
+        ([[[math.inf, *SOUND[1:]]], [], []], "infinity"),
+        ([[[0, None, *SOUND[2:]]], [], []], "no text"),
+        ([[SOUND], [None], []], "NoneType"),
+        ([[SOUND], [], [1]], "encode"),
+        ([[SOUND], []], "unpack"),
+        ({"pieces": []}, "unpack"),
     ],
 )
-def test_answers_are_checked(tmp_path: Path, answer: object) -> None:
-    with pytest.raises(InputError, match=r"a\.bin: cannot be read: its reader answers nonsense: "):
+def test_answers_are_checked(tmp_path: Path, answer: object, why: str) -> None:
+    with pytest.raises(InputError, match=rf"a\.bin: cannot be read: its reader answers nonsense: .*{why}"):
         foreign.read("test_foreign:forged", tmp_path / "a.bin", {"text": json.dumps(answer)})
 
 

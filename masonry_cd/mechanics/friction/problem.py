@@ -282,8 +282,17 @@ class Solution:
 
 
 def first_impulse(problem: Problem, start: Solution | None) -> np.ndarray:
-    """Impulses (C, m) to begin with and to overwrite: those of another solution, or zeros [N s]."""
-    return np.zeros((problem.contacts, problem.dimension)) if start is None else np.array(start.impulse, dtype=np.float64, order="C")
+    """Impulses (C, m) to begin with and to overwrite: those of another solution, or zeros [N s].
+
+    Raises:
+        ValueError: the other solution is one of other contacts.
+    """
+    shape = problem.contacts, problem.dimension
+    if start is None:
+        return np.zeros(shape)
+    if start.impulse.shape != shape:
+        raise ValueError(f"impulses {start.impulse.shape} of a problem of {shape[0]} contacts")
+    return np.array(start.impulse, dtype=np.float64, order="C")
 
 
 def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True, threads: int = 1) -> float:

@@ -18,7 +18,7 @@ import numpy as np
 from masonry_cd.foundation import libm
 
 FaceKind = Literal["extrados", "top", "back", "wall"]
-RIDDEN = ("extrados", "top")  # faces on which fill lies, and rides
+COVERED = ("extrados", "top")  # faces on which fill lies, and rides
 ACTIVE_AT = (
     0.002  # movement over height of a wall at which sand of medium density is active (Clough & Duncan 1991; dense 0.001, loose 0.004)
 )
@@ -116,7 +116,7 @@ class Fill:
         return replace(self, level=self.level + float(at[2]), faces=faces, origin=np.array([at[0], at[1], 0.0]), turn=turn)
 
 
-class Ridden(NamedTuple):
+class CoveredFaces(NamedTuple):
     """The G faces of blocks on which fill lies, up to a level."""
 
     block: np.ndarray  # (G,) number of each
@@ -125,10 +125,12 @@ class Ridden(NamedTuple):
     corners: np.ndarray  # (n, 3) at rest, counter-clockwise seen from above [m]
 
     @classmethod
-    def of(cls, fills: Sequence[Fill], names: Sequence[str]) -> Ridden:
-        """Those of the fills of a structure, whose blocks have names."""
+    def of(cls, fills: Sequence[Fill], names: Sequence[str]) -> CoveredFaces | None:
+        """Those of the fills of a structure, whose blocks have names; None where fill lies on no block."""
         number = {name: k for k, name in enumerate(names)}
-        faces = [(number[face.block], fill.level, face.corners) for fill in fills for face in fill.faces if face.kind in RIDDEN]
+        faces = [(number[face.block], fill.level, face.corners) for fill in fills for face in fill.faces if face.kind in COVERED]
+        if not faces:
+            return None
         corners = [own for *_, own in faces]
         block, level = (np.array([face[k] for face in faces], dtype=kind) for k, kind in ((0, np.int64), (1, float)))
-        return cls(block, level, np.cumsum([0, *map(len, corners)]), np.concatenate([np.zeros((0, 3)), *corners]))
+        return cls(block, level, np.cumsum([0, *map(len, corners)]), np.concatenate(corners))

@@ -10,7 +10,7 @@ from cones import project
 from scipy import sparse
 
 from masonry_cd.mechanics.friction.contact_geometry import Geometry
-from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Solution, first_impulse, natural_map_error
 
 
 def plain_error(problem: FrictionProblem | LocalProblem, impulse: np.ndarray, scaled: bool) -> float:
@@ -36,6 +36,13 @@ def test_error_agrees_with_its_definition(softness: float, local: bool, scaled: 
     impulse = np.random.default_rng(1).normal(size=(problem.contacts, 3))
     checked = problem.to_local() if local else problem
     assert natural_map_error(checked, impulse, scaled) == pytest.approx(plain_error(problem, impulse, scaled), rel=1e-12)
+
+
+def test_a_start_of_other_contacts_is_refused_before_kernels_read_it() -> None:
+    problem = scenes.wall(3, 4)
+    start = Solution(np.zeros((problem.contacts - 1, 3)), None, 0)
+    with pytest.raises(ValueError, match="contacts"):
+        first_impulse(problem, start)
 
 
 def test_frictionless_contact_that_opens_has_no_error() -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -16,13 +17,14 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from masonry_cd.mechanics.model.fill import Ridden
+from masonry_cd.mechanics.model.fill import CoveredFaces
 from masonry_cd.mechanics.model.geometry import mass_properties
 from masonry_cd.mechanics.model.state import State
 from reports.drawing.solids import fill_layer, structure_scene, tops_of
 from reports.maps.crack_map import Subject, crack_scene
 from reports.maps.framing import MapStyle, framing
 from structures import Made
+from structures.geometry.checks import check
 
 SPAN = {"span": 6.0, "rise": 1.5, "thickness": 0.5, "voussoirs": 12}
 SHAPES = (
@@ -106,6 +108,23 @@ def stepped(step: float) -> tuple[list[Block], set[tuple[str, str]]]:
     return pier, {(names[a], names[b]) for a, b in zip(joints.block_a.tolist(), joints.block_b.tolist(), strict=True)}
 
 
+@pytest.mark.parametrize(("first", "second"), list(pairwise([*SHAPES, SHAPES[0]])))
+@pytest.mark.parametrize("step", [0.01, 0.3, -0.8, 1.3])
+def test_a_pier_between_springings_that_differ_is_sound_for_any_two_shapes(first: dict, second: dict, step: float) -> None:
+    low, high = max(-step, 0.0), max(step, 0.0)
+    keys = {"piers": [{"width": 1.6, "height": 3.0}], "walls": {**WALLS, "thickness": 0.5}, "width": 4.0}
+    bridge = made({**first, "springing": low}, {**second, "springing": high}, **keys)
+    check(bridge.blocks)
+    pier = of(bridge, "pier1")
+    assert min(float(np.ptp(block.vertices[:, 2])) for block in pier) > 0.25 * 0.3  # no slabs: a course is 0.3 m high
+    assembly = Assembly.from_blocks(bridge.blocks, 0.6)
+    assert built_gap(assembly) < 1e-9
+    joints = find_joints(assembly)
+    beds = np.abs(joints.normal[:, 2]) > 0.5
+    on_bed = {*joints.block_a[beds].tolist(), *joints.block_b[beds].tolist()}
+    assert {assembly.names.index(block.name) for block in pier} <= on_bed
+
+
 def neighbours(pairs: set[tuple[str, str]], name: str) -> set[str]:
     return {b if a == name else a for a, b in pairs if name in (a, b)}
 
@@ -155,7 +174,7 @@ def test_fill_rides_on_the_blocks_below_it_as_one_body_with_them() -> None:
 @pytest.mark.parametrize("walls", [None, {**WALLS, "thickness": 0.5}])
 def test_pictures_show_all_of_the_fill(walls: dict | None) -> None:
     bridge = made(SPAN, width=2.0, cover=0.3, skew=15.0, walls=walls)
-    fill = Ridden.of(bridge.fills, [block.name for block in bridge.blocks])
+    fill = CoveredFaces.of(bridge.fills, [block.name for block in bridge.blocks])
     layer = fill_layer(fill, fill.corners, tops_of(fill), len(bridge.blocks))
     volume = 0.0  # by the divergence theorem, as a sum of tetrahedra
     for first, end in pairwise(layer.loop_start.tolist()):
@@ -174,7 +193,7 @@ def test_maps_of_a_run_show_the_fill_where_the_blocks_below_it_are(tmp_path: Pat
     rest, crown = State.at_rest(assembly), assembly.names.index("arch1.v6")
     path = write_run(tmp_path / "result.h5", bridge.blocks, [rest, shifted(rest, crown, by)], fills=bridge.fills)
     with Results.open(path) as results:
-        fill, wanted = results.fill, Ridden.of(bridge.fills, assembly.names)
+        fill, wanted = results.fill, CoveredFaces.of(bridge.fills, assembly.names)
         assert fill is not None and all(np.array_equal(got, own) for got, own in zip(fill, wanted, strict=True))
         framed = framing(results, [0, 1], MapStyle(scale=1.0))
         first, last = (Subject.of(results, k, framed).fill for k in (0, 1))
@@ -184,6 +203,22 @@ def test_maps_of_a_run_show_the_fill_where_the_blocks_below_it_are(tmp_path: Pat
     assert moved[on_crown] == pytest.approx(np.broadcast_to(by, moved[on_crown].shape), abs=1e-12) and not moved[~on_crown].any()
     x, y = framed.view.plane(first.points).T
     assert framed.window.left < x.min() < x.max() < framed.window.right and framed.window.bottom < y.min() < y.max() < framed.window.top
+
+
+def test_fill_that_lies_on_no_block_is_not_drawn(tmp_path: Path) -> None:
+    bridge = made(SPAN, width=2.0, cover=0.3)
+    bare, rest = [replace(fill, faces=()) for fill in bridge.fills], State.at_rest(Assembly.from_blocks(bridge.blocks, 0.6))
+    with Results.open(write_run(tmp_path / "result.h5", bridge.blocks, [rest], fills=bare)) as results:
+        assert results.fill is None and Subject.of(results, 0, framing(results, [0], MapStyle(scale=1.0))).fill is None
+    assert len(structure_scene(bridge.blocks, "", fills=bare).layers) == len(structure_scene(bridge.blocks, "").layers)
+
+
+def test_a_result_whose_fill_has_no_level_is_refused(tmp_path: Path) -> None:
+    bridge = made(SPAN, width=2.0, cover=0.3)
+    broken, rest = [replace(fill, level=np.nan) for fill in bridge.fills], State.at_rest(Assembly.from_blocks(bridge.blocks, 0.6))
+    path = write_run(tmp_path / "result.h5", bridge.blocks, [rest], fills=broken)
+    with pytest.raises(InputError, match="blocks/fill_corners"):
+        Results.open(path)
 
 
 def test_a_strip_without_walls_is_its_own_mirror_image_and_stands_on_one_foot_to_a_pier() -> None:
