@@ -62,7 +62,7 @@ def outcome(folder: Path, aside: Path, before: set[str], output: str, code: int 
 
 
 def _only_a_plan(output: Path) -> bool:
-    """Whether an output is a folder of a plan's files and of the mark of a folder that the program wrote, and of nothing else."""
+    """True of a folder that holds files of a plan and the mark of a folder that the program wrote, and nothing else."""
     names = {path.name for path in output.glob("*")} - {LIST}
     return bool(names) and all(name.startswith(PLAN) for name in names)
 

@@ -47,7 +47,7 @@ def before_run(assembly: Assembly, support_velocity: np.ndarray, gravity: float,
     p = float(np.sqrt(0.75 * gravity / reach[smallest]))
     too_few, too_fast = frequency * step * PER_PERIOD > 1.0, p * step > ROCKING
     needs = ([1.0 / (PER_PERIOD * frequency)] if too_few else []) + ([ROCKING / p] if too_fast else [])
-    longest = _round_down(min(needs)) if needs else step  # one for all that is said
+    longest = _round_down(min(needs)) if needs else step  # one step that meets every remark
     lines = []
     if too_few:
         lines.append(

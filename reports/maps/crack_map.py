@@ -217,7 +217,7 @@ def other_signs(subject: Subject, always: bool = False) -> list[Sign]:
 
 
 def fill_signs(subject: Subject) -> list[Sign]:
-    """That of fill, where there is some."""
+    """The entry of fill in the key, where there is some."""
     return [Sign("box", "fill", (palette.FILL,))] if subject.fill is not None else []
 
 

@@ -304,7 +304,7 @@ def _joined(piece: Piece, other: Piece) -> Piece | None:
 
 
 def _is_sliver(shape: Polygon, laying: Laying) -> bool:
-    """Whether a stone is too low, too short, or too narrow throughout."""
+    """True of a stone that is too low, too short, or too narrow throughout."""
     left, low, right, high = shape.bounds
     thin = shape.area < THIN * laying.course * (right - left) or shape.area < SHORT * laying.unit * (high - low)
     return thin or narrower(shape, THIN * min(laying.course, laying.unit))

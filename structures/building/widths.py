@@ -31,7 +31,7 @@ def without_tails(shape: Polygon, narrow: float) -> list[Polygon]:
 
 
 def narrower(shape: BaseGeometry, width: float) -> bool:
-    """Whether the widest circle within a polygon is narrower than a width [m]."""
+    """True where the widest circle within a polygon is narrower than a width [m]."""
     if 2.0 * shape.area >= width * shape.length:  # no polygon whose circle is that narrow has so much area
         return False
     return 2.0 * float(shapely.maximum_inscribed_circle(shape, 0.01 * width).length) < width

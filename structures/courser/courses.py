@@ -35,7 +35,7 @@ class Course(NamedTuple):
 
     @property
     def mirrored(self) -> Course:
-        """About x = 0."""
+        """The course mirrored about x = 0."""
         (a, b), (c, d) = self.left, self.right
         return Course(self.low, self.high, (-c, -d), (-a, -b))
 

@@ -41,7 +41,7 @@ class Terminal(io.StringIO):
 
 
 def shown_of(stream: io.StringIO, *done: int, of: int = 200, quiet: bool = False) -> str:
-    """What a stream gets of a run of some steps."""
+    """The text that a stream gets of a run of some steps."""
     with Progress(of, quiet=quiet, stream=stream) as show:
         for steps in done:
             show(steps)

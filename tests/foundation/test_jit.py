@@ -134,7 +134,7 @@ def run_kernel(folder: Path, factor: float, caller: str = CALLER, **environment:
 
 
 def in_python(program: str, folder: Path, **environment: str) -> str:
-    """What a program prints that finds the kernels in a folder."""
+    """The output of a program that finds the kernels in a folder."""
     places = {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "NUMBA_CACHE_DIR": str(folder / "cache")}
     settings = os.environ | places | environment
     # without bytecode, which is taken for that of a module written in the same second

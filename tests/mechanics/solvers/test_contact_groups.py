@@ -35,7 +35,7 @@ from masonry_cd.mechanics.solvers.contact_groups import (
 
 @entry()
 def workspace(given: ProblemArrays, elimination: Elimination, kept: KeptFactors) -> AdmmWorkspace:
-    """What ADMM works on, with the problem in order."""
+    """The workspace of ADMM, with the problem in order."""
     work = allocate_workspace(own_arena(), given, elimination, kept)
     put_in_order(given, elimination.order, 0, len(elimination.order), work.problem)
     return work
