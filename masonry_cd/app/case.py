@@ -15,19 +15,23 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.output_gauges import gauges_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import SceneKind, compiling
-from masonry_cd.foundation.errors import Fault, InputError, in_plain_words
+from masonry_cd.foundation.errors import Fault, InputError, in_plain_words, of_each
 from masonry_cd.foundation.jit import lost
 from masonry_cd.io.gauges import Gauges, GuideGauge
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.dynamics.pauses import HOLD, STILL
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.dynamics.stage import Stage
 from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
+from masonry_cd.mechanics.dynamics.system import Loads
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import refuse_in_a_run
 from masonry_cd.mechanics.model.joints import Joints
@@ -40,6 +44,7 @@ if TYPE_CHECKING:
     from loads import Loading
     from loads.acted import Acted
     from loads.motion import Part
+    from masonry_cd.app.events import EventTable
     from masonry_cd.mechanics.model.fill import Fill
     from structures import Made
     from structures.ties import Bar
@@ -68,6 +73,14 @@ class Case:
     seconds: float  # to build it
     gauges: Gauges  # what is kept in every step besides
     fills: Sequence[Fill] = ()  # of bridges
+    events: tuple[EventTable, ...] = ()  # that change the model
+
+    @property
+    def reported(self) -> Assembly:
+        """The blocks as results have them: supports that an event releases are free blocks, to which nothing is relative."""
+        from masonry_cd.app.changes import released
+
+        return released(self.assembly, self.events) if self.events else self.assembly
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -212,6 +225,9 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         raise InputError(scene.origin.path, f"loads: the base is shaken, but no block of the structure is fixed{remedy}")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
+    events = _events(scene) if scene.events else ()
+    if events:
+        assembly, loading = _before(scene, events, assembly, loading)
     planar, by_area, spheres = plane is not None, bool(assembly.laws.by_area.any()), bool(assembly.shapes.rounding.any())
     with compiling(SceneKind(scene.run.solver, planar, by_area, scene.stress, strained, spheres)):
         joints, built = structure.joints, structure.built_gap
@@ -234,10 +250,51 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         loading = _until_still(scene, loading, still)
     with scene.locating():
         gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
+        if events:
+            notes = (*notes, *_checked(scene, events, assembly, loading, gauges))
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
     return Case(
-        scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges, structure.fills
-    )
+        scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges,
+        structure.fills, events,
+    )  # fmt: skip
+
+
+def _events(scene: Scene) -> tuple[EventTable, ...]:
+    from masonry_cd.app.events import parse_events
+
+    with scene.locating():
+        return parse_events(scene.events)
+
+
+def _before(scene: Scene, events: Sequence[EventTable], assembly: Assembly, loading: Loading) -> tuple[Assembly, Loading]:
+    """Blocks and loads before any event: what one puts in is not there yet."""
+    from masonry_cd.app.changes import waiting
+
+    with scene.locating():
+        assembly, forces = waiting(assembly, loading.forces, events, "events")
+    return assembly, replace(loading, forces=forces)
+
+
+def _checked(scene: Scene, events: Sequence[EventTable], assembly: Assembly, loading: Loading, gauges: Gauges) -> list[str]:
+    """A line on each event.
+
+    Raises:
+        InputError: an event that names what is not there.
+    """
+    from masonry_cd.app.changes import Model, check
+    from masonry_cd.app.events import find_condition, line_of
+
+    loads = Loads(loading.support_velocity, loading.acceleration, loading.forces)
+    model = Model(Stage(assembly, loads), scene.tables["material"], np.asarray(scene.run.gravity, dtype=float))
+
+    def line(i: int) -> str:
+        check(events[i], model, f"events[{i}]")
+        condition = events[i].when
+        if condition is not None:
+            find_condition(condition, gauges, f"events[{i}]")
+        return line_of(events[i], i, assembly)
+
+    return of_each(line, range(len(events)))
 
 
 def acting_too(case: Case, acted: Sequence[Acted]) -> Case:

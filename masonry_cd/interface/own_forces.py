@@ -220,6 +220,20 @@ class OwnForces:
         return max(base, float((away / np.where(mass > 0.0, mass, np.inf)).max(initial=0.0)))
 
     @property
+    def there(self) -> np.ndarray:
+        """Which ties of the loads are there, (T,) bool."""
+        return np.zeros(0, dtype=bool) if self.base is None else self.base.there
+
+    @property
+    def switches(self) -> tuple[str, ...]:
+        """Names of ties and guides of the loads that can come and go."""
+        return () if self.base is None else self.base.switches
+
+    def switched(self, there: Mapping[str, bool]) -> OwnForces:
+        """The forces whose ties and guides of some names are there or not."""
+        return replace(self, base=None if self.base is None else self.base.switched(there))
+
+    @property
     def jacked(self) -> np.ndarray:
         """Which ties of the loads keep their first tension while the structure settles, (T,) bool."""
         return np.zeros(0, dtype=bool) if self.base is None else self.base.jacked

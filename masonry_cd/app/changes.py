@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Changes of the model in the middle of a run: blocks that come and go, supports that let go, ties, props, bonds, friction, gravity.
+
+The events of a scene and the calls of Python are the same changes, with the same keys and checks. A change makes of one stage
+(:mod:`masonry_cd.mechanics.dynamics.stage`) the next. The stage in which a run stands follows from the changes made so far and from the
+steps of the loads at which they were made, so that is all that a checkpoint keeps of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from loads.supports import Names, select
+from masonry_cd.foundation.arrays import Stored
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.fields import Table, Vector
+from masonry_cd.foundation.quantities import counted
+from masonry_cd.foundation.units import Unit
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.stage import Stage, enter, stage_of
+from masonry_cd.mechanics.model.block_forces import BlockForces
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.by_group import by_pair
+from masonry_cd.mechanics.model.joint_laws import joint_table
+from masonry_cd.mechanics.model.joint_laws.friction import Friction, friction_table
+from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
+from masonry_cd.mechanics.model.materials import Material
+
+PAIR_EXAMPLE = '"arch-pier"'
+
+
+class MaterialChange(Table):
+    """Keys of [material] that are others from then on."""
+
+    friction: Friction | None = None
+    """As in [material]."""
+    joints: dict[str, Any] | None = None
+    """As in [material]; rigid joints stay rigid, elastic ones elastic, and dry ones dry."""
+
+
+class Change(Table):
+    """What changes at once, between two steps."""
+
+    remove: Names = None
+    """Blocks or groups that are taken away; * stands for any letters."""
+    add: Names = None
+    """Blocks or groups that are put in where they were built; until then they are not there."""
+    release: Names = None
+    """Supports that become free blocks."""
+    cut: Names = None
+    """Pairs of groups, "arch-pier", whose joints lose their bond."""
+    take_out: Names = None
+    """Names of ties and props that are taken out."""
+    put_in: Names = None
+    """Names of ties and props that are put in, ties with their first tension; until then they are not there."""
+    material: MaterialChange | None = None
+    """Friction and laws of the joints from then on."""
+    gravity: Annotated[Vector | None, Unit("m/s2")] = None
+    """From then on, instead of run.gravity or what the last change made of it."""
+
+    @property
+    def words(self) -> str:
+        """What it does."""
+        named = (
+            ("removes", self.remove), ("adds", self.add), ("releases", self.release), ("cuts", self.cut),
+            ("takes out", self.take_out), ("puts in", self.put_in),
+        )  # fmt: skip
+        words = [f"{verb} {', '.join(names)}" for verb, names in named if names]
+        if self.material is not None:
+            words.append("changes the " + " and ".join(sorted(self.material.model_fields_set)) + " of joints")
+        if self.gravity is not None:
+            words.append(f"turns gravity to ({', '.join(f'{g:g}' for g in self.gravity)}) m/s2")
+        return "; ".join(words)
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """What changes act on."""
+
+    stage: Stage
+    material: Mapping[str, Any]  # the table [material]
+    gravity: np.ndarray  # (3,) [m/s2]
+
+    @property
+    def assembly(self) -> Assembly:
+        """The blocks of the stage."""
+        return self.stage.assembly
+
+
+def check(change: Change, model: Model, where: str) -> None:
+    """Refuse a change that names what is not there, or would change nothing.
+
+    Raises:
+        InputError: names the key.
+    """
+    if not change.words:
+        raise InputError(where, f"changes nothing; keys: {', '.join(Change.model_fields)}")
+    changed(model, change, 0, where)
+    _bonds(change, model.assembly, where)
+
+
+def changed(model: Model, change: Change, step: int, where: str) -> Model:
+    """The model after a change that is made at a step of the loads.
+
+    Raises:
+        InputError: names the key that is at fault.
+    """
+    material, table = change.material, dict(model.material)
+    assembly = _with_blocks(model.assembly, change, where)
+    if material is not None:
+        table |= material.model_dump(exclude_none=True)
+        assembly = _with_laws(assembly, parse_table(Material, table, f"{where}.material"), where)
+    loads, gravity = model.stage.loads, model.gravity
+    if change.take_out or change.put_in:
+        loads = replace(loads, forces=_switched(loads.forces, change, where))
+    if change.gravity is not None:
+        gravity, pull = np.array(change.gravity), loads.acceleration.copy()
+        pull[step + 1 :] += gravity - model.gravity
+        loads = replace(loads, acceleration=pull)
+    return Model(Stage(assembly, loads), table, gravity)
+
+
+def _with_blocks(assembly: Assembly, change: Change, where: str) -> Assembly:
+    """The blocks of which some have gone, others have come, and supports are released."""
+    count = np.zeros(assembly.count, dtype=bool)
+    absent, fixed = count if assembly.absent is None else assembly.absent, assembly.fixed
+    for key, names, gone in (("remove", change.remove, True), ("add", change.add, False)):
+        if names:
+            chosen = select(names, assembly, f"{where}.{key}")
+            stuck = np.flatnonzero(chosen & fixed)
+            if len(stuck):
+                remedy = f'; release = "{assembly.names[stuck[0]]}" makes it a free block'
+                raise InputError(f"{where}.{key}", f'"{assembly.names[stuck[0]]}" is a support, and only free blocks come and go{remedy}')
+            absent = np.where(chosen, gone, absent)
+    if change.release:
+        chosen = select(change.release, assembly, f"{where}.release")
+        loose = np.flatnonzero(chosen & ~np.array([block.fixed for block in assembly.blocks]))
+        if len(loose):
+            raise InputError(f"{where}.release", f'"{assembly.names[loose[0]]}" is no support')
+        fixed = fixed & ~chosen
+    return replace(
+        assembly, absent=absent if absent.any() else None, fixed=fixed, support_of=np.where(fixed, assembly.support_of, -1)
+    )
+
+
+def _with_laws(assembly: Assembly, material: Material, where: str) -> Assembly:
+    """The blocks with other friction and joint laws of the same kinds."""
+    before, friction = assembly.laws, friction_table(material.friction, assembly.groups)
+    laws = joint_table(material.joint_laws, assembly.groups, friction, material.joint_moduli)
+    laws = replace(laws, retardation=np.where(laws.at_first_period > 0.0, before.retardation, laws.retardation))
+    if not _of_one_kind(before, laws):
+        raise InputError(
+            f"{where}.material.joints",
+            "makes joints of another kind: those that are rigid, elastic or bonded, can crush or have more points, stay so; "
+            "cut breaks bonds, and a stiffness of 1e12 N/m3 is as good as rigid",
+        )
+    return replace(assembly, friction=friction, laws=laws)
+
+
+def _of_one_kind(before: JointLaws, after: JointLaws) -> bool:
+    """Whether the same joints are elastic, have bonds, can crush, and have so many points."""
+    kinds = ((laws.elastic, laws.apex > 0.0, laws.crushing > 0.0, laws.points) for laws in (before, after))
+    return all(np.array_equal(one, other) for one, other in zip(*kinds, strict=True))
+
+
+def _switched(forces: BlockForces | None, change: Change, where: str) -> BlockForces:
+    """The forces whose ties and props of some names come or go."""
+    known = [] if forces is None else forces.switches
+    for key, names in (("take_out", change.take_out), ("put_in", change.put_in)):
+        for name in names or ():
+            if name not in known:
+                listed = f"; there are {', '.join(known)}" if known else '; a tie or prop with name = "..." has one'
+                raise InputError(f"{where}.{key}", f'no tie, prop or push is named "{name}"{suggest(name, known)}{listed}')
+    assert forces is not None
+    return forces.switched({name: False for name in change.take_out or ()} | {name: True for name in change.put_in or ()})
+
+
+def _bonds(change: Change, assembly: Assembly, where: str) -> np.ndarray:
+    """The pairs of groups whose joints lose their bond, (G, G).
+
+    Raises:
+        InputError: a pair without bonds.
+    """
+    out = np.zeros((len(assembly.groups), len(assembly.groups)), dtype=bool)
+    for pair in change.cut or ():
+        pairs = [(i, j) for i, j, _ in by_pair({pair: True}, assembly.groups, f"{where}.cut")]
+        if not any(assembly.laws.apex[i, j] > 0.0 for i, j in pairs):
+            raise InputError(f"{where}.cut", f'joints "{pair}" have no bond: material.joints.cohesion gives them one')
+        for i, j in pairs:
+            out[i, j] = True
+    return out
+
+
+def waiting(assembly: Assembly, forces: BlockForces | None, changes: Sequence[Change], where: str) -> tuple[Assembly, BlockForces | None]:
+    """Blocks and forces before any of some changes: what they put in is not there yet.
+
+    Raises:
+        InputError: unknown names.
+    """
+    for i, change in enumerate(changes):
+        place = f"{where}[{i}]"
+        if change.add:
+            assembly = _with_blocks(assembly, Change(remove=change.add), place)
+        if change.put_in and forces is not None:
+            known = [name for name in change.put_in if name in forces.switches]
+            forces = forces.switched(dict.fromkeys(known, False))
+    return assembly, forces
+
+
+def released(assembly: Assembly, changes: Sequence[Change]) -> Assembly:
+    """The blocks of which none is a support that a change releases."""
+    names = [name for change in changes for name in change.release or ()]
+    loose = select(names, assembly, "release") if names else np.zeros(assembly.count, dtype=bool)
+    blocks = tuple(replace(block, fixed=False) if free else block for block, free in zip(assembly.blocks, loose.tolist(), strict=True))
+    return replace(assembly, blocks=blocks, fixed=assembly.fixed & ~loose)
+
+
+@dataclass(eq=False)
+class Changes:
+    """The changes of a run that a stepper makes, those made so far, and the model that they led to."""
+
+    base: Model  # before any of them
+    known: list[tuple[Change, str]]  # and where it stands
+    made: list[tuple[int, int]] = field(default_factory=list)  # which of the known ones, and at which step of the loads
+    model: Model = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.model = self._after(self.made)
+
+    @classmethod
+    def of(cls, stepper: Stepper, material: Mapping[str, Any], known: Sequence[tuple[Change, str]] = ()) -> Changes:
+        """Of a stepper at the beginning of its run, with the table [material] of its scene."""
+        return cls(Model(stage_of(stepper), material, np.asarray(stepper.settings.gravity, dtype=float)), list(known))
+
+    def make(self, number: int, stepper: Stepper) -> None:
+        """Make a known change now.
+
+        Raises:
+            InputError: gravity would lead out of the plane in which the scene is solved.
+        """
+        change, where = self.known[number]
+        plane = stepper.plane
+        if change.gravity is not None and plane is not None and change.gravity[plane.axis]:
+            way = f"it acts along {'xyz'[plane.axis]}, across the plane in which this scene is solved"
+            raise InputError(f"{where}.gravity", f"{way}; run.planar = false has it move in space")
+        bonds = _bonds(change, stepper.assembly, where)
+        self.model = changed(self.model, change, stepper.load_step, where)
+        self.made.append((number, stepper.load_step))
+        enter(stepper, self.model.stage)
+        if bonds.any():
+            blocks = stepper.detector.blocks_of_contacts()
+            group, joints = stepper.assembly.group_of, stepper.motion.joints
+            bonded = joints.bonded.copy()
+            bonded[: len(blocks)] &= ~bonds[group[blocks[:, 0]], group[blocks[:, 1]]]
+            stepper.motion = stepper.motion._replace(joints=joints._replace(bonded=bonded))
+
+    def copied(self) -> Changes:
+        """A copy that goes its own way."""
+        return Changes(self.base, list(self.known), list(self.made))
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """Those made so far, for a checkpoint."""
+        return {"made": np.array(self.made, dtype=np.int64).reshape(-1, 2)}
+
+    def restore(self, stored: Stored, stepper: Stepper) -> None:
+        """Have a stepper be in the stage of a checkpoint, before its motion is restored.
+
+        Raises:
+            InputError: changes that this scene does not have.
+        """
+        made = stored.whole("made", None, 2)
+        if (made[:, 0] >= len(self.known)).any() or (made[:, 1] >= len(stepper.system.loads.acceleration)).any():
+            stored.refuse("made", "not those of this scene")
+        self.made = [(int(number), int(step)) for number, step in made]
+        self.model = self._after(self.made)
+        enter(stepper, self.model.stage)
+
+    def _after(self, made: Sequence[tuple[int, int]]) -> Model:
+        model = self.base
+        for number, step in made:
+            model = changed(model, self.known[number][0], step, self.known[number][1])
+        return model
+
+
+def in_words(change: Change, assembly: Assembly) -> str:
+    """What a change does, blocks counted."""
+    words = change.words
+    for names in (change.remove, change.add):
+        if names and (count := int(select(names, assembly, "").sum())) > len(names):
+            words = words.replace(", ".join(names), f"{', '.join(names)} ({counted(count, 'block')})", 1)
+    return words
