@@ -203,6 +203,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     scene.refuse_static()
     structure = structure or structure_of(scene)
     scene, lasting = _timed(scene, structure)
+    events = _events(scene) if scene.events else ()
     with scene.locating(), _explained(scene, structure):
         if scene.limit:
             from masonry_cd.app.limit_table import limit_table
@@ -219,13 +220,14 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         ties = [(bar.where, bar.load()) for bar in structure.bars]
         loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties, own, structure.fills)
         plane = _plane(assembly, loading, run)
+        if plane is not None and any(one.gravity is not None and one.gravity[plane.axis] for one in events):
+            scene, plane = replace(scene, run=run.model_copy(update={"planar": False})), None
         strained = unknowns_of_strain(assembly, plane)
     if loading.support_velocity.any() and not assembly.fixed.any():
         remedy = f"; {scene.kind.unsupported}" if scene.kind is not None and scene.kind.unsupported else ""
         raise InputError(scene.origin.path, f"loads: the base is shaken, but no block of the structure is fixed{remedy}")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
-    events = _events(scene) if scene.events else ()
     if events:
         assembly, loading = _before(scene, events, assembly, loading)
     planar, by_area, spheres = plane is not None, bool(assembly.laws.by_area.any()), bool(assembly.shapes.rounding.any())

@@ -111,7 +111,7 @@ def changed(model: Model, change: Change, step: int, where: str) -> Model:
         InputError: names the key that is at fault.
     """
     material, table = change.material, dict(model.material)
-    assembly = _with_blocks(model.assembly, change, where)
+    assembly = with_blocks(model.assembly, change, where)
     if material is not None:
         table |= material.model_dump(exclude_none=True)
         assembly = _with_laws(assembly, parse_table(Material, table, f"{where}.material"), where)
@@ -125,7 +125,7 @@ def changed(model: Model, change: Change, step: int, where: str) -> Model:
     return Model(Stage(assembly, loads), table, gravity)
 
 
-def _with_blocks(assembly: Assembly, change: Change, where: str) -> Assembly:
+def with_blocks(assembly: Assembly, change: Change, where: str) -> Assembly:
     """The blocks of which some have gone, others have come, and supports are released."""
     count = np.zeros(assembly.count, dtype=bool)
     absent, fixed = count if assembly.absent is None else assembly.absent, assembly.fixed
@@ -205,7 +205,7 @@ def waiting(assembly: Assembly, forces: BlockForces | None, changes: Sequence[Ch
     for i, change in enumerate(changes):
         place = f"{where}[{i}]"
         if change.add:
-            assembly = _with_blocks(assembly, Change(remove=change.add), place)
+            assembly = with_blocks(assembly, Change(remove=change.add), place)
         if change.put_in and forces is not None:
             known = [name for name in change.put_in if name in forces.switches]
             forces = forces.switched(dict.fromkeys(known, False))
@@ -285,6 +285,17 @@ class Changes:
         for number, step in made:
             model = changed(model, self.known[number][0], step, self.known[number][1])
         return model
+
+
+def read_changes(tables: Any) -> list[tuple[Change, str]]:
+    """Changes as tables, as a checkpoint has them.
+
+    Raises:
+        InputError: they are none.
+    """
+    if not isinstance(tables, list):
+        raise InputError("changes", "not what a simulation leaves")
+    return [(parse_table(Change, table, "change"), "change") for table in tables]
 
 
 def in_words(change: Change, assembly: Assembly) -> str:

@@ -203,6 +203,16 @@ class Scene:
         if self.static:
             raise InputError(self.origin.path, "run: missing: a run needs dt and duration; masonry-cd limit takes this scene as it is")
 
+    def refuse_events(self, what: str) -> None:
+        """Refuse a scene with [[events]] where nothing comes or goes.
+
+        Raises:
+            InputError: there are some.
+        """
+        with self.locating():
+            if self.events:
+                raise InputError("events", f"{what} is of all blocks as built, where none comes or goes; --set events=[] leaves them out")
+
     def locating(self) -> AbstractContextManager[None]:
         """Give the faults of the body that lie in keys of this scene their file and line."""
         return self.origin.locating(SceneTables.model_fields)

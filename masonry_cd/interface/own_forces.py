@@ -58,6 +58,10 @@ class Pushing(Protocol):
         """The step last asked for was made."""
         return
 
+    def blocks_changed(self, absent: np.ndarray | None) -> None:
+        """Blocks (B,) bool are absent now; None: all are there."""
+        return
+
     def copied(self) -> Pushing:
         """A copy with the same history, independent of this one."""
         return self

@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,12 +19,15 @@ import numpy as np
 from masonry_cd.app.advance import Advance, Advanced
 from masonry_cd.app.beginning import begin, pauses_of
 from masonry_cd.app.case import Case, acting_too, prepare
+from masonry_cd.app.changes import Change, read_changes, with_blocks
+from masonry_cd.app.events import Events as ModelEvents
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.step_contacts import Contacts, contacts_of, reactions_of
 from masonry_cd.foundation.arrays import Stored
-from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.interface.events import EVENTS, Events
 from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
+from masonry_cd.interface.model_changes import ModelChanges
 from masonry_cd.interface.own_forces import OwnForces, Pushing, driven, own_forces
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
@@ -46,7 +49,7 @@ if TYPE_CHECKING:
 BY_PYTHON = "forces, motions, velocities or calls of Python take part: the scene alone does not repeat this run, nor resume it"
 
 
-class Simulation(Sealed):
+class Simulation(ModelChanges, Sealed):
     """A scene, step by step.
 
     Args:
@@ -60,6 +63,7 @@ class Simulation(Sealed):
         law: of the joints, beside contact and friction; or the name of one that an installed package adds.
         friction: a function ``f(contacts)`` of :class:`masonry_cd.mechanics.dynamics.own_friction.SlidingContacts` that gives the
             coefficients (C,) of a step, as by slip rate, pressure or direction of the joint; those of the scene when not given.
+        waiting: blocks or groups of the scene that are not there before :meth:`add` puts them in.
 
     Raises:
         InputError: anything wrong with the scene, the forces, the motions, the velocities or the law; ``friction`` where joints have
@@ -86,12 +90,13 @@ class Simulation(Sealed):
         velocities: Mapping[str, Any] | None = None,
         law: JointLaw | str | None = None,
         friction: FrictionLaw | None = None,
+        waiting: str | Sequence[str] = (),
     ) -> None:
         self.scene = scene(source)
         """The scene that is stepped."""
         checked = self.scene.checked
         structure, parts = driven(checked, motions) if motions else (None, [])
-        self._case = prepare(checked, structure, parts)
+        self._case = _without(prepare(checked, structure, parts), waiting)
         given = [] if forces is None else list(forces) if isinstance(forces, list | tuple) else [forces]
         assembly = self._case.assembly
         items: tuple[Pushing, ...] = tuple(own_forces(item, assembly) for item in given)
@@ -107,7 +112,8 @@ class Simulation(Sealed):
         begin(self._stepper, self._case)
         if velocities:
             self._stepper.kick(first)
-        self._touched = bool(items or motions or velocities or friction)  # by Python, so that the scene alone does not repeat it
+        self._touched = bool(items or motions or velocities or friction or waiting)  # by Python: the scene alone does not repeat it
+        self._changed = ModelEvents.of(self._case, self._stepper)
         self._advance = self._fresh_advance()
         self._pair_joints = PairJoints(assembly)
         self._events = Events(self._case.joints, self._stepper, checked.report.opened)
@@ -183,7 +189,7 @@ class Simulation(Sealed):
         if self.steps or self._busy:
             raise InputError("record", "writes a run from its beginning, and this simulation has made steps; a new one has not")
         self._asked_to_stop = ""
-        own = Own(self._stepper, self._recorded_step, BY_PYTHON if self._touched else "")
+        own = Own(self._stepper, self._recorded_step, BY_PYTHON if self._touched else "", self._changed)
         return recorded(self._case, self.scene, folder, own, progress, force)
 
     def _recorded_step(self, advance: Advance, made: Advanced) -> str:
@@ -233,6 +239,12 @@ class Simulation(Sealed):
     def structure(self) -> Structure:
         """The blocks, in the order of all arrays."""
         return Structure(self._case.assembly.blocks, self._case.notes)
+
+    @property
+    def absent(self) -> np.ndarray:
+        """Blocks that are not there, (B,) bool."""
+        found = self._stepper.assembly.absent
+        return np.zeros(self._case.assembly.count, dtype=bool) if found is None else found.copy()
 
     @property
     def joints(self) -> Joints:
@@ -304,6 +316,7 @@ class Simulation(Sealed):
         other = copy.copy(self)
         other._own = self._own.copied()
         other._stepper = _independent(self._stepper, other._own if self._own.own else None)
+        other._changed = self._changed.copied(other._stepper)
         other._advance = other._fresh_advance()
         other._restore_pace(self._pace_arrays())
         other._pair_joints = PairJoints(self._case.assembly)
@@ -317,9 +330,9 @@ class Simulation(Sealed):
             InputError: called in the middle of a step.
         """
         self._refuse_when_busy("save")
-        arrays = self._stepper.snapshot() | self._pace_arrays()
+        arrays = self._stepper.snapshot() | self._pace_arrays() | prefixed("events", self._changed.snapshot())
         arrays |= {f"law/{i}": law.history for i, law in enumerate(self._laws)}
-        checkpoint.save(Path(path), arrays, {"simulation": self.scene.text})
+        checkpoint.save(Path(path), arrays, {"simulation": self.scene.text, "changes": self._changes_of_python()})
 
     def restore(self, path: str | os.PathLike[str]) -> None:
         """Continue from a checkpoint that :meth:`save` wrote, in this process or another; the scene must be the same.
@@ -331,15 +344,22 @@ class Simulation(Sealed):
         arrays, numbers_there = checkpoint.load(Path(path))
         if numbers_there.get("simulation") != self.scene.text:
             raise InputError(path, "no checkpoint of a simulation of this scene")
-        own = {name: array for name, array in arrays.items() if not name.startswith(("pace/", "rest/", "law/"))}
+        own = {name: array for name, array in arrays.items() if not name.startswith(("pace/", "rest/", "law/", "events/"))}
+        before, kept = self._stepper, self._changed
+        self._stepper = _independent(before, None)
+        self._changed = self._changed.copied(self._stepper)
         try:
+            self._changed.changes.known[len(self._changed.tables) :] = read_changes(numbers_there.get("changes"))
+            self._changed.restore(Stored(part("events", arrays)), part("events", arrays))
             self._stepper.check(Stored(own))
         except InputError as reason:
+            self._stepper, self._changed = before, kept
             raise reason.under(path) from None
         self._stepper.restore(own)
         for i, law in enumerate(self._laws):
             law.history = arrays[f"law/{i}"].copy() if f"law/{i}" in arrays else np.zeros_like(law.history)
         self._advance = self._fresh_advance()
+        self._go_on()
         self._restore_pace(arrays)
         self._stepper.last = None
         self._events.forget()
@@ -358,7 +378,7 @@ class Simulation(Sealed):
 
     def _fresh_advance(self) -> Advance:
         case: Case = self._case
-        return Advance.of(self._stepper, case.steps, case.scene.run.frame_every, pauses_of(case))
+        return Advance.of(self._stepper, case.steps, case.scene.run.frame_every, pauses_of(case), self._changed)
 
     def _pace_arrays(self) -> dict[str, np.ndarray]:
         """What the lengths of steps and the rests of the loads depend on."""
@@ -374,6 +394,14 @@ class Simulation(Sealed):
 
     def __repr__(self) -> str:
         return f'<Simulation "{self.scene.title}": {len(self._case.assembly.names)} blocks, {self.steps} steps, {self.time:g} s>'
+
+
+def _without(case: Case, waiting: str | Sequence[str]) -> Case:
+    """The case whose blocks of some names are not there at first."""
+    if not waiting:
+        return case
+    change = parse_table(Change, {"remove": list(waiting) if isinstance(waiting, tuple) else waiting}, "waiting")
+    return replace(case, assembly=with_blocks(case.assembly, change, "waiting"))
 
 
 def _stepper(case: Case, own: OwnForces, velocity: np.ndarray) -> Stepper:
