@@ -126,9 +126,9 @@ class Forces:
         return np.array([tie.there for tie in self.ties], dtype=bool)
 
     @property
-    def switches(self) -> tuple[str, ...]:
-        """Names of ties and guides that can come and go."""
-        return tuple(dict.fromkeys(one.name for one in (*self.ties, *self.guides) if one.name))
+    def switches(self) -> Mapping[str, bool]:
+        """Ties and guides that can come and go, by name, and whether they are there."""
+        return {tie.name: tie.there for tie in self.ties if tie.name} | {guide.name: guide.there for guide in self.guides if guide.name}
 
     def switched(self, there: Mapping[str, bool]) -> Forces:
         """The forces whose ties and guides of some names are there or not."""
@@ -145,7 +145,7 @@ class Forces:
         return np.array([not tie.from_start for tie in self.ties], dtype=bool)
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
-        """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before; one that is not there by all of its stretch."""
+        """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before; all of it of one that is not there."""
         if not self.ties:
             return yielded
         bars, longer = self._bars, self.stretches(position, rotation)

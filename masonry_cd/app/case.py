@@ -15,23 +15,19 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.output_gauges import gauges_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import SceneKind, compiling
-from masonry_cd.foundation.errors import Fault, InputError, in_plain_words, of_each
+from masonry_cd.foundation.errors import Fault, InputError, in_plain_words
 from masonry_cd.foundation.jit import lost
 from masonry_cd.io.gauges import Gauges, GuideGauge
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.dynamics.pauses import HOLD, STILL
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
-from masonry_cd.mechanics.dynamics.stage import Stage
 from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
-from masonry_cd.mechanics.dynamics.system import Loads
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import refuse_in_a_run
 from masonry_cd.mechanics.model.joints import Joints
@@ -229,7 +225,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
     if events:
-        assembly, loading = _before(scene, events, assembly, loading)
+        assembly, loading = _before_events(scene, events, assembly, loading)
     planar, by_area, spheres = plane is not None, bool(assembly.laws.by_area.any()), bool(assembly.shapes.rounding.any())
     with compiling(SceneKind(scene.run.solver, planar, by_area, scene.stress, strained, spheres)):
         joints, built = structure.joints, structure.built_gap
@@ -253,7 +249,9 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     with scene.locating():
         gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
         if events:
-            notes = (*notes, *_checked(scene, events, assembly, loading, gauges))
+            from masonry_cd.app.events import check_events
+
+            notes = (*notes, *check_events(events, assembly, loading, scene.tables["material"], scene.run, gauges))
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
     return Case(
         scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges,
@@ -268,35 +266,13 @@ def _events(scene: Scene) -> tuple[EventTable, ...]:
         return parse_events(scene.events)
 
 
-def _before(scene: Scene, events: Sequence[EventTable], assembly: Assembly, loading: Loading) -> tuple[Assembly, Loading]:
+def _before_events(scene: Scene, events: Sequence[EventTable], assembly: Assembly, loading: Loading) -> tuple[Assembly, Loading]:
     """Blocks and loads before any event: what one puts in is not there yet."""
     from masonry_cd.app.changes import waiting
 
     with scene.locating():
-        assembly, forces = waiting(assembly, loading.forces, events, "events")
-    return assembly, replace(loading, forces=forces)
-
-
-def _checked(scene: Scene, events: Sequence[EventTable], assembly: Assembly, loading: Loading, gauges: Gauges) -> list[str]:
-    """A line on each event.
-
-    Raises:
-        InputError: an event that names what is not there.
-    """
-    from masonry_cd.app.changes import Model, check
-    from masonry_cd.app.events import find_condition, line_of
-
-    loads = Loads(loading.support_velocity, loading.acceleration, loading.forces)
-    model = Model(Stage(assembly, loads), scene.tables["material"], np.asarray(scene.run.gravity, dtype=float))
-
-    def line(i: int) -> str:
-        check(events[i], model, f"events[{i}]")
-        condition = events[i].when
-        if condition is not None:
-            find_condition(condition, gauges, f"events[{i}]")
-        return line_of(events[i], i, assembly)
-
-    return of_each(line, range(len(events)))
+        assembly, out = waiting(assembly, events, "events")
+    return assembly, loading if loading.forces is None else replace(loading, forces=loading.forces.switched(out))
 
 
 def acting_too(case: Case, acted: Sequence[Acted]) -> Case:

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field
 
 from loads.supports import Names, select
 from masonry_cd.foundation.arrays import Stored
@@ -22,8 +21,8 @@ from masonry_cd.foundation.fields import Table, Vector
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from masonry_cd.mechanics.dynamics.stage import Stage, enter, stage_of
-from masonry_cd.mechanics.model.block_forces import BlockForces
+from masonry_cd.mechanics.dynamics.stage import Stage, enter
+from masonry_cd.mechanics.dynamics.system import Loads
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.by_group import by_pair
 from masonry_cd.mechanics.model.joint_laws import joint_table
@@ -82,14 +81,22 @@ class Change(Table):
 class Model:
     """What changes act on."""
 
-    stage: Stage
+    assembly: Assembly
+    acceleration: np.ndarray  # (N + 1, 3) of all free blocks, gravity included [m/s2]
+    there: Mapping[str, bool]  # ties, props and pushes by name
     material: Mapping[str, Any]  # the table [material]
     gravity: np.ndarray  # (3,) [m/s2]
 
-    @property
-    def assembly(self) -> Assembly:
-        """The blocks of the stage."""
-        return self.stage.assembly
+    @classmethod
+    def of(cls, assembly: Assembly, loads: Loads, material: Mapping[str, Any], gravity: Sequence[float]) -> Model:
+        """Of a run that has not begun."""
+        there = {} if loads.forces is None else loads.forces.switches
+        return cls(assembly, loads.acceleration, there, material, np.asarray(gravity, dtype=float))
+
+    def stage(self, loads: Loads) -> Stage:
+        """The stage with what other loads do."""
+        forces = loads.forces if loads.forces is None or loads.forces.switches == self.there else loads.forces.switched(self.there)
+        return Stage(self.assembly, replace(loads, acceleration=self.acceleration, forces=forces))
 
 
 def check(change: Change, model: Model, where: str) -> None:
@@ -111,41 +118,46 @@ def changed(model: Model, change: Change, step: int, where: str) -> Model:
         InputError: names the key that is at fault.
     """
     material, table = change.material, dict(model.material)
-    assembly = with_blocks(model.assembly, change, where)
+    assembly = _with_blocks(model.assembly, change, where)
     if material is not None:
         table |= material.model_dump(exclude_none=True)
         assembly = _with_laws(assembly, parse_table(Material, table, f"{where}.material"), where)
-    loads, gravity = model.stage.loads, model.gravity
-    if change.take_out or change.put_in:
-        loads = replace(loads, forces=_switched(loads.forces, change, where))
+    gravity, pull = model.gravity, model.acceleration
     if change.gravity is not None:
-        gravity, pull = np.array(change.gravity), loads.acceleration.copy()
+        gravity, pull = np.array(change.gravity), pull.copy()
         pull[step + 1 :] += gravity - model.gravity
-        loads = replace(loads, acceleration=pull)
-    return Model(Stage(assembly, loads), table, gravity)
+    return Model(assembly, pull, _switched(model.there, change, where), table, gravity)
 
 
-def with_blocks(assembly: Assembly, change: Change, where: str) -> Assembly:
+def _with_blocks(assembly: Assembly, change: Change, where: str) -> Assembly:
     """The blocks of which some have gone, others have come, and supports are released."""
-    count = np.zeros(assembly.count, dtype=bool)
-    absent, fixed = count if assembly.absent is None else assembly.absent, assembly.fixed
-    for key, names, gone in (("remove", change.remove, True), ("add", change.add, False)):
-        if names:
-            chosen = select(names, assembly, f"{where}.{key}")
-            stuck = np.flatnonzero(chosen & fixed)
-            if len(stuck):
-                remedy = f'; release = "{assembly.names[stuck[0]]}" makes it a free block'
-                raise InputError(f"{where}.{key}", f'"{assembly.names[stuck[0]]}" is a support, and only free blocks come and go{remedy}')
-            absent = np.where(chosen, gone, absent)
+    if change.remove:
+        assembly = without(assembly, change.remove, f"{where}.remove")
+    if change.add:
+        assembly = without(assembly, change.add, f"{where}.add", gone=False)
     if change.release:
         chosen = select(change.release, assembly, f"{where}.release")
         loose = np.flatnonzero(chosen & ~np.array([block.fixed for block in assembly.blocks]))
         if len(loose):
             raise InputError(f"{where}.release", f'"{assembly.names[loose[0]]}" is no support')
-        fixed = fixed & ~chosen
-    return replace(
-        assembly, absent=absent if absent.any() else None, fixed=fixed, support_of=np.where(fixed, assembly.support_of, -1)
-    )
+        fixed = assembly.fixed & ~chosen
+        assembly = replace(assembly, fixed=fixed, support_of=np.where(fixed, assembly.support_of, -1))
+    return assembly
+
+
+def without(assembly: Assembly, names: Sequence[str], where: str, gone: bool = True) -> Assembly:
+    """The blocks of which those of some names are not there, or are there again.
+
+    Raises:
+        InputError: names that fit nothing, or a support.
+    """
+    chosen = select(names, assembly, where)
+    stuck = np.flatnonzero(chosen & assembly.fixed)
+    if len(stuck):
+        name = assembly.names[stuck[0]]
+        raise InputError(where, f'"{name}" is a support, and only free blocks come and go; release = "{name}" makes it a free block')
+    absent = np.where(chosen, gone, False if assembly.absent is None else assembly.absent)
+    return replace(assembly, absent=absent if absent.any() else None)
 
 
 def _with_laws(assembly: Assembly, material: Material, where: str) -> Assembly:
@@ -168,16 +180,15 @@ def _of_one_kind(before: JointLaws, after: JointLaws) -> bool:
     return all(np.array_equal(one, other) for one, other in zip(*kinds, strict=True))
 
 
-def _switched(forces: BlockForces | None, change: Change, where: str) -> BlockForces:
-    """The forces whose ties and props of some names come or go."""
-    known = [] if forces is None else forces.switches
+def _switched(there: Mapping[str, bool], change: Change, where: str) -> Mapping[str, bool]:
+    """Which ties and props are there once some of them have come or gone."""
+    known = list(there)
     for key, names in (("take_out", change.take_out), ("put_in", change.put_in)):
         for name in names or ():
             if name not in known:
                 listed = f"; there are {', '.join(known)}" if known else '; a tie or prop with name = "..." has one'
                 raise InputError(f"{where}.{key}", f'no tie, prop or push is named "{name}"{suggest(name, known)}{listed}')
-    assert forces is not None
-    return forces.switched({name: False for name in change.take_out or ()} | {name: True for name in change.put_in or ()})
+    return {**there, **dict.fromkeys(change.take_out or (), False), **dict.fromkeys(change.put_in or (), True)}
 
 
 def _bonds(change: Change, assembly: Assembly, where: str) -> np.ndarray:
@@ -196,20 +207,18 @@ def _bonds(change: Change, assembly: Assembly, where: str) -> np.ndarray:
     return out
 
 
-def waiting(assembly: Assembly, forces: BlockForces | None, changes: Sequence[Change], where: str) -> tuple[Assembly, BlockForces | None]:
-    """Blocks and forces before any of some changes: what they put in is not there yet.
+def waiting(assembly: Assembly, changes: Sequence[Change], where: str) -> tuple[Assembly, dict[str, bool]]:
+    """The blocks before any of some changes, and ties and props by name: what a change puts in is not there yet.
 
     Raises:
-        InputError: unknown names.
+        InputError: unknown names of blocks.
     """
+    out: dict[str, bool] = {}
     for i, change in enumerate(changes):
-        place = f"{where}[{i}]"
         if change.add:
-            assembly = with_blocks(assembly, Change(remove=change.add), place)
-        if change.put_in and forces is not None:
-            known = [name for name in change.put_in if name in forces.switches]
-            forces = forces.switched(dict.fromkeys(known, False))
-    return assembly, forces
+            assembly = without(assembly, change.add, f"{where}[{i}].add")
+        out |= dict.fromkeys(change.put_in or (), False)
+    return assembly, out
 
 
 def released(assembly: Assembly, changes: Sequence[Change]) -> Assembly:
@@ -235,7 +244,7 @@ class Changes:
     @classmethod
     def of(cls, stepper: Stepper, material: Mapping[str, Any], known: Sequence[tuple[Change, str]] = ()) -> Changes:
         """Of a stepper at the beginning of its run, with the table [material] of its scene."""
-        return cls(Model(stage_of(stepper), material, np.asarray(stepper.settings.gravity, dtype=float)), list(known))
+        return cls(Model.of(stepper.assembly, stepper.system.loads, material, stepper.settings.gravity), list(known))
 
     def make(self, number: int, stepper: Stepper) -> None:
         """Make a known change now.
@@ -251,7 +260,7 @@ class Changes:
         bonds = _bonds(change, stepper.assembly, where)
         self.model = changed(self.model, change, stepper.load_step, where)
         self.made.append((number, stepper.load_step))
-        enter(stepper, self.model.stage)
+        enter(stepper, self.model.stage(stepper.system.loads))
         if bonds.any():
             blocks = stepper.detector.blocks_of_contacts()
             group, joints = stepper.assembly.group_of, stepper.motion.joints
@@ -278,7 +287,7 @@ class Changes:
             stored.refuse("made", "not those of this scene")
         self.made = [(int(number), int(step)) for number, step in made]
         self.model = self._after(self.made)
-        enter(stepper, self.model.stage)
+        enter(stepper, self.model.stage(stepper.system.loads))
 
     def _after(self, made: Sequence[tuple[int, int]]) -> Model:
         model = self.base

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from masonry_cd.app.changes import Change, Changes, in_words
+from masonry_cd.app.changes import Change, Changes, Model, check, in_words
 from masonry_cd.app.gauge_rows import GaugeRows
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.staying_support import staying_support
@@ -33,11 +33,14 @@ from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.summary_tables import Event
 from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
+from masonry_cd.mechanics.dynamics.system import Loads
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import JointMeasures, Joints, measure_joints
 
 if TYPE_CHECKING:
+    from loads import Loading
     from masonry_cd.app.case import Case
 
 QUANTITIES: Mapping[str, tuple[str, ...]] = {
@@ -56,7 +59,8 @@ class Condition(Table):
     gauge: str
     """Its name: of a point, joint, crack or support of [output], of a push by displacement or a prop."""
     quantity: str
-    """x, y, z of points, cracks and supports; opening, sliding, normal_force, shear_force of joints; force, moment, displacement of pushes."""
+    """x, y, z of points, cracks and supports; opening, sliding, normal_force, shear_force of joints; force, moment, displacement of pushes
+    and props."""
     above: Number | None = None
     """The event comes once the quantity is more than this, in SI units."""
     below: Number | None = None
@@ -108,6 +112,27 @@ def parse_events(tables: Sequence[Mapping[str, Any]]) -> tuple[EventTable, ...]:
         InputError: the faults of all of them together.
     """
     return tuple(of_each(lambda i: parse_table(EventTable, tables[i], f"events[{i}]"), range(len(tables))))
+
+
+def check_events(
+    events: Sequence[EventTable], assembly: Assembly, loading: Loading, material: Mapping[str, Any], settings: Run, gauges: Gauges
+) -> list[str]:
+    """A line on each event of a scene, with its blocks and loads before any of them.
+
+    Raises:
+        InputError: events that name what is not there, or would change nothing; the faults of all of them together.
+    """
+    loads = Loads(loading.support_velocity, loading.acceleration, loading.forces)
+    model = Model.of(assembly, loads, material, settings.gravity)
+
+    def line(i: int) -> str:
+        check(events[i], model, f"events[{i}]")
+        condition = events[i].when
+        if condition is not None:
+            find_condition(condition, gauges, f"events[{i}]")
+        return line_of(events[i], i, assembly)
+
+    return of_each(line, range(len(events)))
 
 
 def line_of(event: EventTable, number: int, assembly: Assembly) -> str:
@@ -236,11 +261,6 @@ class Events:
 
     def rows(self) -> tuple[Event, ...]:
         """What has come of each of them, for summary.json."""
-        when = dict(self.changes.made)
-        return tuple(
-            Event(name=one.name or f"events[{i}]", cause=one.cause, change=in_words(one, self.stepper.assembly), time=self._time(when.get(i)))
-            for i, one in enumerate(self.tables)
-        )
-
-    def _time(self, step: int | None) -> float | None:
-        return None if step is None else step * self.stepper.settings.dt
+        when = {number: step * self.stepper.settings.dt for number, step in self.changes.made}
+        every = ((i, one, in_words(one, self.stepper.assembly)) for i, one in enumerate(self.tables))
+        return tuple(Event(name=one.name or f"events[{i}]", cause=one.cause, change=words, time=when.get(i)) for i, one, words in every)

@@ -229,9 +229,9 @@ class OwnForces:
         return np.zeros(0, dtype=bool) if self.base is None else self.base.there
 
     @property
-    def switches(self) -> tuple[str, ...]:
-        """Names of ties and guides of the loads that can come and go."""
-        return () if self.base is None else self.base.switches
+    def switches(self) -> Mapping[str, bool]:
+        """Ties and guides of the loads that can come and go, by name, and whether they are there."""
+        return {} if self.base is None else self.base.switches
 
     def switched(self, there: Mapping[str, bool]) -> OwnForces:
         """The forces whose ties and guides of some names are there or not."""

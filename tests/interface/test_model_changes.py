@@ -175,9 +175,7 @@ def test_restarts_and_copies_have_the_changes_and_the_bits(tmp_path: Path) -> No
 def test_deformable_blocks_come_and_go() -> None:
     ground = mc.Block("ground", *mc.box((-2, -1, -0.5), (2, 1, 0)), group="base", fixed=True)
     material = {"density": 2000.0, "friction": 0.5, "deformable": "uniform", "young": 1e9, "poisson": 0.2}
-    scene = mc.scene(
-        structure={"blocks": [ground, cube("low"), cube("high", z=1.0)]}, material=material, run={"dt": STEP, "duration": 1.0}
-    )
+    scene = mc.scene(structure={"blocks": [ground, cube("low"), cube("high", z=1.0)]}, material=material, run={"dt": STEP, "duration": 1.0})
     sim = mc.Simulation(scene)
     sim.run(until=0.05)
     sim.remove("high")

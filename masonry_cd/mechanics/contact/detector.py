@@ -160,11 +160,7 @@ class Detector:
 
     def blocks_of_contacts(self) -> np.ndarray:
         """The blocks of the contacts of the last set, (C, 2)."""
-        place, memory = self._memory.place[self._memory.rows()], self._memory
-        blocks = np.repeat(self._shapes.part_block[memory.parts], memory.point_count, axis=0)
-        out = np.zeros((int((place >= 0).sum()), 2), dtype=np.int64)
-        out[place[place >= 0]] = blocks[place >= 0]
-        return out
+        return np.asarray(self._shapes.part_block[self._memory.parts][self._memory.pair_of_contacts()])
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """What the detector remembers, as arrays for a checkpoint."""

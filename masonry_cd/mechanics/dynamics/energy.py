@@ -4,7 +4,7 @@
 With mean velocities over the step, v = (v_old + v_new) / 2, it is exact for theta = 1/2 up to the turning of the inertia:
 
     kinetic + elastic + friction + impact + damping + crushing  =
-        work of the supports and of guides (driving.py) + work of gravity + work of point loads and ties + changes  (+ balance, what is left)
+        work of the supports and of guides (driving.py) + work of gravity + work of point loads and ties + changes  (+ balance)
 
 The kinetic energy changes by p . H v, which is the relative motion of the contacts (lost in friction and impacts) less the part of the
 supports' own motion (work of the base). What a tie stores in its stretch counts as work until it gives it back. elastic is the energy of

@@ -33,11 +33,6 @@ class Stage(NamedTuple):
     loads: Loads
 
 
-def stage_of(stepper: Stepper) -> Stage:
-    """That in which a stepper is."""
-    return Stage(stepper.assembly, stepper.system.loads)
-
-
 def enter(stepper: Stepper, stage: Stage) -> None:
     """Have a stepper go on in a stage of the same blocks and the same kinds of joint laws."""
     before = stepper.system

@@ -76,8 +76,8 @@ class BlockForces(Protocol):
         """Which ties are there, (T,) bool; the others do not pull."""
 
     @property
-    def switches(self) -> tuple[str, ...]:
-        """Names of ties and guides that can come and go."""
+    def switches(self) -> Mapping[str, bool]:
+        """Ties and guides that can come and go, by name, and whether they are there."""
 
     def switched(self, there: Mapping[str, bool]) -> BlockForces:
         """The forces whose ties and guides of some names are there or not."""
