@@ -8,6 +8,7 @@ steps of the loads at which they were made, so that is all that a checkpoint kee
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
@@ -18,9 +19,9 @@ from loads.supports import Names, select
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Table, Vector
-from masonry_cd.foundation.quantities import counted
+from masonry_cd.foundation.quantities import counted, length
 from masonry_cd.foundation.units import Unit
-from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper
 from masonry_cd.mechanics.dynamics.stage import Stage, enter
 from masonry_cd.mechanics.dynamics.system import Loads
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -30,7 +31,7 @@ from masonry_cd.mechanics.model.joint_laws.friction import Friction, friction_ta
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 from masonry_cd.mechanics.model.materials import Material
 
-PAIR_EXAMPLE = '"arch-pier"'
+ROOM = 1e-2  # share of the smallest width by which a block that is put in may overlap others, and is lifted out of them
 
 
 class MaterialChange(Table):
@@ -221,6 +222,26 @@ def waiting(assembly: Assembly, changes: Sequence[Change], where: str) -> tuple[
     return assembly, out
 
 
+def _require_room(stepper: Stepper, model: Model, where: str) -> None:
+    """Refuse blocks that would lie in others where they are put in.
+
+    Raises:
+        InputError: names the two that overlap most.
+    """
+    trial, absent = copy.copy(stepper), stepper.assembly.absent
+    enter(trial, model.stage(stepper.system.loads))
+    try:
+        rows = trial.friction_problem().rows
+    except RunStopped as stopped:
+        raise InputError(where, f"there is no room: {stopped}") from None
+    if absent is None:
+        return
+    deep = np.where(absent[rows.blocks].any(axis=1), -rows.gap, 0.0)
+    if deep.max(initial=0.0) > ROOM * stepper.width:
+        a, b = (f'"{stepper.assembly.names[block]}"' for block in rows.blocks[int(deep.argmax())])
+        raise InputError(where, f"there is no room: {a} would lie {length(float(deep.max()))} deep in {b}")
+
+
 def released(assembly: Assembly, changes: Sequence[Change]) -> Assembly:
     """The blocks of which none is a support that a change releases."""
     names = [name for change in changes for name in change.release or ()]
@@ -250,7 +271,7 @@ class Changes:
         """Make a known change now.
 
         Raises:
-            InputError: gravity would lead out of the plane in which the scene is solved.
+            InputError: gravity would lead out of the plane in which the scene is solved, or a block has no room; nothing is changed.
         """
         change, where = self.known[number]
         plane = stepper.plane
@@ -258,7 +279,10 @@ class Changes:
             way = f"it acts along {'xyz'[plane.axis]}, across the plane in which this scene is solved"
             raise InputError(f"{where}.gravity", f"{way}; run.planar = false has it move in space")
         bonds = _bonds(change, stepper.assembly, where)
-        self.model = changed(self.model, change, stepper.load_step, where)
+        model = changed(self.model, change, stepper.load_step, where)
+        if change.add:
+            _require_room(stepper, model, f"{where}.add")
+        self.model = model
         self.made.append((number, stepper.load_step))
         enter(stepper, self.model.stage(stepper.system.loads))
         if bonds.any():

@@ -32,7 +32,7 @@ from masonry_cd.foundation.fields import Instant, Number, Table
 from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.summary_tables import Event
 from masonry_cd.mechanics.dynamics.equilibrium import settles
-from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
 from masonry_cd.mechanics.dynamics.system import Loads
@@ -206,12 +206,19 @@ class Events:
         return [int(np.ceil(table.at / self.stepper.settings.dt - 1e-6)) for table in self.tables if table.at is not None]
 
     def before_step(self) -> bool:
-        """Have the events come that are due before the step that comes; whether there were any."""
+        """Have the events come that are due before the step that comes; whether there were any.
+
+        Raises:
+            RunStopped: there is no room for a block that one puts in.
+        """
         now, made = self.stepper.load_step * self.stepper.settings.dt, {number for number, _ in self.changes.made}
         timed = [i for i, table in enumerate(self.tables) if table.at is not None and table.at <= now + 1e-6 * self.stepper.settings.dt]
         due = sorted(i for i in {*timed, *self.met} if i not in made)
         for number in due:
-            self.changes.make(number, self.stepper)
+            try:
+                self.changes.make(number, self.stepper)
+            except InputError as fault:
+                raise RunStopped(f"step {self.stepper.steps + 1}: {fault}") from None
         self.met.clear()
         return bool(due)
 

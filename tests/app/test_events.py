@@ -66,6 +66,14 @@ def test_an_event_that_does_not_come_is_a_warning(tmp_path: Path) -> None:
     assert any("events[0] has not come" in line for line in summary.warnings)
 
 
+def test_a_run_ends_where_there_is_no_room_for_a_block(tmp_path: Path) -> None:
+    """A cube slides without friction to where another is put in."""
+    path = scene(tmp_path, '[[events]]\nat = 0.8\nadd = "late"\n')
+    summary = ran(path, "material.friction=0", "run.gravity=[9.81,0,-9.81]", "run.duration=1.0")
+    assert "events[0].add" in summary.stopped
+    assert summary.steps == 400
+
+
 def test_a_run_resumes_across_its_events_to_the_bit(tmp_path: Path) -> None:
     whole, broken = (tmp_path / name for name in ("whole", "broken"))
     for folder in (whole, broken):

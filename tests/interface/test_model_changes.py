@@ -77,6 +77,18 @@ def test_a_block_that_is_put_in_later_carries_from_then_on() -> None:
     assert not sim.absent.any()
 
 
+def test_a_block_is_not_put_in_where_another_lies() -> None:
+    sim = simulation(cube("low"), cube("high", z=1.0))
+    sim.remove("low")
+    sim.run(until=0.3)
+    before = sim.state.position
+    with pytest.raises(mc.InputError, match=r"change\.add"):
+        sim.add("low")
+    assert sim.absent.tolist() == [False, True, False]
+    assert np.array_equal(sim.state.position, before)
+    sim.step()
+
+
 def test_a_support_that_is_released_goes_on_with_its_velocity() -> None:
     side = mc.Block("side", *mc.box((1.5, -0.5, 1.0), (2.5, 0.5, 2.0)), group="side", fixed=True)
     load = {"kind": "settlement", "supports": "side", "direction": "x", "displacement": 0.2, "duration": 0.2}
