@@ -41,7 +41,6 @@ from masonry_cd.mechanics.model.joints import JointMeasures, Joints, measure_joi
 
 if TYPE_CHECKING:
     from loads import Loading
-    from masonry_cd.app.case import Case
 
 QUANTITIES: Mapping[str, tuple[str, ...]] = {
     "points": ("x", "y", "z"),
@@ -191,13 +190,12 @@ class Events:
         self._pair_joints = PairJoints(self.stepper.assembly)
 
     @classmethod
-    def of(cls, case: Case, stepper: Stepper) -> Events:
-        """Of the stepper of a case, at the beginning of its run."""
-        tables, joints = case.events, case.joints
+    def of(cls, tables: Sequence[EventTable], material: Mapping[str, Any], stepper: Stepper, joints: Joints, gauges: Gauges) -> Events:
+        """Of a stepper at the beginning of its run, with the table [material] of its scene and the gauges of the run."""
         known = [(table, f"events[{i}]") for i, table in enumerate(tables)]
-        looked = {i: find_condition(one.when, case.gauges, f"events[{i}]") for i, one in enumerate(tables) if one.when is not None}
+        looked = {i: find_condition(one.when, gauges, f"events[{i}]") for i, one in enumerate(tables) if one.when is not None}
         rest = measure_joints(joints, stepper.assembly, stepper.state) if looked and settles(stepper.assembly) else None
-        changes = Changes.of(stepper, case.scene.tables["material"], known)
+        changes = Changes.of(stepper, material, known)
         return cls(changes, tables, stepper, joints, staying_support(stepper, joints), looked, rest=rest)
 
     @property

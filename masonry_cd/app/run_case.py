@@ -18,7 +18,7 @@ from masonry_cd.app import time_step_checks
 from masonry_cd.app.advance import Advance, Advanced
 from masonry_cd.app.bed_checks import beds
 from masonry_cd.app.beginning import begin as begin_run
-from masonry_cd.app.beginning import pauses_of, stepper_of
+from masonry_cd.app.beginning import events_of, pauses_of, stepper_of
 from masonry_cd.app.case import Case
 from masonry_cd.app.checkpoint_checks import Kept, check_content
 from masonry_cd.app.closing_lines import run_warnings
@@ -140,11 +140,7 @@ def _events_of(case: Case, stepper: Stepper, own: Own | None) -> Events | None:
     """Those of a run whose model may change."""
     if own is not None:
         return own.events
-    if not case.events:
-        return None
-    from masonry_cd.app.events import Events
-
-    return Events.of(case, stepper)
+    return events_of(case, stepper) if case.events else None
 
 
 class Own(NamedTuple):

@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.app.advance import Advance, Advanced
-from masonry_cd.app.beginning import begin
+from masonry_cd.app.beginning import begin, events_of
 from masonry_cd.app.case import Case, acting_too, prepare
 from masonry_cd.app.changes import without
-from masonry_cd.app.events import Events as ModelEvents
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.step_contacts import Contacts, contacts_of, reactions_of
 from masonry_cd.foundation.errors import InputError, suggest
@@ -108,7 +107,7 @@ class Simulation(Copies, Sealed):
         if velocities:
             self._stepper.kick(first)
         self._touched = bool(items or motions or velocities or friction or waiting)  # by Python: the scene alone does not repeat it
-        self._changed = ModelEvents.of(self._case, self._stepper)
+        self._changed = events_of(self._case, self._stepper)
         self._advance = self._fresh_advance()
         self._pair_joints = PairJoints(assembly)
         self._events = Events(self._case.joints, self._stepper, checked.report.opened)

@@ -154,9 +154,8 @@ class Detector:
         return other
 
     def go_on_from(self, other: Detector) -> None:
-        """Remember what a detector of the same blocks does, of which others are supports or absent now: pairs are listed anew."""
-        self.restore(other.snapshot())
-        self._listing.allowance[:] = np.nan
+        """Remember what one of the same blocks does, of which others are supports or absent now, and list the pairs anew."""
+        self.restore(other.snapshot() | {"allowance": np.full(len(self._fixed_part), np.nan)})
 
     def blocks_of_contacts(self) -> np.ndarray:
         """The blocks of the contacts of the last set, (C, 2)."""
@@ -239,8 +238,7 @@ class Detector:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
         self._listing = Listing(motion.position - origin, motion.rotation.copy(), self._listing.allowance)
         pairs = list_pairs(self._listing, self._shapes, motion, self._fixed_part, self._skin)
-        if self._absent_part is not None:
-            pairs = pairs[~self._absent_part[pairs].any(axis=1)]
+        pairs = pairs if self._absent_part is None else pairs[~self._absent_part[pairs].any(axis=1)]
         self._remember(self._memory.carried_over(pairs, self._capacity(pairs)))
         self.rebuilds += 1
 
