@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.foundation.signatures import require_call
 from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.pauses import fallen, standing_of
 from masonry_cd.mechanics.model.joints import Joints, measure_joints
 from masonry_cd.mechanics.model.state import State
 
-EVENTS = ("step", "opening", "fall")
+EVENTS = {"step": "sim", "opening": "sim, joint", "fall": "sim, block"}  # what their functions are given
 
 
 class Events:
@@ -35,7 +36,12 @@ class Events:
         self.forget()
 
     def add(self, event: str, function: Callable[..., None]) -> None:
-        """Have a function called."""
+        """Have a function called.
+
+        Raises:
+            InputError: it cannot be called with what it would be given.
+        """
+        require_call(function, EVENTS[event], f"on {event}")
         self._functions[event].append(function)
 
     def forget(self) -> None:

@@ -10,7 +10,6 @@ import copy
 import math
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,20 +22,22 @@ from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.step_contacts import Contacts, contacts_of, reactions_of
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.signatures import require_call
 from masonry_cd.interface.events import EVENTS, Events
 from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
 from masonry_cd.interface.own_forces import OwnForces, Pushing, driven, own_forces
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.simulation_state import SimulationState, checked_state, require_apart, with_first_velocities
+from masonry_cd.interface.steppers import independent, solved_by, stepper_of
 from masonry_cd.interface.structure import Structure
 from masonry_cd.io import checkpoint
-from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
+from masonry_cd.mechanics.dynamics.moreau_jean import StepReport
 from masonry_cd.mechanics.dynamics.own_friction import FrictionLaw
-from masonry_cd.mechanics.dynamics.planar import find_plane
 from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
 from masonry_cd.mechanics.dynamics.start import with_state
 from masonry_cd.mechanics.model.state import State
+from masonry_cd.mechanics.solvers import Solver
 
 if TYPE_CHECKING:
     from masonry_cd.interface.results import Run
@@ -60,10 +61,12 @@ class Simulation(Sealed):
         law: of the joints, beside contact and friction; or the name of one that an installed package adds.
         friction: a function ``f(contacts)`` of :class:`masonry_cd.mechanics.dynamics.own_friction.SlidingContacts` that gives the
             coefficients (C,) of a step, as by slip rate, pressure or direction of the joint; those of the scene when not given.
+        solver: of the friction problems of the steps, ``f(problem, options, start)`` as in :mod:`masonry_cd.mechanics.solvers.by_name`, in
+            place of ``run.solver``, which names ours and those of installed packages.
 
     Raises:
-        InputError: anything wrong with the scene, the forces, the motions, the velocities or the law; ``friction`` where joints have
-            cohesion, whose cone the coefficient of the scene fixes.
+        InputError: anything wrong with the scene, or with what is given beside it; ``friction`` where joints have cohesion, whose cone the
+            coefficient of the scene fixes.
 
     >>> import masonry_cd as mc
     >>> sim = mc.Simulation(mc.scene("examples/trilithon.toml", "run.duration=0.02"))
@@ -86,10 +89,13 @@ class Simulation(Sealed):
         velocities: Mapping[str, Any] | None = None,
         law: JointLaw | str | None = None,
         friction: FrictionLaw | None = None,
+        solver: Solver | None = None,
     ) -> None:
         self.scene = scene(source)
         """The scene that is stepped."""
         checked = self.scene.checked
+        if solver is not None:
+            checked = solved_by(solver, checked)
         structure, parts = driven(checked, motions) if motions else (None, [])
         self._case = prepare(checked, structure, parts)
         given = [] if forces is None else list(forces) if isinstance(forces, list | tuple) else [forces]
@@ -100,14 +106,16 @@ class Simulation(Sealed):
             items = (*items, BoundLaw(law_of(law), self._case.joints, assembly, checked.run.longest_step))
         self._own = OwnForces(self._case.loading.forces, items, checked.run.dt, self._case.steps * checked.run.dt)
         first = with_first_velocities(State.at_rest(assembly), velocities or {}, assembly).velocity
-        self._stepper = _stepper(self._case, self._own, first)
+        self._stepper = stepper_of(self._case, self._own, first, solver)
+        if friction is not None:
+            require_call(friction, "contacts", "friction")
         if friction is not None and assembly.laws.apex.any():
             raise InputError("friction", "joints with cohesion have the friction of the scene, which fixes the tip of their cone")
         self._stepper.friction = friction
         begin(self._stepper, self._case)
         if velocities:
             self._stepper.kick(first)
-        self._touched = bool(items or motions or velocities or friction)  # by Python, so that the scene alone does not repeat it
+        self._touched = bool(items or motions or velocities or friction or solver)  # by Python, so that the scene alone does not repeat it
         self._advance = self._fresh_advance()
         self._pair_joints = PairJoints(assembly)
         self._events = Events(self._case.joints, self._stepper, checked.report.opened)
@@ -156,7 +164,7 @@ class Simulation(Sealed):
         ``report.opened``. ``fall``: ``f(sim, block)`` when a block, by its name, has dropped by half its height or turned by 45 degrees.
 
         Raises:
-            InputError: no such event.
+            InputError: no such event, or a function that cannot be called so.
         """
         if event not in EVENTS:
             raise InputError("on", f'"{event}" is no event{suggest(event, EVENTS)}; events: {", ".join(EVENTS)}')
@@ -303,7 +311,7 @@ class Simulation(Sealed):
         self._refuse_when_busy("copy")
         other = copy.copy(self)
         other._own = self._own.copied()
-        other._stepper = _independent(self._stepper, other._own if self._own.own else None)
+        other._stepper = independent(self._stepper, other._own if self._own.own else None)
         other._advance = other._fresh_advance()
         other._restore_pace(self._pace_arrays())
         other._pair_joints = PairJoints(self._case.assembly)
@@ -374,24 +382,3 @@ class Simulation(Sealed):
 
     def __repr__(self) -> str:
         return f'<Simulation "{self.scene.title}": {len(self._case.assembly.names)} blocks, {self.steps} steps, {self.time:g} s>'
-
-
-def _stepper(case: Case, own: OwnForces, velocity: np.ndarray) -> Stepper:
-    """The stepper of a case with own forces, whose blocks will begin with some velocities (B, 6): in a plane where all of it is."""
-    loading, settings, assembly = case.loading, case.scene.run, case.assembly
-    forces = own if own.own else loading.forces
-    start = replace(State.at_rest(assembly), velocity=velocity)
-    plane = find_plane(assembly, start, loading.support_velocity, loading.acceleration, forces) if settings.planar else None
-    if plane is None:
-        settings = settings.model_copy(update={"planar": False})
-    own.axis = -1 if plane is None else plane.axis
-    return Stepper(assembly, loading.support_velocity, loading.acceleration, settings, forces=forces, plane=plane)
-
-
-def _independent(stepper: Stepper, forces: OwnForces | None) -> Stepper:
-    """A stepper that stands where another does and shares with it only what does not change."""
-    other = copy.copy(stepper)
-    if forces is not None:
-        other.system = replace(stepper.system, loads=replace(stepper.system.loads, forces=forces))
-    other.detector, other.islands = stepper.detector.copied(), copy.deepcopy(stepper.islands)
-    return other
