@@ -114,19 +114,9 @@ class Recorder:
 
     def frame(self, now: JointMeasures) -> None:
         """Write the state and the joints."""
-        state, writer = self._stepper.state, self._writer
-        writer.append({"time": state.time, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
-        deformation = self._stepper.assembly.deformation
-        if deformation is not None:
-            writer.append({GRADIENT: deformation.gradients(state.strain)})
-        writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
-        force, point = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
-        writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point})
-        contacts = contacts_of(self._stepper, self._joint_of_pairs())
-        reactions = reactions_of(self._stepper, contacts)[self._stepper.assembly.fixed]
-        writer.append({f"joints/{FORCE}": contacts.of_joints(self._joints.count), REACTION: reactions})
-        of_laws = self._stepper.joint_histories(self._joint_of_pairs(), self._joints)
-        writer.append({f"joints/{name}": values for name, values in of_laws.items()})
+        rows, of_laws = frame_rows(self._stepper, self._joints, now, self._joint_of_pairs())
+        self._writer.append(rows)
+        self._writer.append({f"joints/{name}": values for name, values in of_laws.items()})
         if self.stress is not None:
             self._stress_frame(self.stress, of_laws.get(BONDED, np.zeros(self._joints.count)) > 0.0)
         self.frames += 1
@@ -180,6 +170,30 @@ class Recorder:
     def _joint_of_pairs(self) -> np.ndarray:
         """The joint of each pair of the detector, -1 for pairs that are none."""
         return self._pair_joints.of(self._stepper.detector.pairs)
+
+
+def frame_rows(
+    stepper: Stepper, joints: Joints, now: JointMeasures, pair_joint: np.ndarray
+) -> tuple[dict[str, np.ndarray | float], dict[str, np.ndarray]]:
+    """What a frame holds: the state, joints and supports by the names of datasets, and by their own what joint laws remember (J,).
+
+    Args:
+        stepper: after a step, or at the start.
+        joints: as built.
+        now: their measures.
+        pair_joint: (P,) the joint of each pair of the detector, -1 for pairs that are none.
+    """
+    state, deformation = stepper.state, stepper.assembly.deformation
+    rows: dict[str, np.ndarray | float] = {"time": state.time}
+    rows |= {"position": state.position, "orientation": state.orientation, "velocity": state.velocity}
+    if deformation is not None:
+        rows[GRADIENT] = deformation.gradients(state.strain)
+    rows |= {f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")}
+    force, point = stepper.joint_forces(pair_joint, joints.count)
+    rows |= {"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point}
+    contacts = contacts_of(stepper, pair_joint)
+    rows |= {f"joints/{FORCE}": contacts.of_joints(joints.count), REACTION: reactions_of(stepper, contacts)[stepper.assembly.fixed]}
+    return rows, stepper.joint_histories(pair_joint, joints)
 
 
 def staying_support(stepper: Stepper, joints: Joints) -> int:

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import inspect
+import pickle
+from collections.abc import Mapping
 
 from masonry_cd.foundation.errors import InputError
 
@@ -32,3 +34,17 @@ def require_call(function: object, arguments: str, where: object, name: str = "f
         takes = ", ".join(str(one.replace(annotation=one.empty)) for one in signature.parameters.values())
         own = getattr(function, "__name__", type(function).__name__)
         raise InputError(where, f"a function {name}({arguments}) is needed, and {own}({takes}) cannot be called so") from None
+
+
+def require_picklable(given: Mapping[str, object]) -> None:
+    """Check that functions and what else was given by name can be pickled: those that a module has at its top.
+
+    Raises:
+        InputError: names the one that cannot.
+    """
+    for name, value in given.items():
+        try:
+            pickle.dumps(value)
+        except Exception as failure:  # whatever an object raises that is asked for its parts
+            text = f"cannot be pickled ({' '.join(str(failure).split())}); functions at the top of a module can, others cannot"
+            raise InputError(name, text) from None

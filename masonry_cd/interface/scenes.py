@@ -181,6 +181,10 @@ class Scene(Sealed):
         own = {name: (self._checked.folder / name).read_bytes() for name in self._own()}
         return with_absolute_paths(self.tables, self._checked.folder, frozenset(own)), own
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        own = None if self._files is None else {name: (self._checked.folder / name).read_bytes() for name in self._own()}
+        return _again, (self._origin, own)
+
     def _named(self) -> set[str]:
         """Names of the files that the scene reads."""
         return set(paths_of([self._checked.structure, *self._checked.structures, *self._checked.loads]))
@@ -254,6 +258,16 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
         return Scene(of_file).changed(*changes, **tables)
     made = (*changes, *changes_of(plain(tables, ""), parse_toml(of_file.text, path))) if tables else changes
     return Scene(replace(of_file, changes=made))
+
+
+def _again(origin: _Origin, own: Mapping[str, bytes] | None) -> Scene:
+    """A scene that was pickled, with the files of its arrays where it was made in Python; others are read where they lie."""
+    if own is None:
+        return Scene(origin)
+    files = TemporaryFolder()
+    for name, content in own.items():
+        (files.path / name).write_bytes(content)
+    return Scene(replace(origin, path=files.path / FILE), files)
 
 
 def scene_of(results: Results) -> Scene:

@@ -6,12 +6,11 @@ A step of it is a step of ``masonry-cd run``, to the bit. Nothing is written bef
 
 from __future__ import annotations
 
-import copy
 import math
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
@@ -19,18 +18,18 @@ from masonry_cd.app.advance import Advance, Advanced
 from masonry_cd.app.beginning import begin, pauses_of
 from masonry_cd.app.case import Case, acting_too, prepare
 from masonry_cd.app.pair_joints import PairJoints
-from masonry_cd.app.step_contacts import Contacts, contacts_of, reactions_of
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.foundation.signatures import require_call
+from masonry_cd.foundation.extras import require
+from masonry_cd.foundation.signatures import require_call, require_picklable
 from masonry_cd.interface.events import EVENTS, Events
+from masonry_cd.interface.frames import Frames
 from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
 from masonry_cd.interface.own_forces import OwnForces, Pushing, driven, own_forces
 from masonry_cd.interface.scenes import Scene, scene
-from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.simulation_state import SimulationState, checked_state, require_apart, with_first_velocities
+from masonry_cd.interface.simulation_views import SimulationViews
 from masonry_cd.interface.steppers import independent, solved_by, stepper_of
-from masonry_cd.interface.structure import Structure
 from masonry_cd.io import checkpoint
 from masonry_cd.mechanics.dynamics.moreau_jean import StepReport
 from masonry_cd.mechanics.dynamics.own_friction import FrictionLaw
@@ -40,14 +39,14 @@ from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.solvers import Solver
 
 if TYPE_CHECKING:
+    from xarray import Dataset
+
     from masonry_cd.interface.results import Run
-    from masonry_cd.mechanics.friction.problem import FrictionProblem
-    from masonry_cd.mechanics.model.joints import Joints
 
 BY_PYTHON = "forces, motions, velocities or calls of Python take part: the scene alone does not repeat this run, nor resume it"
 
 
-class Simulation(Sealed):
+class Simulation(SimulationViews):
     """A scene, step by step.
 
     Args:
@@ -78,8 +77,6 @@ class Simulation(Sealed):
     (True, True)
     """
 
-    scene: Scene
-
     def __init__(
         self,
         source: Scene | str | os.PathLike[str] | Mapping[str, Any],
@@ -91,6 +88,8 @@ class Simulation(Sealed):
         friction: FrictionLaw | None = None,
         solver: Solver | None = None,
     ) -> None:
+        given = {"forces": forces, "motions": motions, "velocities": velocities, "law": law, "friction": friction, "solver": solver}
+        self._given = {name: value for name, value in given.items() if value is not None}
         self.scene = scene(source)
         """The scene that is stepped."""
         checked = self.scene.checked
@@ -98,9 +97,9 @@ class Simulation(Sealed):
             checked = solved_by(solver, checked)
         structure, parts = driven(checked, motions) if motions else (None, [])
         self._case = prepare(checked, structure, parts)
-        given = [] if forces is None else list(forces) if isinstance(forces, list | tuple) else [forces]
+        several = [] if forces is None else list(forces) if isinstance(forces, list | tuple) else [forces]
         assembly = self._case.assembly
-        items: tuple[Pushing, ...] = tuple(own_forces(item, assembly) for item in given)
+        items: tuple[Pushing, ...] = tuple(own_forces(item, assembly) for item in several)
         self._case = acting_too(self._case, [one for item in items for one in getattr(item, "acted", ())])
         if law is not None:
             items = (*items, BoundLaw(law_of(law), self._case.joints, assembly, checked.run.longest_step))
@@ -121,6 +120,7 @@ class Simulation(Sealed):
         self._events = Events(self._case.joints, self._stepper, checked.report.opened)
         self._busy, self._asked_to_stop = False, ""
         self._report: StepReport | None = None
+        self._frames: Frames | None = None  # kept in memory
 
     # --- steps ---------------------------------------------------------------------------------------------------------------
 
@@ -172,25 +172,43 @@ class Simulation(Sealed):
         self._touched = True
         return function
 
-    def record(self, folder: str | os.PathLike[str] | None = None, *, progress: bool = True, force: bool = False) -> Run:
+    @overload
+    def record(
+        self, folder: str | os.PathLike[str] | None = None, *, progress: bool = True, force: bool = False, to: Literal["folder"] = "folder"
+    ) -> Run: ...
+
+    @overload
+    def record(self, *, to: Literal["memory"]) -> Dataset: ...
+
+    def record(
+        self, folder: str | os.PathLike[str] | None = None, *, progress: bool = True, force: bool = False, to: str = "folder"
+    ) -> Run | Dataset:
         """Run the scene to its end from its beginning, and write what ``masonry-cd run`` does; return the run.
 
         Args:
             folder: where the run is written; a temporary folder when not given.
             progress: whether to show how far it is.
             force: whether what is in the folder may be overwritten.
+            to: "memory" writes nothing, and returns the frames, what ``run.to_xarray()`` has; :attr:`frames` has them as they come.
 
         There are no checkpoints, so a recorded simulation with functions of Python cannot be resumed.
 
         Raises:
-            InputError: steps were made already; see also :func:`masonry_cd.run`.
+            InputError: steps were made already, or xarray is not installed; see also :func:`masonry_cd.run`.
         """
         from masonry_cd.app.run_case import Own
         from masonry_cd.interface.running import recorded
 
         if self.steps or self._busy:
-            raise InputError("record", "writes a run from its beginning, and this simulation has made steps; a new one has not")
+            raise InputError("record", "begins with the run, and this simulation has made steps; a new one has not")
+        if to not in ("folder", "memory") or (to == "memory" and folder is not None):
+            raise InputError("record", 'to is "folder", or "memory" without a folder')
         self._asked_to_stop = ""
+        if to == "memory":
+            require("record", "xarray")
+            self._frames = Frames(self._stepper, self._case.joints, self._advance.frame_every)
+            self.run()
+            return self.frames
         own = Own(self._stepper, self._recorded_step, BY_PYTHON if self._touched else "")
         return recorded(self._case, self.scene, folder, own, progress, force)
 
@@ -209,43 +227,13 @@ class Simulation(Sealed):
         """Keep what a step came to, and call the functions of what has happened in it."""
         self._report = made.report
         self._own.taken()
+        if self._frames is not None:
+            self._frames.after_step(self._stepper, self.done)
         self._busy = True
         try:
             self._events.call(self, self._stepper.state)
         finally:
             self._busy = False
-
-    # --- how it stands -------------------------------------------------------------------------------------------------------
-
-    @property
-    def time(self) -> float:
-        """Of the run [s]."""
-        return self._stepper.state.time
-
-    @property
-    def steps(self) -> int:
-        """Made so far."""
-        return self._stepper.steps
-
-    @property
-    def done(self) -> bool:
-        """Whether the scene has ended."""
-        return self._advance.done
-
-    @property
-    def report(self) -> StepReport | None:
-        """What the last step cost and how well it was solved: iterations, error, seconds, contacts, penetration; None before the first."""
-        return self._report
-
-    @property
-    def structure(self) -> Structure:
-        """The blocks, in the order of all arrays."""
-        return Structure(self._case.assembly.blocks, self._case.notes)
-
-    @property
-    def joints(self) -> Joints:
-        """The joints as built: blocks, area, normal, polygons; their numbers are those of results."""
-        return self._case.joints
 
     @property
     def state(self) -> SimulationState:
@@ -271,36 +259,6 @@ class Simulation(Sealed):
                 raise
         self._touched = True
 
-    @property
-    def contacts(self) -> Contacts:
-        """The contacts of the last step, as arrays; none before the first."""
-        return contacts_of(self._stepper, self._pair_joints.of(self._stepper.detector.pairs))
-
-    def joint_forces(self) -> np.ndarray:
-        """The force of each joint on its block b over the last step, (J, 3) [N]; its opposite acts on block a."""
-        return self.contacts.of_joints(self._case.joints.count)
-
-    def reactions(self) -> dict[str, np.ndarray]:
-        """Force [N] and moment about its centre of mass [N m] of each support on what it carries, (6,) by its name; of the last step."""
-        every = reactions_of(self._stepper, self.contacts)
-        return {name: every[b] for b, name in enumerate(self._case.assembly.names) if self._case.assembly.fixed[b]}
-
-    @property
-    def energy(self) -> dict[str, float]:
-        """What was put in since the start, where it went, and the balance [J]."""
-        return dict(self._stepper.energy)
-
-    def problem(self) -> FrictionProblem:
-        """The friction problem of the step that comes next; asking for it changes nothing.
-
-        ``masonry_cd.io.problem_files.write_problem`` writes it as ``masonry-cd solve`` reads it.
-
-        Raises:
-            InputError: the scene has ended.
-        """
-        self._refuse_at_end("problem")
-        return self._stepper.friction_problem().problem
-
     # --- copies --------------------------------------------------------------------------------------------------------------
 
     def copy(self) -> Simulation:
@@ -309,7 +267,8 @@ class Simulation(Sealed):
         What functions of Python remember is shared, and both call those that are called on events.
         """
         self._refuse_when_busy("copy")
-        other = copy.copy(self)
+        other = object.__new__(type(self))
+        vars(other).update(vars(self), _frames=None)
         other._own = self._own.copied()
         other._stepper = independent(self._stepper, other._own if self._own.own else None)
         other._advance = other._fresh_advance()
@@ -325,9 +284,7 @@ class Simulation(Sealed):
             InputError: called in the middle of a step.
         """
         self._refuse_when_busy("save")
-        arrays = self._stepper.snapshot() | self._pace_arrays()
-        arrays |= {f"law/{i}": law.history for i, law in enumerate(self._laws)}
-        checkpoint.save(Path(path), arrays, {"simulation": self.scene.text})
+        checkpoint.save(Path(path), self._arrays(), {"simulation": self.scene.text})
 
     def restore(self, path: str | os.PathLike[str]) -> None:
         """Continue from a checkpoint that :meth:`save` wrote, in this process or another; the scene must be the same.
@@ -339,26 +296,40 @@ class Simulation(Sealed):
         arrays, numbers_there = checkpoint.load(Path(path))
         if numbers_there.get("simulation") != self.scene.text:
             raise InputError(path, "no checkpoint of a simulation of this scene")
-        own = {name: array for name, array in arrays.items() if not name.startswith(("pace/", "rest/", "law/"))}
         try:
-            self._stepper.check(Stored(own))
+            self._stepper.check(Stored(_of_stepper(arrays)))
         except InputError as reason:
             raise reason.under(path) from None
-        self._stepper.restore(own)
+        self._take(arrays)
+        self._events.forget()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle: the scene, what was given beside it, and all that later steps depend on.
+
+        Raises:
+            InputError: called in the middle of a step; a function that pickle cannot name.
+        """
+        self._refuse_when_busy("pickle")
+        require_picklable(self._given | {f"on {event}": functions for event, functions in self._events.functions.items()})
+        return _again, (self.scene, self._given, self._touched, self._arrays(), self._events.parcel())
+
+    def _arrays(self) -> dict[str, np.ndarray]:
+        """All that later steps depend on but what functions of Python remember."""
+        arrays = self._stepper.snapshot() | self._pace_arrays()
+        return arrays | {f"law/{i}": law.history for i, law in enumerate(self._laws)}
+
+    def _take(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Continue from what :meth:`_arrays` gave."""
+        self._stepper.restore(_of_stepper(arrays))
         for i, law in enumerate(self._laws):
             law.history = arrays[f"law/{i}"].copy() if f"law/{i}" in arrays else np.zeros_like(law.history)
         self._advance = self._fresh_advance()
         self._restore_pace(arrays)
         self._stepper.last = None
-        self._events.forget()
 
     @property
     def _laws(self) -> list[BoundLaw]:
         return [item for item in self._own.own if isinstance(item, BoundLaw)]
-
-    def _refuse_at_end(self, what: str) -> None:
-        if self.done:
-            raise InputError(what, f"the scene has ended, at {self.time:g} s; a longer run.duration continues it")
 
     def _refuse_when_busy(self, what: str) -> None:
         if self._busy:
@@ -382,3 +353,17 @@ class Simulation(Sealed):
 
     def __repr__(self) -> str:
         return f'<Simulation "{self.scene.title}": {len(self._case.assembly.names)} blocks, {self.steps} steps, {self.time:g} s>'
+
+
+def _again(scene: Scene, given: Mapping[str, Any], touched: bool, arrays: Mapping[str, np.ndarray], events: Any) -> Simulation:
+    """A simulation that was pickled."""
+    sim = Simulation(scene, **given)
+    sim._touched = touched
+    sim._take(arrays)
+    sim._events.take(events)
+    return sim
+
+
+def _of_stepper(arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The arrays of the stepper among those of a simulation."""
+    return {name: array for name, array in arrays.items() if not name.startswith(("pace/", "rest/", "law/"))}
