@@ -137,6 +137,24 @@ class Scene(Sealed):
 
         return to_compas(self.structure.blocks)
 
+    def to_deck(self, folder: str | os.PathLike[str], program: str, *, force: bool = False) -> list[Path]:
+        """Write the deck of another program, as ``masonry-cd export`` does; return its files.
+
+        Args:
+            folder: made if need be.
+            program: "lmgc90" or "3dec".
+            force: whether files that are there may be overwritten.
+
+        Raises:
+            InputError: what that program has no words for, or files that are there.
+        """
+        from masonry_cd.app.commands.export import deck
+        from masonry_cd.interface.returned import returned
+
+        result = deck(self._checked, program, Path(folder), force)
+        returned(result)
+        return list(result.written)
+
     def picture(self, view: str = "auto") -> Image:
         """The structure by groups of blocks, as an image that a notebook shows.
 
