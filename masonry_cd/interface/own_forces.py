@@ -19,6 +19,7 @@ from loads.motion import Part
 from masonry_cd.app.case import Structure, assembled, structure_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.signatures import require_call
 from masonry_cd.interface.values import numbers
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly, Block
@@ -82,6 +83,7 @@ class History:
     def __init__(self, given: Any, sizes: tuple[int, ...], where: str) -> None:
         self._where, self._sizes, self._function = where, sizes, given if callable(given) else None
         if self._function is not None:
+            require_call(self._function, "time", where)
             return
         if not isinstance(given, Sequence) or isinstance(given, str | bytes) or len(given) != 2:
             raise InputError(where, "a function of time is needed, or a pair of arrays (times, values)")
@@ -135,6 +137,7 @@ class Field(Pushing):
     """A field of forces on all blocks."""
 
     def __init__(self, function: Callable[[Now], Any], assembly: Assembly) -> None:
+        require_call(function, "now", "forces")
         self._function, self._fixed = function, assembly.fixed
 
     def pushes(self, now: Now) -> Pushes:

@@ -290,7 +290,7 @@ def _contactor(where: str, kind: str, text: str) -> tuple[np.ndarray, Faces]:
         raise Refused(where, f"a contactor {kind}; POLYR and PLANx are read")
     points = np.array(_values(text, "coo")).reshape(-1, 3) if len(_values(text, "coo")) % 3 == 0 else np.zeros((0, 3))
     corners = [int(value) - 1 for value in _values(text, "ver")]
-    announced = [int(value) for value in re.findall(r"nb_(?:vertex|faces)\s*=\s*(\d+)", text)]
+    announced = [int(value) for value in re.findall(r"nb_(?:vertex|faces?)\s*=\s*(\d+)", text)]
     if len(announced) != 2 or announced != [len(points), len(corners) // 3] or len(corners) % 3:
         raise Refused(where, "not as many corners and faces as it announces")
     if corners and (min(corners) < 0 or max(corners) >= len(points)):

@@ -63,6 +63,12 @@ def test_meshes_lie_where_the_blocks_are(run: mc.Run) -> None:
     trimesh = pytest.importorskip("trimesh")
     scene = run.to_trimesh(0.0)
     assert isinstance(scene, trimesh.Scene) and set(scene.geometry) == {"b0", "b1", "b2"}
+    for blocks in (scene, scene.dump()):  # and back, by their names
+        again = mc.scene(
+            structure={"blocks": blocks, "fixed": "b0"}, material={"density": 2000.0, "friction": 0.5}, run={"dt": 0.1}
+        ).structure
+        assert set(again.names) == {"b0", "b1", "b2"} and again["b0"].fixed
+        assert again["b1"].vertices.mean(axis=0) == pytest.approx(scene.geometry["b1"].vertices.mean(axis=0))
     assert scene.geometry["b2"].volume == pytest.approx(0.128)
 
 

@@ -59,8 +59,8 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joint_laws import histories
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.state import State, body_maps, rotation_matrices
-from masonry_cd.mechanics.solvers import SOLVERS, Options
-from masonry_cd.mechanics.solvers.condensed import in_condensed_unknowns
+from masonry_cd.mechanics.solvers import Options
+from masonry_cd.mechanics.solvers.by_name import step_solver
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
 
@@ -201,7 +201,7 @@ class Stepper:
         self.motion = motion_at_start(self.system, state)
         masonry = self.system.masonry
         self.detector = Detector(assembly, facets=self.system.facets, stiffness=None if masonry is None else masonry.of_contacts)
-        self.islands = Islands(in_condensed_unknowns(SOLVERS[settings.solver]), len(self.system.reach), settings.islands)
+        self.islands = Islands(step_solver(settings.solver), len(self.system.reach), settings.islands)
         self.load_step = 0  # k of the loads; it may run ahead of the steps, see pauses.py
         self.watch: Watch | None = None  # sees each problem that is solved
         self.friction: FrictionLaw | None = None  # gives the coefficients of each step; None: those of the scene
