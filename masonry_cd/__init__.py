@@ -35,6 +35,7 @@ NAMES = {
     "box": "structures.geometry.prism:box",
     "compare": "masonry_cd.interface.comparison:compare",
     "from_compas": "masonry_cd.interface.compas:from_compas",
+    "from_compas_dem": "masonry_cd.interface.compas_dem:from_compas_dem",
     "from_traces": "masonry_cd.interface.traces:from_traces",
     "limit_analysis": "masonry_cd.interface.limit:limit_analysis",
     "macro_elements": "masonry_cd.interface.limit:macro_elements",
@@ -46,6 +47,7 @@ NAMES = {
     "run": "masonry_cd.interface.running:run",
     "scene": "masonry_cd.interface.scenes:scene",
     "study": "masonry_cd.interface.studies:study",
+    "to_compas_dem": "masonry_cd.interface.compas_dem:to_compas_dem",
     "trust": "masonry_cd.foundation.trust:trust",
 }
 

@@ -7,6 +7,8 @@ from masonry_cd.interface.assessing import assess as assess
 from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.compas import from_compas as from_compas
+from masonry_cd.interface.compas_dem import from_compas_dem as from_compas_dem
+from masonry_cd.interface.compas_dem import to_compas_dem as to_compas_dem
 from masonry_cd.interface.joint_law import JointLaw as JointLaw
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
@@ -47,6 +49,7 @@ __all__ = [
     "box",
     "compare",
     "from_compas",
+    "from_compas_dem",
     "from_traces",
     "limit_analysis",
     "macro_elements",
@@ -58,5 +61,6 @@ __all__ = [
     "run",
     "scene",
     "study",
+    "to_compas_dem",
     "trust",
 ]
