@@ -140,6 +140,8 @@ def build(
             f"base: {velocity.shape[1]} motions of the supports, apart by at most {base['largest_difference']:.4g} m; "
             "displacements are relative to the support that moves least"
         )
+    if "peak_rotation" in base:
+        lines.append(f"base: turns by up to {base['peak_rotation']:.3g} degrees; displacements and drifts hold what a support turns")
     warnings = tuple(line for part in parts for line in part.warnings)
     summary = {"tables": [part.summary for part in parts], "base": base}
     shocks = sorted((shock for part in parts for shock in part.shocks), key=lambda shock: shock.first)

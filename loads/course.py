@@ -25,8 +25,9 @@ from masonry_cd.foundation.errors import InputError
 
 
 def at_middles(course: Callable[[np.ndarray], np.ndarray], times: np.ndarray, dt: float) -> np.ndarray:
-    """A course (n,) -> (n, k) at the middles of the steps of a run, (N + 2, k), from half a step before its first time on."""
-    return course(np.concatenate([[times[0], times[0]], times[1:] + 0.5 * dt]))
+    """A course (n,) -> (n, k) at the middles of the steps, (N + 2, k), from half a step before the first time on, counted from it."""
+    found = course(np.concatenate([[times[0], times[0]], times[1:] + 0.5 * dt]))
+    return np.asarray(found - found[0])
 
 
 @dataclass(frozen=True, eq=False)

@@ -80,7 +80,8 @@ def _exponential(vectors: np.ndarray) -> np.ndarray:
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         cross[:, j, i], cross[:, i, j] = axis[:, k], -axis[:, k]
-    return np.asarray(cosine * np.eye(3) + sine * cross + (1.0 - cosine) * axis[:, :, None] * axis[:, None, :])
+    squared = axis[:, :, None] * axis[:, None, :] - np.eye(3)  # so that what lies along an axis of the world stays there to the bit
+    return np.asarray(np.eye(3) + sine * cross + (1.0 - cosine) * squared)
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -80,7 +80,7 @@ def seen_from_platform(sim: mc.Simulation) -> np.ndarray:
 def test_a_block_on_a_platform_that_turns_slides_at_the_friction_and_tips_at_its_slenderness(
     planar: bool, height: float, width: float, tangent: float
 ) -> None:
-    sim = mc.Simulation(on_platform(height, width, planar=planar), motions={"b0": mc.Motion(platform, about=(-1.0, 0.0, 0.0))})
+    sim = mc.Simulation(on_platform(height, width, planar=planar), motions={"b0": mc.Motion(platform, about=(-1.0, 0.7, 0.0))})
     sim.run(until=np.arctan(tangent - 0.005) / RATE + 0.5)
     at = seen_from_platform(sim)
     assert at == pytest.approx([0.0, 0.0, 0.25 + height / 2, 0.0], abs=2e-6)
