@@ -14,6 +14,8 @@ from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
 from masonry_cd.interface.limit import macro_elements as macro_elements
 from masonry_cd.interface.modal import modal as modal
+from masonry_cd.interface.own_forces import Force as Force
+from masonry_cd.interface.own_motions import Motion as Motion
 from masonry_cd.interface.results import Run as Run
 from masonry_cd.interface.results import open_run as open
 from masonry_cd.interface.returned import RunWarning as RunWarning
@@ -36,9 +38,11 @@ __all__ = [
     "Assessment",
     "Block",
     "Comparison",
+    "Force",
     "InputError",
     "JointLaw",
     "LimitAnalysis",
+    "Motion",
     "Run",
     "RunWarning",
     "Scene",

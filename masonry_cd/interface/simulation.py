@@ -25,7 +25,8 @@ from masonry_cd.interface.events import EVENTS, Events
 from masonry_cd.interface.frames import Frames
 from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
 from masonry_cd.interface.model_changes import without_waiting
-from masonry_cd.interface.own_forces import OwnForces, Pushing, driven, own_forces
+from masonry_cd.interface.own_forces import OwnForces, Pushing, own_forces
+from masonry_cd.interface.own_motions import driven
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.simulation_state import SimulationState, checked_state, require_apart, with_first_velocities
 from masonry_cd.interface.steppers import solved_by, stepper_of
@@ -48,11 +49,12 @@ class Simulation(Copies):
 
     Args:
         source: a scene, or what :func:`masonry_cd.scene` makes one of.
-        forces: beside those of the scene's loads: a dict of forces on single blocks at their centres of mass, by name, each a function of
-            time that gives (3,) [N] or a pair of arrays, times (N,) [s] and forces (N, 3); or a field, a function ``f(now)`` of
-            :class:`masonry_cd.interface.own_forces.Now` that gives (B, 3), a force on each block; or a list of such.
-        motions: imposed on blocks by name: each a function of time that gives the velocity (3,) [m/s], or a pair of arrays, times and
-            velocities (N, 3). The blocks do not turn, and move on top of what the scene's loads do to all supports.
+        forces: beside those of the scene's loads: a dict of forces on single blocks by name, each a function of time that gives (3,) [N],
+            or (6,) with the moment about the centre of mass [N m], or a pair of arrays, times (N,) [s] and values, or a
+            :class:`masonry_cd.Force` with its point; or a field, a function ``f(now)`` of
+            :class:`masonry_cd.interface.own_forces.Now` that gives (B, 3 or 6); or a list of such.
+        motions: imposed on blocks by name: each a function of time that gives the velocity (3,) [m/s], or (6,) with the angular one
+            [rad/s], or a pair of arrays, times and values, or a :class:`masonry_cd.Motion`. On top of what the loads do to all supports.
         velocities: that free blocks begin with, by name: (3,) [m/s], or (6,) with the angular ones [rad/s].
         law: of the joints, beside contact and friction; or the name of one that an installed package adds.
         friction: a function ``f(contacts)`` of :class:`masonry_cd.mechanics.dynamics.own_friction.SlidingContacts` that gives the

@@ -174,7 +174,7 @@ class Stepper:
 
     Args:
         assembly: the blocks.
-        support_velocity: (N + 1, S, 3) velocity of support motion s at t_k, k ticks of length dt [m/s].
+        support_velocity: (N + 1, S, 3 or 6) velocity of support motion s at t_k, k ticks of length dt, see :class:`Loads`.
         acceleration: (N + 1, 3) body acceleration at t_k, gravity included [m/s2].
         settings: time step, or the shortest where it adapts, theta, solver, tolerance, seed.
         start: where the run begins; None: at rest, as built.
