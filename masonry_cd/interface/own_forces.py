@@ -8,6 +8,7 @@ Blocks whose motion is given become supports, driven on top of what moves all su
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
@@ -20,6 +21,7 @@ from masonry_cd.app.case import Structure, assembled, structure_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.values import numbers
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.guides import Guide
@@ -317,3 +319,12 @@ def _part(history: History, block: int, blocks: list[Block]) -> Part:
         summary={"kind": "python", "block": blocks[block].name},
         acted=history.acted("path"),
     )
+
+
+def independent(stepper: Stepper, forces: OwnForces | None) -> Stepper:
+    """A stepper that stands where another does and shares with it only what does not change."""
+    other = copy.copy(stepper)
+    if forces is not None:
+        other.system = replace(stepper.system, loads=replace(stepper.system.loads, forces=forces))
+    other.detector, other.islands = stepper.detector.copied(), copy.deepcopy(stepper.islands)
+    return other

@@ -20,12 +20,12 @@ from masonry_cd.app.advance import Advance, Advanced
 from masonry_cd.app.beginning import begin, pauses_of
 from masonry_cd.app.case import Case, acting_too, prepare
 from masonry_cd.app.pair_joints import PairJoints
-from masonry_cd.app.step_contacts import Contacts, contacts_of, reactions_of
+from masonry_cd.app.step_contacts import Contacts, LinkForce, contacts_of, links_of, reactions_of
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.events import EVENTS, Events
 from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
-from masonry_cd.interface.own_forces import OwnForces, Pushing, driven, own_forces
+from masonry_cd.interface.own_forces import OwnForces, Pushing, driven, independent, own_forces
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.simulation_state import SimulationState, checked_state, require_apart, with_first_velocities
@@ -277,6 +277,10 @@ class Simulation(Sealed):
         every = reactions_of(self._stepper, self.contacts)
         return {name: every[b] for b, name in enumerate(self._case.assembly.names) if self._case.assembly.fixed[b]}
 
+    def links(self) -> list[LinkForce]:
+        """Force [N] and moment [N m] of each link on its first block over the last step, in the order of the scene."""
+        return links_of(self._stepper)
+
     @property
     def energy(self) -> dict[str, float]:
         """What was put in since the start, where it went, and the balance [J]."""
@@ -291,7 +295,7 @@ class Simulation(Sealed):
             InputError: the scene has ended.
         """
         self._refuse_at_end("problem")
-        return self._stepper.friction_problem().problem
+        return self._stepper.friction_problem().solved
 
     # --- copies --------------------------------------------------------------------------------------------------------------
 
@@ -303,7 +307,7 @@ class Simulation(Sealed):
         self._refuse_when_busy("copy")
         other = copy.copy(self)
         other._own = self._own.copied()
-        other._stepper = _independent(self._stepper, other._own if self._own.own else None)
+        other._stepper = independent(self._stepper, other._own if self._own.own else None)
         other._advance = other._fresh_advance()
         other._restore_pace(self._pace_arrays())
         other._pair_joints = PairJoints(self._case.assembly)
@@ -386,12 +390,3 @@ def _stepper(case: Case, own: OwnForces, velocity: np.ndarray) -> Stepper:
         settings = settings.model_copy(update={"planar": False})
     own.axis = -1 if plane is None else plane.axis
     return Stepper(assembly, loading.support_velocity, loading.acceleration, settings, forces=forces, plane=plane)
-
-
-def _independent(stepper: Stepper, forces: OwnForces | None) -> Stepper:
-    """A stepper that stands where another does and shares with it only what does not change."""
-    other = copy.copy(stepper)
-    if forces is not None:
-        other.system = replace(stepper.system, loads=replace(stepper.system.loads, forces=forces))
-    other.detector, other.islands = stepper.detector.copied(), copy.deepcopy(stepper.islands)
-    return other

@@ -131,6 +131,7 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
     blocks = make_structures(scene).blocks
     with scene.locating():
         refuse_spheres(blocks, "structure", "the modal check")
+        scene.refuse_links("the modal check")
         assembly = Assembly.from_blocks(blocks, scene.material)
         companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
         assembly = replace(assembly, laws=assembly.laws.damped_at(float(companion.frequencies[0])))

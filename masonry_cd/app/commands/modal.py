@@ -154,6 +154,8 @@ def modal(
     if isinstance(source, Scene):
         blocks, title, material = make_structures(source).blocks, source.title, source.material
         unusual = structure_doubts(source, blocks)
+        with source.locating():
+            source.refuse_links("the modal check")
     else:
         blocks, material = list(source), None
     refuse_spheres(blocks, "structure", "the modal check")

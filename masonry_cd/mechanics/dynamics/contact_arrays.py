@@ -49,6 +49,10 @@ class ContactRows(NamedTuple):
             np.empty(pair, index), frame, geometry, np.empty((count, m)), np.empty(one), np.empty((count, m)),
         )  # fmt: skip
 
+    def of(self, contacts: np.ndarray) -> ContactRows:
+        """Some contacts, by a mask (C,)."""
+        return ContactRows(**{name: each.of(contacts) if name == "geometry" else each[contacts] for name, each in self._asdict().items()})
+
 
 @borrower()
 def support_velocity(rows, c, velocity):

@@ -45,9 +45,13 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
         fill_strain_rows(system.strains.arrays, found.point, at, predicted.rotation, predicted.maps, axis, rows)
     if warps is not None and touch is not None:
         fill_warp_rows(warps.arrays, touch, predicted.rotation, rows)
+    links = None
+    if predicted.linked is not None:
+        left, links = predicted.linked.contacts(rows)
+        rows = rows.of(left)
     none = rows.offset[:0]  # (0, m)
     rigid = FrictionProblem(predicted.inverse_mass, predicted.v_free, rows.bodies, rows.geometry, rows.offset, rows.mu, compliance=none)
-    made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0))
+    made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0), links=links)
     return made if system.laws is None else with_springs(system, system.laws, last, made, pairs)
 
 

@@ -14,6 +14,7 @@ from masonry_cd.mechanics.contact.facets import Facets
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, law_arrays
+from masonry_cd.mechanics.dynamics.linkage import Linkage
 from masonry_cd.mechanics.dynamics.pair_stiffness import PairStiffness, most_stretched
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
@@ -86,6 +87,7 @@ class System:
     stretch: float  # by which an intact joint can open at the most [m]
     support: int  # the first support; -1: none
     rows: int  # of a contact, m: 3 in space (normal, two tangents), 2 in a plane
+    linkage: Linkage | None  # the links; None: there are none
 
     @classmethod
     def of(cls, assembly: Assembly, settings: Run, loads: Loads, plane: Plane | None) -> System:
@@ -122,6 +124,7 @@ class System:
             stretch=most_stretched(assembly.laws, masonry),
             support=int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1,
             rows=3 if plane is None else 2,
+            linkage=Linkage.of(assembly),
         )
 
     def with_step(self, step: float) -> System:
@@ -133,6 +136,16 @@ class System:
     def unknowns(self) -> int:
         """Of a free block, n: those of its motion as a rigid one, then its strain rates."""
         return len(self.blocks.columns) + (0 if self.strains is None else len(self.strains.columns))
+
+    @property
+    def bodies(self) -> int:
+        """Of the friction problem: the free blocks, those that links hang together as one."""
+        return len(self.reach) if self.linkage is None else self.linkage.bodies
+
+    @property
+    def unknowns_of_a_body(self) -> int:
+        """Most unknowns of such a body."""
+        return self.unknowns if self.linkage is None else max(self.unknowns * self.linkage.largest, 16)
 
     @property
     def facets(self) -> Facets | None:

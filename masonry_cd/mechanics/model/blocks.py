@@ -23,6 +23,7 @@ from masonry_cd.mechanics.model.joint_laws import JointLaw, joint_table, refuse_
 from masonry_cd.mechanics.model.joint_laws.friction import friction_table
 from masonry_cd.mechanics.model.joint_laws.rolling import rolling_table
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
+from masonry_cd.mechanics.model.links import Link
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.sphere import ball_centre, facetted_ball, sphere_properties
 
@@ -174,6 +175,7 @@ class Assembly:
     laws: JointLaws  # of the joints between groups
     shapes: Shapes = field(repr=False)
     deformation: Deformation | None = None  # of the blocks that deform; None: all are rigid
+    links: tuple[Link, ...] = ()  # that hold blocks together
 
     @property
     def count(self) -> int:
