@@ -30,6 +30,7 @@ from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import refuse_in_a_run
+from masonry_cd.mechanics.model.joint_laws.restitution import WARNING as RESTITUTION
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.link_table import links_of
 from masonry_cd.mechanics.model.masonry_kinds import in_words
@@ -228,7 +229,9 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     falling = [*structure.falling, *structure.leaning] if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
     unusual = doubts(scene, assembly, joints, loading.summary["tables"])
-    doubtful, aside = (*structure.odd_size, *unusual, *loading.warnings, *falling), (*stands_in, *_beyond_machine(scene.run.threads))
+    thrown = [RESTITUTION] if assembly.restitution.any() else []
+    doubtful = (*structure.odd_size, *unusual, *loading.warnings, *falling, *thrown)
+    aside = (*stands_in, *_beyond_machine(scene.run.threads))
     masonry = () if scene.material.masonry is None else (in_words(scene.material.masonry),)
     notes = (*structure.notes, *masonry, *damping, *lasting)
     if built > REPORTED * assembly.width:

@@ -50,7 +50,7 @@ from masonry_cd.mechanics.dynamics.snapshot import check_motion, motion_arrays, 
 from masonry_cd.mechanics.dynamics.solving import Watch, solve
 from masonry_cd.mechanics.dynamics.start import motion_at_start
 from masonry_cd.mechanics.dynamics.step_problem import Solved, StepProblem
-from masonry_cd.mechanics.dynamics.system import Loads, Motion, StepLoads, System, plane_of
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Loads, Motion, StepLoads, System, plane_of
 from masonry_cd.mechanics.dynamics.violations import Violation, find_violations
 from masonry_cd.mechanics.friction.problem import Solution
 from masonry_cd.mechanics.model.block_forces import BlockForces
@@ -176,7 +176,7 @@ class Stepper:
         violation, false_slip = find_violations(system, made, impulse if solved.blow is None else solved.blow, new.v, last.false_slip)
         self.motion = Motion(
             new.state, new.angular_momentum, new.v, new.impulse, solved.carried_impulse, false_slip, new.joints, predicted.tensions,
-            predicted.yielded, energy, last.steps + 1, last.ticks + ticks, last.span,
+            predicted.yielded, energy, last.steps + 1, last.ticks + ticks, last.span, made.approach,
         )  # fmt: skip
         self.last, self.solution = made, solved.solution
         self.load_step += ticks
@@ -279,7 +279,7 @@ class Stepper:
         state = replace(m.state, time=0.0, velocity=np.zeros_like(m.state.velocity))
         self.motion = m._replace(
             state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None,
-            false_slip=np.zeros_like(m.false_slip), steps=0, ticks=0,
+            false_slip=np.zeros_like(m.false_slip), steps=0, ticks=0, approach=NO_APPROACH,
         )  # fmt: skip
         self.load_step = 0
 

@@ -11,6 +11,7 @@ from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows
 from masonry_cd.mechanics.dynamics.free_motion import Prediction
 from masonry_cd.mechanics.dynamics.joint_law import Springs
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ class StepProblem(NamedTuple):
     problem: FrictionProblem
     start: Solution  # impulses and velocities of the last step, to start from
     crushes: np.ndarray | None = None  # (C,) bool: contacts whose joint crushes in this step; None: no joint can
+    approach: np.ndarray = NO_APPROACH  # (N,) see Motion
     links: LinkedContacts | None = None  # the contacts as linked bodies feel them; None: nothing is linked
 
     @property

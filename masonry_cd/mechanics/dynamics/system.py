@@ -27,6 +27,7 @@ from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.solvers import threads_that_pay
 
 TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed, or those of the joints as built
+NO_APPROACH = np.zeros(0)
 SLACK = 1.5  # times the latter: a joint that slips or turns a little stays closed
 
 
@@ -88,6 +89,7 @@ class System:
     support: int  # the first support; -1: none
     rows: int  # of a contact, m: 3 in space (normal, two tangents), 2 in a plane
     linkage: Linkage | None  # the links; None: there are none
+    bounces: bool  # whether contacts have a restitution
 
     @classmethod
     def of(cls, assembly: Assembly, settings: Run, loads: Loads, plane: Plane | None) -> System:
@@ -125,6 +127,7 @@ class System:
             support=int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1,
             rows=3 if plane is None else 2,
             linkage=Linkage.of(assembly),
+            bounces=bool(assembly.restitution.any()),
         )
 
     def with_step(self, step: float) -> System:
@@ -228,3 +231,4 @@ class Motion(NamedTuple):
     steps: int  # done so far
     ticks: int  # of the loads' sampling, that they took together
     span: int  # ticks of the last one
+    approach: np.ndarray = NO_APPROACH  # (N,) at which contacts of the last step will be hit, see restitution.py [m/s]; (0,): none
