@@ -30,7 +30,7 @@ from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact import detector
 from masonry_cd.mechanics.contact.find_joints import find_joints
-from masonry_cd.mechanics.dynamics import impacts, islands, moreau_jean
+from masonry_cd.mechanics.dynamics import impacts, islands, moreau_jean, solving
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.friction import problem
 from masonry_cd.mechanics.linalg.ordering import Pattern
@@ -107,7 +107,7 @@ class Clocks:
 @contextmanager
 def clocked(machine: Stepper) -> Iterator[Clocks]:
     """Put clocks around all parts, and take them off again."""
-    clocks, kept = Clocks(), [(moreau_jean, "solve_apart", moreau_jean.solve_apart), (machine.islands, "solver", machine.islands.solver)]
+    clocks, kept = Clocks(), [(solving, "solve_apart", solving.solve_apart), (machine.islands, "solver", machine.islands.solver)]
     for part, places in PARTS.items():
         for owner, name in places:
             own = vars(owner)[name]
@@ -117,7 +117,7 @@ def clocked(machine: Stepper) -> Iterator[Clocks]:
             else:
                 setattr(owner, name, clocks.timed(part, own))
     machine.islands.solver = clocks.timed("solver, rest", machine.islands.solver)
-    moreau_jean.solve_apart = clocks.told_apart(moreau_jean.solve_apart)
+    solving.solve_apart = clocks.told_apart(solving.solve_apart)
     try:
         yield clocks
     finally:

@@ -47,7 +47,8 @@ def _scene() -> str:
     tables = scene_schema()["properties"]
     parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[[structures]]", table_schema(PlaceTable), SITE)]
     parts += _section("[material]", tables["material"])
-    parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
+    parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[[links]]", tables["links"]["items"])]
+    parts += [*_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
     parts += [*_section("[limit]", tables["limit"]), *_section("[assess]", tables["assess"]), *_section("[output]", tables["output"])]
     parts += _section("[[events]]", tables["events"]["items"])
     return "\n".join(parts)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What of a structure may not stand as it is built, judged from its contacts at rest: ``build`` and ``run`` warn alike.
 
-A block that touches nothing falls until it meets something. A block *hangs* when no contact pushes it upwards: then only friction on its
-sides holds it, as where no lintel or arch spans an opening. A *piece* is a set of blocks that touch one another; one
-without a support falls as a whole. Where blocks hang and the supports are not below them, but would be if a horizontal axis pointed
+Links count as contacts. A block that touches nothing falls until it meets something. A block *hangs* when no contact pushes it upwards:
+then only friction on its sides holds it, as where no lintel or arch spans an opening. A *piece* is a set of blocks that touch one another;
+one without a support falls as a whole. Where blocks hang and the supports are not below them, but would be if a horizontal axis pointed
 upwards, so that hardly any hung, the structure *lies on its side*, as one from a file does whose upward axis is stated wrongly.
 Spheres are left out: they are poured, and fall until they meet something.
 """
@@ -66,14 +66,15 @@ def standing(assembly: Assembly) -> Standing:
     """Judge a structure by its contacts at rest."""
     found = contacts_at_rest(assembly)
     spheres = np.array([block.radius > 0.0 for block in assembly.blocks])
-    pairs = np.unique(found.bodies, axis=0).reshape(-1, 2)
+    links = np.array([link.blocks for link in assembly.links], dtype=np.int64).reshape(-1, 2)
+    pairs = np.concatenate([np.unique(found.bodies, axis=0).reshape(-1, 2), links])
     touched = np.zeros(assembly.count, dtype=bool)
     touched[pairs] = True
     label = connected_components(pairs[:, 0], pairs[:, 1], assembly.count)
     free = ~assembly.fixed & ~spheres
     held = np.isin(label, label[assembly.fixed])
     loose = free & ~touched
-    hanging = _hanging(assembly, found, (0, 0, 1)) & free & ~loose
+    hanging = _hanging(assembly, found, (0, 0, 1)) & free & ~loose & ~np.isin(np.arange(assembly.count), links)
     return Standing(
         contacts=found,
         pieces=len(np.unique(label[free])),

@@ -11,6 +11,7 @@ What may not stand as it is built is in :mod:`structures.standing`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from masonry_cd.foundation.quantities import length
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.links import Link
 from structures.standing import in_words, standing
 
 SMALL, LARGE = 0.3, 300.0  # extent of a structure beyond which its unit is doubted [m]
@@ -54,15 +56,15 @@ def _extent(corners: Sequence[np.ndarray]) -> list[float]:
     return [float(x) for x in np.ptp(np.concatenate(corners), axis=0)]
 
 
-def report(blocks: Sequence[Block]) -> dict[str, Any]:
-    """Describe a structure.
+def report(blocks: Sequence[Block], links: tuple[Link, ...] = ()) -> dict[str, Any]:
+    """Describe a structure, whose blocks links may hold together.
 
     Returns:
         blocks, fixed, joints, joint_area [m2], contacts, pieces, mass [kg], volume [m3], centre_of_mass [m], extent [m], thinnest [m],
         hyperstaticity, smallest and largest (name, volume, size), loose, hanging, adrift and side (see
         :class:`structures.standing.Standing`), groups (blocks, mass). Masses and volumes are those of the free blocks.
     """
-    assembly = Assembly.from_blocks(blocks, 0.5)
+    assembly = replace(Assembly.from_blocks(blocks, 0.5), links=links)
     joints = find_joints(assembly)
     stands = standing(assembly)
     contacts, free = len(stands.contacts.gap), ~assembly.fixed

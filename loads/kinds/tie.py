@@ -17,21 +17,13 @@ from loads.bars import Tie
 from loads.motion import LoadKind, LoadTable, Part, Positive, RunGrid, Static
 from loads.supports import one_block
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.fields import Flag, Vector, check_tension
+from masonry_cd.foundation.fields import Flag, Vector, check_tension, two_blocks
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.place_on_block import require_on_block
 from masonry_cd.mechanics.model.usual import DIAMETER, SECTION, TENSION, TIE_MODULUS, YIELDING
 
 LONGEST_TIE = 1e6  # [m]
 SOFTEST, STIFFEST = 1e-9, 1e18  # [N/m]
-
-
-def _pair(value: object) -> tuple[str, str]:
-    """Two names."""
-    names = list(value) if isinstance(value, (list, tuple)) else []
-    if len(names) != 2 or not all(isinstance(name, str) for name in names) or names[0] == names[1]:
-        raise ValueError("must be the names of two blocks")
-    return names[0], names[1]
 
 
 def _ends(value: object) -> object:
@@ -45,7 +37,7 @@ class TieTable(LoadTable):
     """Keys of ``kind = "tie"``."""
 
     kind: Literal["tie"] = "tie"
-    blocks: Annotated[tuple[str, str], BeforeValidator(_pair)]
+    blocks: Annotated[tuple[str, str], BeforeValidator(two_blocks)]
     """Names of the two blocks."""
     points: Annotated[tuple[Vector, Vector] | None, Unit("m"), BeforeValidator(_ends)] = None
     """Its ends, as built; the centres of mass when not given."""

@@ -30,7 +30,9 @@ from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import refuse_in_a_run
+from masonry_cd.mechanics.model.joint_laws.restitution import WARNING as RESTITUTION
 from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.link_table import links_of
 from masonry_cd.mechanics.model.masonry_kinds import in_words
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.model.strength import strength_by_group
@@ -86,7 +88,7 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """What ``[structure]`` and ``[material]`` alone decide, so that runs whose loads differ share it."""
+    """What ``[structure]``, ``[material]`` and ``[[links]]`` alone decide, so that runs whose loads differ share it."""
 
     blocks: list[Block]
     notes: tuple[str, ...]  # on what was changed in making them
@@ -144,7 +146,8 @@ def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: S
         InputError: with file and line of the scene where a key is at fault.
     """
     with scene.locating():
-        return Structure(blocks, notes, bars, Assembly.from_blocks(blocks, scene.material))
+        assembly = Assembly.from_blocks(blocks, scene.material)
+        return Structure(blocks, notes, bars, replace(assembly, links=links_of(scene.links, assembly)))
 
 
 def make_structures(scene: Scene) -> Made:
@@ -207,6 +210,8 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
             limit_table(scene.limit)
         strength_by_group(scene.material.strength, structure.assembly.groups)
         refuse_in_a_run(scene.material.joint_laws, scene.material.joint_moduli)
+        if scene.stress:
+            scene.refuse_tables("the stress of blocks, which is that by their contacts,", "links")
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 
@@ -238,7 +243,9 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     falling = [*structure.falling, *structure.leaning] if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
     unusual = doubts(scene, assembly, joints, loading.summary["tables"])
-    doubtful, aside = (*structure.odd_size, *unusual, *loading.warnings, *falling), (*stands_in, *_beyond_machine(scene.run.threads))
+    thrown = [RESTITUTION] if assembly.restitution.any() else []
+    doubtful = (*structure.odd_size, *unusual, *loading.warnings, *falling, *thrown)
+    aside = (*stands_in, *_beyond_machine(scene.run.threads))
     masonry = () if scene.material.masonry is None else (in_words(scene.material.masonry),)
     notes = (*structure.notes, *masonry, *damping, *lasting)
     if built > REPORTED * assembly.width:

@@ -6,6 +6,7 @@
     [structure]  kind = "arch" ...    # checked by structures; or several of them, [[structures]], side by side
     [material]   density, friction
     [[loads]]    kind = "sinusoidal"  # checked by loads
+    [[links]]    kind, blocks ...     # optional: hinges, sliders and rigid links
     [run]        dt, duration ...
     [report]     crack_map
     [limit]      push = "x"           # optional, of masonry-cd limit
@@ -35,6 +36,7 @@ from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, override, p
 from masonry_cd.foundation.errors import Fault, Faults, InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Table
 from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.link_table import LinkTable
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
 
@@ -61,6 +63,8 @@ class SceneTables(Table):
     """What it is made of."""
     loads: list[dict[str, Any]] = Field(default_factory=list)
     """What shakes it, [[loads]] each; they add up. Gravity acts in full without one."""
+    links: list[dict[str, Any]] = Field(default_factory=list)
+    """Hinges, sliders and rigid links between two blocks, [[links]] each, in the place of whatever joint these have."""
     run: dict[str, Any] | None = None
     """How it is computed. A scene with [limit] needs none for limit analysis, which has no time step."""
     report: dict[str, Any] = Field(default_factory=dict)
@@ -97,7 +101,7 @@ class SceneTables(Table):
             raise ValueError("should be a table of its own")
         return value
 
-    @field_validator("loads", "structures", "events", mode="before")
+    @field_validator("loads", "structures", "events", "links", mode="before")
     @classmethod
     def _is_list_of_tables(cls, value: object, info: ValidationInfo) -> object:
         if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
@@ -165,6 +169,7 @@ class Scene:
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
     output: OutputTable = field(default_factory=OutputTable)
     events: tuple[dict[str, Any], ...] = ()  # checked by app/events.py
+    links: tuple[LinkTable, ...] = ()
     static: bool = False  # there is no [run]: for limit analysis, modal analysis and pictures alone
 
     @property
@@ -203,15 +208,16 @@ class Scene:
         if self.static:
             raise InputError(self.origin.path, "run: missing: a run needs dt and duration; masonry-cd limit takes this scene as it is")
 
-    def refuse_events(self, what: str) -> None:
-        """Refuse a scene with [[events]] where nothing comes or goes.
+    def refuse_tables(self, what: str, *tables: str) -> None:
+        """Refuse a scene with ``links`` or ``events`` where something, such as "limit analysis", knows none.
 
         Raises:
             InputError: there are some.
         """
         with self.locating():
-            if self.events:
-                raise InputError("events", f"{what} is of all blocks as built, where none comes or goes; --set events=[] leaves them out")
+            for name in tables:
+                if getattr(self, name):
+                    raise InputError(name, f"{what} knows none: it is of all blocks as built; --set {name}=[] leaves them out")
 
     def locating(self) -> AbstractContextManager[None]:
         """Give the faults of the body that lie in keys of this scene their file and line."""
@@ -281,6 +287,9 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         ):
             with faults.of():
                 read[name] = parse_table(model, table, name)
+        for i, table in enumerate(top.links):
+            with faults.of():
+                read["links"] = (*read.get("links", ()), parse_table(LinkTable, table, f"links[{i}]"))
         faults.refuse()
     return Scene(
         title=top.title or path.stem,

@@ -20,6 +20,7 @@ from masonry_cd.foundation.errors import InputError, table_in_si
 from masonry_cd.foundation.plugins import find
 from masonry_cd.foundation.units import Key, declared_at, usual_keys
 from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.link_table import LinkTable
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
 
@@ -74,7 +75,9 @@ def _models(name: str, table: Mapping[str, Any], folder: Path | None = None) -> 
         from masonry_cd.app.limit_table import LimitTable
 
         return (LimitTable,)
-    one: dict[str, type[BaseModel]] = {"material": Material, "run": Run, "report": Report, "assess": AssessTable, "output": OutputTable}
+    one: dict[str, type[BaseModel]] = {
+        "material": Material, "run": Run, "report": Report, "assess": AssessTable, "output": OutputTable, "links": LinkTable,
+    }  # fmt: skip
     return (one[name],) if name in one else ()
 
 

@@ -106,4 +106,50 @@ def reactions_of(stepper: Stepper, contacts: Contacts) -> np.ndarray:
     acting: Acting | None = made.predicted.acting
     if acting is not None:
         taken += acting.wrench(len(fixed))
+    if stepper.assembly.links_there:
+        np.add.at(taken, np.array([link.blocks for link in stepper.assembly.links_there]), _link_wrenches(stepper, made))
     return np.where(fixed[:, None], -taken, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class LinkForce:
+    """What a link did over the last step, world frame.
+
+    Attributes:
+        kind: hinge, slider or rigid.
+        blocks: names of its first and its second block.
+        point: (3,) where it was in the middle of the step [m].
+        force: (3,) mean over the step, on the first block [N]; its opposite acts on the second.
+        moment: (3,) on the first block about the point [N m].
+    """
+
+    kind: str
+    blocks: tuple[str, str]
+    point: np.ndarray
+    force: np.ndarray
+    moment: np.ndarray
+
+
+def links_of(stepper: Stepper) -> list[LinkForce]:
+    """What the links did over the last step, in the order of the scene; none before the first step.
+
+    Where more is held than the motions need, as by two hinges on one axis, forces are not unique: they are those of the least links.
+    """
+    made, names, out = stepper.last, stepper.assembly.names, list[LinkForce]()
+    if made is None or not stepper.assembly.links_there:
+        return out
+    state, rotation = made.predicted.state, made.predicted.rotation
+    for link, wrench in zip(stepper.assembly.links_there, _link_wrenches(stepper, made)[:, 0], strict=True):
+        first, second = link.blocks
+        arm = rotation[first] @ (link.point - stepper.assembly.centre[first])
+        moment = wrench[3:] - np.cross(arm, wrench[:3])
+        out.append(LinkForce(link.kind, (names[first], names[second]), state.position[first] + arm, wrench[:3], moment))
+    return out
+
+
+def _link_wrenches(stepper: Stepper, made: StepProblem) -> np.ndarray:
+    """Force [N] and moment about its centre [N m] of each link on both of its blocks, (L, 2, 6), over the last step."""
+    linked, step = made.predicted.linked, stepper.motion.span * stepper.settings.dt
+    assert linked is not None
+    given = made.link_impulse(stepper.solution.impulse, stepper.motion.v)
+    return np.asarray(linked.wrenches(linked.multipliers(given)) / step)

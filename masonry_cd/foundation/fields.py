@@ -55,6 +55,14 @@ def _three_numbers(value: object) -> object:
 Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)]
 
 
+def two_blocks(value: object) -> tuple[str, str]:
+    """The names of two blocks, for the validator of a key."""
+    names = list(value) if isinstance(value, (list, tuple)) else []
+    if len(names) != 2 or not all(isinstance(name, str) for name in names) or names[0] == names[1]:
+        raise ValueError("must be the names of two blocks")
+    return names[0], names[1]
+
+
 def _numbers(value: object) -> tuple[float, ...] | None:
     """One number or a list of numbers."""
     if value is None:

@@ -127,7 +127,12 @@ def checked_state(wanted: Any, stepper: Stepper) -> State:
         off = velocity[:, [plane.axis, *(3 + d for d in others)]].any(axis=1) | orientation[:, [1 + d for d in others]].any(axis=1)
         off |= position[:, plane.axis] != now.position[:, plane.axis]
         _refuse("state", off, assembly.names, "leaves the plane in which this scene moves; run.planar = false has it move in space")
-    return State(now.time, position, orientation, velocity, now.strain.copy())
+    state, linkage = State(now.time, position, orientation, velocity, now.strain.copy()), stepper.system.linkage
+    if linkage is not None:
+        torn = linkage.largest_violation(state)
+        if torn > max(OVERLAP * stepper.width, linkage.largest_violation(now)):
+            raise InputError("state", f"a link would be torn by {torn:.3g} m or rad: blocks that hang together are moved together")
+    return state
 
 
 def require_apart(stepper: Stepper, before: Motion) -> None:

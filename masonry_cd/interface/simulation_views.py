@@ -10,7 +10,7 @@ import numpy as np
 from masonry_cd.app.advance import Advance
 from masonry_cd.app.case import Case
 from masonry_cd.app.pair_joints import PairJoints
-from masonry_cd.app.step_contacts import Contacts, contacts_of, reactions_of
+from masonry_cd.app.step_contacts import Contacts, LinkForce, contacts_of, links_of, reactions_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.frames import Frames
 from masonry_cd.interface.scenes import Scene
@@ -80,6 +80,10 @@ class SimulationViews(Sealed):
         every = reactions_of(self._stepper, self.contacts)
         return {name: every[b] for b, name in enumerate(self._case.assembly.names) if self._case.assembly.fixed[b]}
 
+    def links(self) -> list[LinkForce]:
+        """Force [N] and moment [N m] of each link on its first block over the last step, in the order of the scene."""
+        return links_of(self._stepper)
+
     @property
     def energy(self) -> dict[str, float]:
         """What was put in since the start, where it went, and the balance [J]."""
@@ -105,7 +109,7 @@ class SimulationViews(Sealed):
             InputError: the scene has ended.
         """
         self._refuse_at_end("problem")
-        return self._stepper.friction_problem().problem
+        return self._stepper.friction_problem().solved
 
     def _refuse_at_end(self, what: str) -> None:
         if self.done:

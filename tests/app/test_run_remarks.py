@@ -29,7 +29,7 @@ from masonry_cd.app.scene import parse_scene, read_scene
 from masonry_cd.app.summary import elasticity_left_out, masses
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary, read_summary
-from masonry_cd.mechanics.dynamics import moreau_jean
+from masonry_cd.mechanics.dynamics import solving
 from masonry_cd.mechanics.model.blocks import Assembly, Carried
 from reports.drawing.palette import CRUSHED
 from reports.drawing.parts import painted
@@ -179,7 +179,7 @@ def test_a_run_says_what_its_errors_come_to_in_metres(tmp_path: Path) -> None:
 
 
 def test_a_run_whose_violations_are_its_motion_warns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(moreau_jean, "find_overload", lambda *_: None)  # so that the norm hides the light block
+    monkeypatch.setattr(solving, "find_overload", lambda *_: None)  # so that the norm hides the light block
     summary = run_pushed(tmp_path)
     solver = summary.solver
     assert solver.steps_missed == 0 and solver.error_max <= 1e-4

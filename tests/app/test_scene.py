@@ -278,7 +278,7 @@ def test_every_number_of_the_examples_may_state_its_unit(path: Path) -> None:
 
 PURE = {
     *("accept", "tolerance", "theta", "strain_theta"),  # of errors and of the scheme
-    *("friction", "rolling_friction", "poisson", "damping", "drift", "lost", "core_shares", "shares"),
+    *("friction", "rolling_friction", "restitution", "poisson", "damping", "drift", "lost", "core_shares", "shares"),
     *("axis", "direction", "push", "tilt"),  # vectors of any length
     *("cycles", "scale", "calibration", "initial", "peak"),  # initial is an angle in a tilt and a share in a push
     *("junction", "bond", "stages", "passive", "passive_shaken"),  # shares of courses, of a force, of the passive pressure

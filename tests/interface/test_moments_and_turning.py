@@ -146,3 +146,16 @@ def _half_angle(y: float, z: float) -> list[float]:
 def test_what_is_no_force_and_no_motion_is_refused(keys: dict[str, Any], words: str) -> None:
     with pytest.raises(mc.InputError, match=words):
         mc.Simulation(floating(), **keys).step()
+
+
+def test_a_block_that_is_linked_to_a_support_that_turns_goes_round_with_it() -> None:
+    tables = floating() | {"links": [{"kind": "rigid", "blocks": ["b1", "b0"], "point": [0.0, 0.0, -0.4]}]}
+    turns = ([0.0, 0.2, 0.3], [(0, 0, 0, 0, 0, 0), (0, 0, 0, 0, 0.5, 0), (0, 0, 0, 0, 0.5, 0)])
+    sim = mc.Simulation(tables, motions={"b0": turns})
+    sim.run()
+    arm = sim.state.position[1] - sim.state.position[0]
+    assert sim.state.velocity[1] == pytest.approx([*np.cross([0.0, 0.5, 0.0], arm), 0.0, 0.5, 0.0], abs=2e-3)
+    kinetic = 0.5 * MASS * float(np.sum(sim.state.velocity[1, :3] ** 2)) + 0.5 * INERTIA[1] * 0.5**2
+    assert sim.energy["kinetic"] == pytest.approx(kinetic, rel=1e-3)
+    assert sim.energy["base_work"] == pytest.approx(kinetic, rel=1e-3)
+    assert sim.energy["balance"] == pytest.approx(0.0, abs=1e-8)

@@ -117,7 +117,7 @@ def _assembly(part: Part, body: np.ndarray, kept: np.ndarray) -> Assembly:
         blocks=blocks, names=names, groups=names, group_of=np.arange(len(blocks)), fixed=fixed, support_of=np.where(fixed, 0, -1),
         mass=mass, inertia=np.array([mass[k] * np.eye(3) for k in range(len(blocks))]), centre=centre,
         volume=np.array([old.volume[own].sum() for own in members]), friction=friction, rolling=np.zeros_like(friction),
-        laws=joint_table({}, names, friction), shapes=Shapes.of(blocks, centre),
+        restitution=np.zeros_like(friction), laws=joint_table({}, names, friction), shapes=Shapes.of(blocks, centre),
     )  # fmt: skip
 
 

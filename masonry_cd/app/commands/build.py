@@ -64,7 +64,7 @@ def build(
     for name in formats:
         if name != JSON:
             meshfile.require_writer(folder / f"blocks.{name}")
-    from masonry_cd.app.case import make_structures
+    from masonry_cd.app.case import assembled, make_structures
 
     try:
         made = make_structures(scene)
@@ -73,7 +73,8 @@ def build(
             _draw_problem(error, folder, say)
         _write_refused_plan(scene, folder, picture, error, say)
         raise
-    found = summary.report(made.blocks)
+    links = assembled(scene, made.blocks, (), made.ties).assembly.links if scene.links else ()
+    found = summary.report(made.blocks, links)
     warnings = [*summary.warnings(found), *_doubts(scene, made)]
     own_files.begin(folder, marks)
     written, nameless = _write_blocks(made, folder, formats)

@@ -71,6 +71,7 @@ class Detector:
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._absent_part = None if assembly.absent is None else assembly.absent[shapes.part_block]
         self._affine = assembly.affine
+        self._linked = np.array([link.blocks for link in assembly.links], dtype=np.int64).reshape(-1, 2)
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
         self._corners = _most_corners(shapes)
         self._rolling = assembly.rolling if not corners_only else np.zeros_like(assembly.rolling)
@@ -237,10 +238,18 @@ class Detector:
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
         self._listing = Listing(motion.position - origin, motion.rotation.copy(), self._listing.allowance)
-        pairs = list_pairs(self._listing, self._shapes, motion, self._fixed_part, self._skin)
+        pairs = self._unlinked(list_pairs(self._listing, self._shapes, motion, self._fixed_part, self._skin))
         pairs = pairs if self._absent_part is None else pairs[~self._absent_part[pairs].any(axis=1)]
         self._remember(self._memory.carried_over(pairs, self._capacity(pairs)))
         self.rebuilds += 1
+
+    def _unlinked(self, pairs: np.ndarray) -> np.ndarray:
+        """Pairs of parts (P, 2) without those whose blocks a link holds together: it stands in the place of their joint."""
+        if not len(self._linked):
+            return pairs
+        blocks, count = self._shapes.part_block[pairs], len(self._listing.position)
+        keys = np.sort(self._linked, axis=1) @ [count, 1]
+        return pairs[~np.isin(np.sort(blocks, axis=1) @ [count, 1], keys)]
 
     def _remember(self, memory: PairMemory) -> None:
         """Have a memory of new pairs, the kind of each, and the arm of its rolling friction [m]."""

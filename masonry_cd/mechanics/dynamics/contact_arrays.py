@@ -51,6 +51,12 @@ class ContactRows(NamedTuple):
             np.zeros((count if turning else 0, 2, 3)),
         )  # fmt: skip
 
+    def of(self, contacts: np.ndarray) -> ContactRows:
+        """Some contacts, by a mask (C,)."""
+        chosen = {name: each[contacts] for name, each in self._asdict().items() if name not in ("geometry", "support_arm")}
+        arms = self.support_arm[contacts] if len(self.support_arm) else self.support_arm
+        return ContactRows(geometry=self.geometry.of(contacts), support_arm=arms, **chosen)
+
 
 @borrower()
 def support_velocity(rows, c, velocity):

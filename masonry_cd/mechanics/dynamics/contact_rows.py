@@ -21,9 +21,10 @@ from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays, StepConstant
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows
 from masonry_cd.mechanics.dynamics.free_motion import Prediction
 from masonry_cd.mechanics.dynamics.joint_history import with_springs
+from masonry_cd.mechanics.dynamics.restitution import thrown_back
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.strain import fill_strain_rows
-from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Motion, System
 from masonry_cd.mechanics.dynamics.warps import fill_warp_rows, warped_gaps
 from masonry_cd.mechanics.friction.contact_geometry import BY_ROWS, IN_SPACE, form_of
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
@@ -46,9 +47,16 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
         fill_strain_rows(system.strains.arrays, found.point, at, predicted.rotation, predicted.maps, axis, rows)
     if warps is not None and touch is not None:
         fill_warp_rows(warps.arrays, touch, predicted.rotation, rows)
+    links = None
+    if predicted.linked is not None:
+        left, links = predicted.linked.contacts(rows)
+        rows = rows.of(left)
     none = rows.offset[:0]  # (0, m)
     rigid = FrictionProblem(predicted.inverse_mass, predicted.v_free, rows.bodies, rows.geometry, rows.offset, rows.mu, compliance=none)
-    made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0))
+    approach = NO_APPROACH
+    if system.bounces:
+        rigid, approach = thrown_back(system, last, predicted, found, rows, rigid)
+    made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0), approach=approach, links=links)
     return made if system.laws is None else with_springs(system, system.laws, last, made, pairs)
 
 

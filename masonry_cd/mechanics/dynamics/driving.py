@@ -61,12 +61,16 @@ def drive(system: System, guides: tuple[Guide, ...], free: Prediction) -> tuple[
             stiff = STIFF / np.sum(gain * row, axis=1)
             _add(inverse, v, body, row, speed if pushes else 0.0, stiff)
             made.append(Rows(number, pushes, body, row, speed if pushes else 0.0, stiff))
-    momentum = free.angular_momentum.copy()
-    blocks = np.unique(np.concatenate([guide.blocks for guide in guides]))
-    turned = np.zeros((len(blocks), 3))
-    turned[:, columns[system.turning] - 3] = (v - free.v_free)[index[blocks]][:, system.turning]
-    momentum[blocks] += _turning_momentum(free.rotation[blocks], system.blocks.inertia[blocks], turned)
+    momentum = turned_on(system, free, v, np.unique(np.concatenate([guide.blocks for guide in guides])))
     return free._replace(inverse_mass=inverse, v_free=v, angular_momentum=momentum), tuple(made)
+
+
+def turned_on(system: System, free: Prediction, v: np.ndarray, blocks: np.ndarray) -> np.ndarray:
+    """The angular momenta (B, 3) of a prediction whose free blocks, some of them (k,), get other velocities v (F, n) [kg m2/s]."""
+    momentum, turned = free.angular_momentum.copy(), np.zeros((len(blocks), 3))
+    turned[:, system.blocks.columns[system.turning] - 3] = (v - free.v_free)[system.blocks.free_index[blocks]][:, system.turning]
+    momentum[blocks] += _turning_momentum(free.rotation[blocks], system.blocks.inertia[blocks], turned)
+    return momentum
 
 
 def _turning_momentum(rotation: np.ndarray, inertia: np.ndarray, turning: np.ndarray) -> np.ndarray:

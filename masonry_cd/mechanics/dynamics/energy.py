@@ -50,6 +50,10 @@ def account(system: System, last: Motion, made: StepProblem, impulse: np.ndarray
     friction, impact, base, gravity, correction = works(made.rows, elastic, impulse, before, after, weights)
     if predicted.carried_impulse is not None:
         impact -= 0.5 * float(np.sum(predicted.carried_impulse * (last.v + new.v)))
+    if predicted.linked is not None:
+        mean, support = 0.5 * (last.v + new.v), 0.5 * (loads.support_before + loads.support_after)
+        by_links, lost = predicted.linked.work(system, made.link_impulse(impulse, new.v), mean, support)
+        base, impact = base + by_links, impact + lost
     stored = totals["elastic"] - new.strains.before if last.steps else new.springs.before
     if last.energy.changed and last.steps:
         totals["change_work"] += new.springs.before - stored

@@ -16,7 +16,7 @@ the implicit midpoint rule, which is reversible, so that a tumbling block does n
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from masonry_cd.mechanics.dynamics.strain import Strains
 from masonry_cd.mechanics.dynamics.system import Motion, StepLoads, System
 from masonry_cd.mechanics.model.block_forces import Acting
 from masonry_cd.mechanics.model.state import State, fill_rotations
+
+if TYPE_CHECKING:
+    from masonry_cd.mechanics.dynamics.linked_bodies import Linked
 
 
 class Moved(NamedTuple):
@@ -56,6 +59,7 @@ class Prediction(NamedTuple):
     force_impulse: np.ndarray | None = None  # (F, n) generalised impulse of the forces on single blocks
     carried_impulse: np.ndarray | None = None  # (F, n) of the last step, as far as it is taken
     driven: tuple[Any, ...] = ()  # rows of guided blocks, see driving.py
+    linked: Linked | None = None  # what links make of the step
 
 
 def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:

@@ -8,7 +8,7 @@ One step of length h from (q, v) to (q+, v+), theta in [1/2, 1] (Jean, Comput. M
     detect     contacts, their frames and gaps g at q_m                                                          contact/
     assemble   u = H v + b                                              relative velocities of the contacts      contact_rows.py
     solve      M v+ = M v_free + H^T p,   0 <= u_n + max(g, 0)/h  _|_  p_n >= 0,
-               |p_t| <= mu p_n, opposed to the slip                     impacts apart from forces                impacts.py, islands.py
+               |p_t| <= mu p_n, opposed to the slip                     impacts apart from forces                solving.py
     update     q+     = q_m + h theta v+                                overlaps corrected at position level     new_state.py, overlaps.py
     account    work and losses, and what the step leaves of the contact laws                                     energy.py, violations.py
 
@@ -18,7 +18,7 @@ are springs instead, see ``joint_law.py``: there an overlap is the shortening of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import replace
 from typing import NamedTuple
@@ -37,34 +37,30 @@ from masonry_cd.mechanics.dynamics.crushing import solve_crushing
 from masonry_cd.mechanics.dynamics.driving import Driven, guided, measured
 from masonry_cd.mechanics.dynamics.energy import account, at_start
 from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
-from masonry_cd.mechanics.dynamics.error_scale import find_overload, on_scale
 from masonry_cd.mechanics.dynamics.free_motion import Prediction, angular_momenta, predict
-from masonry_cd.mechanics.dynamics.impacts import error_of, open_among, open_contacts, solve_apart
-from masonry_cd.mechanics.dynamics.islands import FORCES, Islands
+from masonry_cd.mechanics.dynamics.islands import Islands
 from masonry_cd.mechanics.dynamics.jams import Closing
-from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, largest_by_joint, pretensioned
+from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, largest_by_joint
 from masonry_cd.mechanics.dynamics.new_state import RunStopped, update
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, largest_shortening, still_closing
 from masonry_cd.mechanics.dynamics.own_friction import FrictionLaw, with_friction
 from masonry_cd.mechanics.dynamics.planar import Plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.snapshot import check_motion, motion_arrays, part, prefixed, restored_motion
+from masonry_cd.mechanics.dynamics.solving import Watch, solve
 from masonry_cd.mechanics.dynamics.start import motion_at_start
 from masonry_cd.mechanics.dynamics.step_problem import Solved, StepProblem
-from masonry_cd.mechanics.dynamics.system import Loads, Motion, System, plane_of
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Loads, Motion, StepLoads, System, plane_of
 from masonry_cd.mechanics.dynamics.violations import Violation, find_violations
-from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
+from masonry_cd.mechanics.friction.problem import Solution
 from masonry_cd.mechanics.model.block_forces import BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joint_laws import histories
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.state import State, body_maps, rotation_matrices
-from masonry_cd.mechanics.solvers import Options
 from masonry_cd.mechanics.solvers.by_name import step_solver
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
-
-Watch = Callable[[int, str, FrictionProblem], None]  # the step, and a problem solved in it by name: "" where it is the only one
 
 
 class StepReport(NamedTuple):
@@ -116,56 +112,6 @@ def detect(system: System, detector: Detector, predicted: Prediction, number: in
         raise RunStopped(f"step {number}: {fault.text.format(a, b)}") from None
 
 
-def solve(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None = None) -> Solved:
-    """Find the impulses of step ``number``, counted from 1. Bonded contacts are solved in impulses whose cones begin at zero."""
-    if made.springs is None or not made.springs.bond.any():
-        return _solve_cones(system, made, islands, number, watch)
-    bond = made.springs.bond
-    start = replace(made.start, impulse=_shifted(made.start.impulse, bond))
-    solved = _solve_cones(system, made._replace(problem=pretensioned(made.problem, bond), start=start), islands, number, watch)
-    blow = None if solved.blow is None else _shifted(solved.blow, -bond)
-    return solved._replace(solution=replace(solved.solution, impulse=_shifted(solved.solution.impulse, -bond)), blow=blow)
-
-
-def _shifted(impulse: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Impulses (C, m) with other ones (C,) added on the normals."""
-    out = impulse.copy()
-    out[:, 0] += normal
-    return out
-
-
-def _solve_cones(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None) -> Solved:
-    """Find the impulses of contacts whose cones begin at zero, impacts apart from forces."""
-    s, problem, start = system.settings, made.problem, made.start
-    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, system.threads_for(problem.contacts), s.accepted)
-    impact = _impact(system, made)
-    overload = None if start.velocity is None else find_overload(system, start.velocity, made.predicted)
-    islands.link(problem, start.impulse, s.tolerance)
-    solve_part = on_scale(overload, options, islands.solve)
-    if impact is None:
-        solution = solve_part(problem, start, FORCES)
-        if watch is not None:
-            watch(number, "", problem)
-        return Solved(solution, error_of(problem, solution))
-    is_open, struck = impact
-    both = solve_apart(problem, is_open, ~struck, made.rows.gap, system.constants.step, start, solve_part)
-    if watch is not None:
-        watch(number, "forces", both.forces)
-        watch(number, "impacts", both.impacts)
-    return Solved(both.solution, both.error, both.carried_impulse, both.blow)
-
-
-def _impact(system: System, made: StepProblem) -> tuple[np.ndarray, np.ndarray] | None:
-    """The open and the struck contacts, see :func:`masonry_cd.mechanics.dynamics.impacts.open_contacts`; None: no impact.
-
-    Elastic and bonded contacts are never hit: their law spans the whole step.
-    """
-    rows, h, pull = made.rows, system.constants.step, made.predicted.pull
-    if made.springs is not None and made.springs.whole.any():
-        return open_among(np.flatnonzero(~made.springs.whole), made.problem, rows.gap, rows.pair, h, pull)
-    return open_contacts(made.problem, rows.gap, rows.pair, h, pull)
-
-
 # --- step after step -----------------------------------------------------------------------------------------------------------
 
 
@@ -201,7 +147,7 @@ class Stepper:
         self.motion = motion_at_start(self.system, state)
         masonry = self.system.masonry
         self.detector = Detector(assembly, facets=self.system.facets, stiffness=None if masonry is None else masonry.of_contacts)
-        self.islands = Islands(step_solver(settings.solver), len(self.system.reach), settings.islands)
+        self.islands = Islands(step_solver(settings.solver), self.system.bodies, settings.islands)
         self.load_step = 0  # k of the loads; it may run ahead of the steps, see pauses.py
         self.watch: Watch | None = None  # sees each problem that is solved
         self.friction: FrictionLaw | None = None  # gives the coefficients of each step; None: those of the scene
@@ -217,7 +163,7 @@ class Stepper:
         begin = clock()
         self._set_length(ticks)
         system, last = self.system, self.motion
-        predicted = guided(system, predict(system, last, system.loads.of_step(self.load_step, ticks)))
+        predicted = self._predicted(last, system.loads.of_step(self.load_step, ticks))
         found = detect(system, self.detector, predicted, last.steps + 1)
         made = self._assembled(predicted, found, self.detector.pairs)
         made, solved = solve_crushing(system, made, lambda made: solve(system, made, self.islands, last.steps + 1, self.watch))
@@ -229,7 +175,7 @@ class Stepper:
         violation, false_slip = find_violations(system, made, impulse if solved.blow is None else solved.blow, new.v, last.false_slip)
         self.motion = Motion(
             new.state, new.angular_momentum, new.v, new.impulse, solved.carried_impulse, false_slip, new.joints, predicted.tensions,
-            predicted.yielded, energy, last.steps + 1, last.ticks + ticks, last.span,
+            predicted.yielded, energy, last.steps + 1, last.ticks + ticks, last.span, made.approach,
         )  # fmt: skip
         self.last, self.solution = made, solved.solution
         self.load_step += ticks
@@ -253,9 +199,18 @@ class Stepper:
 
     def friction_problem(self) -> StepProblem:
         """The friction problem of the next step, were it as long as the last. Asking for it changes nothing."""
-        predicted = guided(self.system, predict(self.system, self.motion, self.system.loads.of_step(self.load_step)))
+        predicted = self._predicted(self.motion, self.system.loads.of_step(self.load_step))
         detector = deepcopy(self.detector)
         return self._assembled(predicted, detect(self.system, detector, predicted, self.steps + 1), detector.pairs)
+
+    def _predicted(self, last: Motion, loads: StepLoads) -> Prediction:
+        """The blocks at q_m, guided and linked as they are."""
+        free = guided(self.system, predict(self.system, last, loads))
+        if self.system.linkage is None:
+            return free
+        from masonry_cd.mechanics.dynamics.linking import link  # which others have no use for
+
+        return link(self.system, self.system.linkage, last, free)
 
     def _assembled(self, predicted: Prediction, found: ContactSet, pairs: np.ndarray) -> StepProblem:
         """The problem of the contacts found between pairs of parts (P, 2)."""
@@ -323,7 +278,7 @@ class Stepper:
         state = replace(m.state, time=0.0, velocity=np.zeros_like(m.state.velocity))
         self.motion = m._replace(
             state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None,
-            false_slip=np.zeros_like(m.false_slip), steps=0, ticks=0,
+            false_slip=np.zeros_like(m.false_slip), steps=0, ticks=0, approach=NO_APPROACH,
         )  # fmt: skip
         self.load_step = 0
 
@@ -389,7 +344,7 @@ class Stepper:
         contacts = int((stored.part("detector").whole("place", None, low=-1) >= 0).sum())
         check_motion(stored, self.system, self.motion, contacts)
         self.detector.check(stored.part("detector"), contacts)
-        self.islands.check(stored.part("islands"), self.system.unknowns)
+        self.islands.check(stored.part("islands"), self.system.unknowns_of_a_body)
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""

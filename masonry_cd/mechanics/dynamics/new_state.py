@@ -64,7 +64,7 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray)
     Raises:
         RunStopped: a velocity is not finite.
     """
-    predicted, v = made.predicted, made.problem.body_velocity(impulse)
+    predicted, v = made.predicted, made.velocity(impulse)
     loads, middle, momentum = predicted.loads, predicted.state, predicted.angular_momentum.copy()
     time = (last.ticks + loads.ticks) * system.settings.dt
     state = State(time, middle.position.copy(), middle.orientation.copy(), middle.velocity.copy(), middle.strain)

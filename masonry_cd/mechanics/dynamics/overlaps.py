@@ -43,18 +43,25 @@ def left_alone(system: System) -> float:
 
 
 def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state: State) -> np.ndarray:
-    """Take a share of the overlaps away by moving the blocks of a state, in place; return the shifts (B, 3) [m], (0, 3) for none."""
-    allowed = left_alone(system)
-    if deepest.depth < allowed:
-        return NOT_LIFTED
-    gap, problem = made.rigid_gap, made.problem
-    if len(gap) < problem.contacts:
-        problem = problem.subset(made.rigid)
-    k = len(system.blocks.columns)  # no strain is changed
-    shift = np.empty((len(problem.v_free), k))
-    lift(problem.arrays(), gap, allowed, shift)
+    """Take a share of the overlaps away by moving the blocks of a state, in place, and what links are torn by.
+
+    Returns:
+        the shifts (B, 3) [m], (0, 3) for none.
+    """
+    allowed, linked = left_alone(system), made.predicted.linked
     velocity = np.zeros_like(state.velocity)
-    velocity[np.ix_(system.free, system.blocks.columns)] = shift
+    if linked is not None:
+        velocity[linked.linkage.used] = linked.shift
+    elif deepest.depth < allowed:
+        return NOT_LIFTED
+    if deepest.depth >= allowed:
+        gap, problem = made.rigid_gap, made.solved
+        if len(gap) < problem.contacts:
+            problem = problem.subset(made.rigid)
+        k = len(system.blocks.columns) if linked is None else problem.v_free.shape[1]  # no strain is changed
+        shift = np.empty((len(problem.v_free), k))
+        lift(problem.arrays(), gap, allowed, shift)
+        velocity[np.ix_(system.free, system.blocks.columns)] += shift if linked is None else linked.velocity(shift)
     before = state.position.copy()
     drift(state.position, state.orientation, velocity, 1.0)
     return state.position - before

@@ -49,7 +49,9 @@ def find_plane(
         if not _moves_in_plane(assembly, state, axis):
             continue
         at = middle_plane(assembly, axis)
-        if at is not None and not (forces is not None and forces.leaves_plane(axis, at, assembly.centre)):
+        if at is None or any(link.leaves_plane(axis, at) for link in assembly.links):
+            continue
+        if not (forces is not None and forces.leaves_plane(axis, at, assembly.centre)):
             return Plane(axis, at)
     return None
 

@@ -10,7 +10,7 @@ import numpy as np
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
-from masonry_cd.mechanics.dynamics.system import EnergyBalance, Motion, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, EnergyBalance, Motion, System
 from masonry_cd.mechanics.model.state import State
 
 
@@ -37,6 +37,8 @@ def motion_arrays(motion: Motion, load_step: int) -> dict[str, np.ndarray]:
         out["strain"] = m.state.strain
     if m.carried_impulse is not None:
         out["carried_impulse"] = m.carried_impulse
+    if len(m.approach):
+        out["approach"] = m.approach
     return out | prefixed("joints", m.joints._asdict())
 
 
@@ -59,6 +61,8 @@ def check_motion(stored: Stored, system: System, motion: Motion, contacts: int) 
     stored.real("false_slip", max(1, contacts), system.rows - 1)
     if stored.holds("carried_impulse"):
         stored.real("carried_impulse", free, unknowns)
+    if stored.holds("approach"):
+        stored.real("approach", max(1, contacts))
     steps, load_step, ticks, span = stored.whole("steps", 4, high=len(system.loads.acceleration)).tolist()
     if not (steps <= ticks <= load_step and span in system.settings.spans):
         stored.refuse("steps", "out of range")
@@ -92,5 +96,6 @@ def restored_motion(arrays: Mapping[str, np.ndarray], tick: float, tensions: np.
         steps=steps,
         ticks=ticks,
         span=span,
+        approach=arrays.get("approach", NO_APPROACH),
     )
     return motion, load_step

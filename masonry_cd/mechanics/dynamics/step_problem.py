@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,11 @@ from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows
 from masonry_cd.mechanics.dynamics.free_motion import Prediction
 from masonry_cd.mechanics.dynamics.joint_law import Springs
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
+
+if TYPE_CHECKING:
+    from masonry_cd.mechanics.dynamics.linked_bodies import LinkedContacts
 
 
 class StepProblem(NamedTuple):
@@ -24,6 +28,26 @@ class StepProblem(NamedTuple):
     problem: FrictionProblem
     start: Solution  # impulses and velocities of the last step, to start from
     crushes: np.ndarray | None = None  # (C,) bool: contacts whose joint crushes in this step; None: no joint can
+    approach: np.ndarray = NO_APPROACH  # (N,) see Motion
+    links: LinkedContacts | None = None  # the contacts as linked bodies feel them; None: nothing is linked
+
+    @property
+    def solved(self) -> FrictionProblem:
+        """The problem that is solved for the same impulses: where blocks are linked that of what hangs together."""
+        linked = self.predicted.linked
+        return self.problem if linked is None or self.links is None else linked.problem(self.links, self.problem)
+
+    def velocity(self, impulse: np.ndarray) -> np.ndarray:
+        """v (F, n) of the free blocks after impulses (C, m)."""
+        v, linked = self.solved.body_velocity(impulse), self.predicted.linked
+        return v if linked is None else self.predicted.v_free + linked.velocity(v)
+
+    def link_impulse(self, impulse: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """What links gave the free blocks (F, n) beside impulses (C, m), when these left them with velocities v (F, n) [N s, N m s]."""
+        linked = self.predicted.linked
+        assert linked is not None
+        by_contacts = self.problem.body_velocity(impulse) - self.predicted.v_free
+        return linked.impulse(v - linked.unlinked - by_contacts)
 
     @property
     def rigid(self) -> np.ndarray:

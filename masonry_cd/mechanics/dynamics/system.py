@@ -14,6 +14,7 @@ from masonry_cd.mechanics.contact.facets import Facets
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, law_arrays
+from masonry_cd.mechanics.dynamics.linkage import Linkage
 from masonry_cd.mechanics.dynamics.pair_stiffness import PairStiffness, most_stretched
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
@@ -27,6 +28,7 @@ from masonry_cd.mechanics.solvers import threads_that_pay
 
 WITH_ROTATION = 6  # columns of the velocities of supports of which one turns
 TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed, or those of the joints as built
+NO_APPROACH = np.zeros(0)
 SLACK = 1.5  # times the latter: a joint that slips or turns a little stays closed
 
 
@@ -92,6 +94,8 @@ class System:
     stretch: float  # by which an intact joint can open at the most [m]
     support: int  # the first support; -1: none
     rows: int  # of a contact, m: 3 in space (normal, two tangents), 2 in a plane
+    linkage: Linkage | None  # the links; None: there are none
+    bounces: bool  # whether contacts have a restitution
     absent: np.ndarray | None = None  # (B,) bool: blocks that are not there; None: all are
 
     @classmethod
@@ -129,6 +133,8 @@ class System:
             stretch=most_stretched(assembly.laws, masonry),
             support=int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1,
             rows=3 if plane is None else 2,
+            linkage=Linkage.of(assembly),
+            bounces=bool(assembly.restitution.any()),
             absent=assembly.absent,
         )
 
@@ -141,6 +147,16 @@ class System:
     def unknowns(self) -> int:
         """Of a free block, n: those of its motion as a rigid one, then its strain rates."""
         return len(self.blocks.columns) + (0 if self.strains is None else len(self.strains.columns))
+
+    @property
+    def bodies(self) -> int:
+        """Of the friction problem: the free blocks, those that links hang together as one."""
+        return len(self.reach) if self.linkage is None else self.linkage.bodies
+
+    @property
+    def unknowns_of_a_body(self) -> int:
+        """Most unknowns of such a body."""
+        return self.unknowns if self.linkage is None else max(self.unknowns * self.linkage.largest, 16)
 
     @property
     def facets(self) -> Facets | None:
@@ -224,3 +240,4 @@ class Motion(NamedTuple):
     steps: int  # done so far
     ticks: int  # of the loads' sampling, that they took together
     span: int  # ticks of the last one
+    approach: np.ndarray = NO_APPROACH  # (N,) at which contacts of the last step will be hit, see restitution.py [m/s]; (0,): none

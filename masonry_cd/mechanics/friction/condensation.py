@@ -68,14 +68,14 @@ def condense(problem: FrictionProblem, velocity: np.ndarray | None = None) -> Co
     count = room_for(int(rows.width.max(initial=0)))
     width = np.maximum(-(-rows.width // STEP) * STEP, STEP)
     condensed = replace(
-        problem, inverse_mass=_identities(bodies, count), v_free=np.zeros((bodies, count)),
+        problem, inverse_mass=identities(bodies, count), v_free=np.zeros((bodies, count)),
         geometry=Geometry.by_rows(rows.jacobian[..., :count]), offset=rows.offset, width=width,
     )  # fmt: skip
     return Condensed(condensed, rows.velocity[:, :count], rows.kept)
 
 
 @lru_cache(maxsize=4)
-def _identities(bodies: int, n: int) -> np.ndarray:
+def identities(bodies: int, n: int) -> np.ndarray:
     """Unit masses (B, n, n), the same for each step. Nothing writes to them; were they marked so, every solver would be compiled again."""
     out = np.zeros((bodies, n, n))
     out[:, np.arange(n), np.arange(n)] = 1.0

@@ -22,8 +22,10 @@ from masonry_cd.mechanics.model.deformation import Deformation, deformation_of
 from masonry_cd.mechanics.model.geometry import Faces, MassProperties, Polyhedra, Polyhedron, mass_properties
 from masonry_cd.mechanics.model.joint_laws import JointLaw, joint_table, refuse_unfelt
 from masonry_cd.mechanics.model.joint_laws.friction import friction_table
+from masonry_cd.mechanics.model.joint_laws.restitution import restitution_table
 from masonry_cd.mechanics.model.joint_laws.rolling import rolling_table
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
+from masonry_cd.mechanics.model.links import Link
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.sphere import ball_centre, facetted_ball, sphere_properties
 
@@ -172,15 +174,23 @@ class Assembly:
     volume: np.ndarray  # (B,) [m3]
     friction: np.ndarray  # (G, G) coefficient of friction between groups
     rolling: np.ndarray  # (G, G) rolling friction of spheres between groups: arm over radius
+    restitution: np.ndarray  # (G, G) Newton's coefficient between groups
     laws: JointLaws  # of the joints between groups
     shapes: Shapes = field(repr=False)
     deformation: Deformation | None = None  # of the blocks that deform; None: all are rigid
     absent: np.ndarray | None = None  # (B,) bool: free blocks that are not there, and meet nothing; None: all are there
+    links: tuple[Link, ...] = ()  # that hold blocks together
 
     @property
     def count(self) -> int:
         """Number of blocks B, supports included."""
         return len(self.names)
+
+    @property
+    def links_there(self) -> tuple[Link, ...]:
+        """Those of which no block is absent."""
+        absent = self.absent
+        return self.links if absent is None else tuple(link for link in self.links if not absent[list(link.blocks)].any())
 
     @property
     def affine(self) -> tuple[int, ...]:
@@ -220,7 +230,7 @@ class Assembly:
 
         Raises:
             InputError: a name given twice, no free block, a pair that names an unknown group, a law that friction does not allow, spheres
-                that would deform or have springs or bonds, or rolling friction without spheres.
+                that would deform or have springs or bonds, rolling friction without spheres, or restitution of what is elastic.
         """
         if not isinstance(material, Material):
             material = Material(friction=material)
@@ -242,6 +252,8 @@ class Assembly:
         _check_dry_spheres(blocks, groups, material.joint_laws)
         group_of = np.array([groups.index(block.group) for block in blocks])
         inertia = np.array([p.unit_inertia for p in properties]) * density[:, None, None]
+        laws = joint_table(material.joint_laws, groups, coefficients, material.joint_moduli)
+        deformation = deformation_of(fixed, group_of, groups, inertia, volume, material)
         return cls(
             blocks=tuple(blocks),
             names=names,
@@ -255,9 +267,10 @@ class Assembly:
             volume=volume,
             friction=coefficients,
             rolling=_rolling(blocks, material.rolling_friction, groups),
-            laws=joint_table(material.joint_laws, groups, coefficients, material.joint_moduli),
+            restitution=restitution_table(material.restitution, groups, laws.by_area, deformation is not None),
+            laws=laws,
             shapes=Shapes.of(blocks, centre),
-            deformation=deformation_of(fixed, group_of, groups, inertia, volume, material),
+            deformation=deformation,
         )
 
     def placed(self, position: np.ndarray, rotation: np.ndarray) -> Assembly:

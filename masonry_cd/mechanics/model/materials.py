@@ -14,6 +14,7 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.joint_laws.friction import Friction
+from masonry_cd.mechanics.model.joint_laws.restitution import Restitution
 from masonry_cd.mechanics.model.joint_laws.rolling import RollingFriction
 from masonry_cd.mechanics.model.masonry_kinds import RIGID, Masonry, MasonryKey
 from masonry_cd.mechanics.model.strength import KEY, Strength
@@ -37,6 +38,9 @@ class Material(ElasticBlocks):
     rolling_friction: RollingFriction = 0.0
     """Of spheres: the arm of the moment that resists rolling, over the radius R, or over R_a R_b / (R_a + R_b) of two spheres; one value,
     or values by pair of groups, as friction. Pairs without a value roll freely."""
+    restitution: Restitution = 0.0
+    """Newton's coefficient of restitution of impacts: one value, or values by pair of groups, as friction. Rigid dry joints give back this
+    share of the speed at which they are hit, and nothing without it."""
     compressive_strength: Strength = None
     """Of the blocks, with which reports compare their stress: one value, or values by group, ``compressive_strength.arch = 5e6``,
     which may be patterns, and ``default``. Nothing crushes by it: ``joints.compressive_strength`` is where joints do."""

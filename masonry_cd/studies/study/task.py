@@ -126,7 +126,7 @@ def _structure(task: Task, scene: Any) -> Any:
     """The structure of a task's scene, one that is there already where the tables are the same."""
     from masonry_cd.app.case import structure_of
 
-    made_of = json.dumps([task.tables.get(name) for name in ("structure", "structures", "material")], sort_keys=True, default=str)
+    made_of = json.dumps([task.tables.get(name) for name in ("structure", "structures", "material", "links")], sort_keys=True, default=str)
     if made_of not in _structures:
         if len(_structures) >= STRUCTURES:
             _structures.pop(next(iter(_structures)))

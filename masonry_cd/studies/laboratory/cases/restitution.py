@@ -106,6 +106,7 @@ CASE = Case(
     "sizes of the blocks, which Housner's value does not depend on; the bases' stiffness; the swings over time, which the public summary "
     "does not have",
     "The rigid joint loses at an impact what Housner's formula says, within 1e-4, and the tests on concrete a few per cent more. An "
-    "elastic joint without damping loses less, as it throws the block back. Rubber takes more than either.",
+    "elastic joint without damping loses less, as it throws the block back. Rubber takes more than either. With material.restitution = e "
+    "the rigid block keeps r - e (1 - r) of its speed: 0.17 and 0.82 give the two values on concrete, and no e up to 1 that on rubber.",
     compute,
 )
