@@ -101,6 +101,24 @@ def test_type_checkers_take_the_short_scripts(tmp_path: Path) -> None:
     assert found.returncode == 0, found.stdout
 
 
+@pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
+def test_our_lines_beside_other_programs_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (ROOT / "docs" / "other_programs.md").read_text(encoding="utf-8")
+    shutil.copytree(EXAMPLES, tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    (first,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    names: dict[str, Any] = {}
+    exec(compile(first, "other_programs.md", "exec"), names)
+    rows = [line.split(" | ")[1] for line in page.splitlines() if line.startswith("| ") and not line.startswith("| job")]
+    lines = [code for row in rows for code in re.findall(r"`([^`]+)`", row) if "=" in code.split("(")[0] or code.startswith("sim.")]
+    assert len(rows) == 10 and len(lines) == 11
+    for line in lines:
+        exec(compile(line, "other_programs.md", "exec"), names)
+    for name in ("pushed", "ruled", "solved"):
+        names[name].step()
+    assert names["sim"].steps == 20 and names["frames"].sizes["time"] > 2 and len(names["files"]) > 5 and len(names["arch"].structure) > 15
+
+
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 PICTURES = {"arch": 5, "own_blocks": 3, "stepping": 3, "study": 3, "sweep": 3}  # that each shows, at least
 
