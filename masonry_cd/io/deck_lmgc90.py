@@ -6,7 +6,7 @@
     DRV_DOF.DAT       supports: all six velocities       vx0.dat ...       their velocity over time, straight between its values
     DOF.INI, Vloc_Rloc.INI    at rest
 
-Fields stand where the program's READ statements have them (LMGC90 user guide and sources, files of version 2): numbers have 14 characters
+Fields stand where the program's READ statements have them (LMGC90 user guide and sources, version 3): numbers have 14 characters
 from columns 35, 56 and 77 on. Groups become colours of five letters. Joints are rigid and dry, which is the law of both programs.
 """
 
@@ -112,9 +112,8 @@ def _laws(deck: Deck, colours: dict[str, str]) -> Iterator[str]:
     for mu, name in names.items():
         yield f"\n$behav  lawty\n {name}  {'IQS_CLB':30}  fric={number(mu)}\n"
     for one, other, mu in pairs:
-        for first, second in {(one, other): 0, (other, one): 0}:
-            yield "\n$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n"
-            yield f" RBDY3  POLYR  {colours[first]}  {names[mu]}  RBDY3  POLYR  {colours[second]}      {alert}\n"
+        yield "\n$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n"
+        yield f" RBDY3  POLYR  {colours[one]}  {names[mu]}  RBDY3  POLYR  {colours[other]}      {alert}\n"
 
 
 def _driven(deck: Deck) -> Iterator[str]:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pairs of parts that have no contact, however near they come: those of blocks that are not there, and of blocks that a link holds together,
-which stands in the place of their joint."""
+"""Pairs of parts without contact, however near they come: of blocks that are not there, or that a link holds together, which stands in the
+place of their joint."""
 
 from __future__ import annotations
 
