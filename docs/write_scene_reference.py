@@ -49,6 +49,7 @@ def _scene() -> str:
     parts += _section("[material]", tables["material"])
     parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
     parts += [*_section("[limit]", tables["limit"]), *_section("[assess]", tables["assess"]), *_section("[output]", tables["output"])]
+    parts += _section("[[events]]", tables["events"]["items"])
     return "\n".join(parts)
 
 

@@ -77,6 +77,10 @@ class Pushing(Protocol):
         """The step last asked for was made."""
         return
 
+    def blocks_changed(self, absent: np.ndarray | None) -> None:
+        """Blocks (B,) bool are absent now; None: all are there."""
+        return
+
     def copied(self) -> Pushing:
         """A copy with the same history, independent of this one."""
         return self
@@ -258,6 +262,20 @@ class OwnForces:
         away = np.sqrt(((total - total.mean(axis=1, keepdims=True)) ** 2).sum(axis=3))
         against = np.where(assembly.fixed, np.inf, [assembly.mass, assembly.turning_mass])
         return max(base, float((away / against[:, None]).max(initial=0.0)))
+
+    @property
+    def there(self) -> np.ndarray:
+        """Which ties of the loads are there, (T,) bool."""
+        return np.zeros(0, dtype=bool) if self.base is None else self.base.there
+
+    @property
+    def switches(self) -> Mapping[str, bool]:
+        """Ties and guides of the loads that can come and go, by name, and whether they are there."""
+        return {} if self.base is None else self.base.switches
+
+    def switched(self, there: Mapping[str, bool]) -> OwnForces:
+        """The forces whose ties and guides of some names are there or not."""
+        return replace(self, base=None if self.base is None else self.base.switched(there))
 
     @property
     def jacked(self) -> np.ndarray:

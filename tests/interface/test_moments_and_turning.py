@@ -146,3 +146,17 @@ def _half_angle(y: float, z: float) -> list[float]:
 def test_what_is_no_force_and_no_motion_is_refused(keys: dict[str, Any], words: str) -> None:
     with pytest.raises(mc.InputError, match=words):
         mc.Simulation(floating(), **keys).step()
+
+
+def test_a_support_that_is_released_goes_on_turning_and_a_moment_on_what_is_removed_does_nothing() -> None:
+    scene = floating(duration=0.2)
+    scene["structure"]["blocks"] = [*scene["structure"]["blocks"], mc.box((3, -0.3, -0.4), (3.4, 0.3, 0.4))]
+    turn = (0.1, 0.0, 0.0, 0.0, 0.5, 0.0)
+    sim = mc.Simulation(scene, motions={"b1": lambda time: turn}, forces={"b2": lambda time: (0, 0, 0, 0, 9.0, 0)})
+    sim.run(until=0.1)
+    before = sim.energy["force_work"]
+    sim.release("b1")
+    sim.remove("b2")
+    sim.run()
+    assert sim.state.velocity[1] == pytest.approx(turn, abs=1e-12) and sim.energy["force_work"] == before > 0.0
+    assert abs(sim.energy["balance"]) < 1e-9 and not sim.state.velocity[2].any()

@@ -152,6 +152,7 @@ def modal(
     asked, unusual = parse_table(ModalOptions, options, "modal"), []
     measured = read_measured(asked.reference) if asked.reference else []
     if isinstance(source, Scene):
+        source.refuse_events("the modal check")
         blocks, title, material = make_structures(source).blocks, source.title, source.material
         unusual = structure_doubts(source, blocks)
     else:

@@ -69,6 +69,7 @@ class Detector:
         self._crushes = assembly.laws.elastic & (assembly.laws.crushing > 0.0) & (not corners_only)
         self._weight = np.where(assembly.fixed, np.inf, GRAVITY * assembly.mass)
         self._fixed_part = assembly.fixed[shapes.part_block]
+        self._absent_part = None if assembly.absent is None else assembly.absent[shapes.part_block]
         self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
         self._corners = _most_corners(shapes)
@@ -152,6 +153,14 @@ class Detector:
         other.tally = self.tally.copy()
         return other
 
+    def go_on_from(self, other: Detector) -> None:
+        """Remember what one of the same blocks does, of which others are supports or absent now, and list the pairs anew."""
+        self.restore(other.snapshot() | {"allowance": np.full(len(self._fixed_part), np.nan)})
+
+    def blocks_of_contacts(self) -> np.ndarray:
+        """The blocks of the contacts of the last set, (C, 2)."""
+        return np.asarray(self._shapes.part_block[self._memory.parts][self._memory.pair_of_contacts()])
+
     def snapshot(self) -> dict[str, np.ndarray]:
         """What the detector remembers, as arrays for a checkpoint."""
         listed = {f"listed_{name}": getattr(self._listing, name) for name in ("position", "rotation")}
@@ -229,6 +238,7 @@ class Detector:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
         self._listing = Listing(motion.position - origin, motion.rotation.copy(), self._listing.allowance)
         pairs = list_pairs(self._listing, self._shapes, motion, self._fixed_part, self._skin)
+        pairs = pairs if self._absent_part is None else pairs[~self._absent_part[pairs].any(axis=1)]
         self._remember(self._memory.carried_over(pairs, self._capacity(pairs)))
         self.rebuilds += 1
 

@@ -92,6 +92,7 @@ class System:
     stretch: float  # by which an intact joint can open at the most [m]
     support: int  # the first support; -1: none
     rows: int  # of a contact, m: 3 in space (normal, two tangents), 2 in a plane
+    absent: np.ndarray | None = None  # (B,) bool: blocks that are not there; None: all are
 
     @classmethod
     def of(cls, assembly: Assembly, settings: Run, loads: Loads, plane: Plane | None) -> System:
@@ -128,6 +129,7 @@ class System:
             stretch=most_stretched(assembly.laws, masonry),
             support=int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1,
             rows=3 if plane is None else 2,
+            absent=assembly.absent,
         )
 
     def with_step(self, step: float) -> System:
@@ -203,6 +205,7 @@ class EnergyBalance(NamedTuple):
 
     totals: dict[str, float]  # by the names of ENERGIES [J]
     begun: float  # energy at the start of the run, that of springs included from the first step on [J]
+    changed: bool = False  # blocks or joints are others since the last step, and so is the energy of springs
 
 
 class Motion(NamedTuple):

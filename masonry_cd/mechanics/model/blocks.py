@@ -175,6 +175,7 @@ class Assembly:
     laws: JointLaws  # of the joints between groups
     shapes: Shapes = field(repr=False)
     deformation: Deformation | None = None  # of the blocks that deform; None: all are rigid
+    absent: np.ndarray | None = None  # (B,) bool: free blocks that are not there, and meet nothing; None: all are there
 
     @property
     def count(self) -> int:
