@@ -141,7 +141,7 @@ def build(
             "displacements are relative to the support that moves least"
         )
     if "peak_rotation" in base:
-        lines.append(f"base: turns by up to {base['peak_rotation']:.3g} degrees; displacements and drifts hold what a support turns")
+        lines.append(f"base: turns by up to {base['peak_rotation']:.3g} degrees; what is relative to a support turns with it")
     warnings = tuple(line for part in parts for line in part.warnings)
     summary = {"tables": [part.summary for part in parts], "base": base}
     shocks = sorted((shock for part in parts for shock in part.shocks), key=lambda shock: shock.first)

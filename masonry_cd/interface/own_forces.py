@@ -312,10 +312,14 @@ def _across(pushes: Pushes, axis: int) -> bool:
     along = np.abs(pushes.force[:, axis])
     if (along > ROUNDING * np.abs(pushes.force).max(initial=0.0)).any():
         return True
-    if pushes.moment is None and not pushes.arm.any():
+    if pushes.arm.any():  # a force in the plane at a point off it
+        size, arm = np.abs(pushes.force).max(axis=1), np.abs(pushes.arm)
+        if (size * arm[:, axis] > ROUNDING * float(size.max()) * float(arm.max())).any():
+            return True
+    if pushes.moment is None:
         return False
-    moments = np.cross(pushes.arm, pushes.force) + (0.0 if pushes.moment is None else pushes.moment)
-    return bool((np.abs(np.delete(moments, axis, axis=1)) > ROUNDING * np.abs(moments).max(initial=0.0)).any())
+    moment = np.abs(pushes.moment)
+    return bool((moment[:, [d for d in range(3) if d != axis]] > ROUNDING * moment.max(initial=0.0)).any())
 
 
 def own_forces(given: Any, assembly: Assembly) -> Pushing:

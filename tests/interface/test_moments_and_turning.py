@@ -159,3 +159,17 @@ def test_a_block_that_is_linked_to_a_support_that_turns_goes_round_with_it() -> 
     assert sim.energy["kinetic"] == pytest.approx(kinetic, rel=1e-3)
     assert sim.energy["base_work"] == pytest.approx(kinetic, rel=1e-3)
     assert sim.energy["balance"] == pytest.approx(0.0, abs=1e-8)
+
+
+def test_a_support_that_is_released_goes_on_turning_and_a_moment_on_what_is_removed_does_nothing() -> None:
+    scene = floating(duration=0.2)
+    scene["structure"]["blocks"] = [*scene["structure"]["blocks"], mc.box((3, -0.3, -0.4), (3.4, 0.3, 0.4))]
+    turn = (0.1, 0.0, 0.0, 0.0, 0.5, 0.0)
+    sim = mc.Simulation(scene, motions={"b1": lambda time: turn}, forces={"b2": lambda time: (0, 0, 0, 0, 9.0, 0)})
+    sim.run(until=0.1)
+    before = sim.energy["force_work"]
+    sim.release("b1")
+    sim.remove("b2")
+    sim.run()
+    assert sim.state.velocity[1] == pytest.approx(turn, abs=1e-12) and sim.energy["force_work"] == before > 0.0
+    assert abs(sim.energy["balance"]) < 1e-9 and not sim.state.velocity[2].any()
