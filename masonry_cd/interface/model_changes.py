@@ -37,8 +37,7 @@ class ModelChanges:
         self.change(remove=blocks)
 
     def add(self, *blocks: str) -> None:
-        """Put in blocks that are not there: those that the simulation was told to leave out, where they were built, and removed ones where
-        they were.
+        """Put in blocks that are not there: those of ``waiting`` where they were built, removed ones where they were.
 
         Raises:
             InputError: see :meth:`change`.
