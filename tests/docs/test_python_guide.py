@@ -111,11 +111,12 @@ def test_our_lines_beside_other_programs_run(tmp_path: Path, monkeypatch: pytest
     exec(compile(first, "other_programs.md", "exec"), names)
     rows = [line.split(" | ")[1] for line in page.splitlines() if line.startswith("| ") and not line.startswith("| job")]
     lines = [code for row in rows for code in re.findall(r"`([^`]+)`", row) if "=" in code.split("(")[0] or code.startswith("sim.")]
-    assert len(rows) == 10 and len(lines) == 11
+    assert len(rows) == 11 and len(lines) == 12
     for line in lines:
         exec(compile(line, "other_programs.md", "exec"), names)
     for name in ("pushed", "ruled", "solved"):
         names[name].step()
+    assert names["less"].absent.sum() == 1
     assert names["sim"].steps == 20 and names["frames"].sizes["time"] > 2 and len(names["files"]) > 5 and len(names["arch"].structure) > 15
 
 
