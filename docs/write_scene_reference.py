@@ -50,6 +50,7 @@ def _scene() -> str:
     parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[[links]]", tables["links"]["items"])]
     parts += [*_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
     parts += [*_section("[limit]", tables["limit"]), *_section("[assess]", tables["assess"]), *_section("[output]", tables["output"])]
+    parts += _section("[[events]]", tables["events"]["items"])
     return "\n".join(parts)
 
 

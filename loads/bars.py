@@ -20,7 +20,7 @@ long as w h < 2 with w = sqrt(k / m_e), and less where it is damped.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -56,6 +56,7 @@ class Tie:
     limit: float = math.inf  # N_y [N]
     name: str = ""  # for reports; bars of one name are one tie, spread over the blocks that its plates cover
     from_start: bool = False  # there while the structure takes up its weight; else drawn by a jack then, to N_0 however it gives way
+    there: bool = True  # else it does not pull
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +120,21 @@ class Forces:
         """The ties, and guides at rest."""
         return Forces((), self.ties, tuple(guide.at_rest() for guide in self.guides))
 
+    @cached_property
+    def there(self) -> np.ndarray:
+        """Which ties are there, (T,) bool."""
+        return np.array([tie.there for tie in self.ties], dtype=bool)
+
+    @property
+    def switches(self) -> Mapping[str, bool]:
+        """Ties and guides that can come and go, by name, and whether they are there."""
+        return {tie.name: tie.there for tie in self.ties if tie.name} | {guide.name: guide.there for guide in self.guides if guide.name}
+
+    def switched(self, there: Mapping[str, bool]) -> Forces:
+        """The forces whose ties and guides of some names are there or not."""
+        ties = tuple(replace(tie, there=there.get(tie.name, tie.there)) for tie in self.ties)
+        return replace(self, ties=ties, guides=tuple(replace(one, there=there.get(one.name, one.there)) for one in self.guides))
+
     def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """L - L_0 of each tie, (T,) [m]."""
         return self._lines(position, rotation)[1] - self._bars["length"]
@@ -129,12 +145,12 @@ class Forces:
         return np.array([not tie.from_start for tie in self.ties], dtype=bool)
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
-        """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
+        """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before; all of it of one that is not there."""
         if not self.ties:
             return yielded
-        bars = self._bars
-        stretch = bars["tension"] + bars["stiffness"] * (self.stretches(position, rotation) - yielded)
-        return np.asarray(yielded + np.maximum(0.0, stretch - bars["limit"]) / bars["stiffness"])
+        bars, longer = self._bars, self.stretches(position, rotation)
+        stretch = bars["tension"] + bars["stiffness"] * (longer - yielded)
+        return np.where(self.there, yielded + np.maximum(0.0, stretch - bars["limit"]) / bars["stiffness"], longer)
 
     def _lines(self, position: np.ndarray, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """From the first end of each tie to the second (T, 3), its length (T,) [m], and the arms in the world (T, 2, 3)."""
@@ -153,7 +169,7 @@ class Forces:
         speed = velocity[ends, :3] + np.cross(velocity[ends, 3:], arms)
         stretch = bars["tension"] + bars["stiffness"] * (length - bars["length"] - (0.0 if yielded is None else yielded))
         force = stretch + bars["damping"] * np.sum(along * (speed[:, 1] - speed[:, 0]), axis=1)
-        return np.where(stretch > 0.0, np.clip(force, 0.0, bars["limit"]), 0.0), along, arms
+        return np.where((stretch > 0.0) & self.there, np.clip(force, 0.0, bars["limit"]), 0.0), along, arms
 
     @cached_property
     def _ends(self) -> np.ndarray:

@@ -3,12 +3,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from masonry_cd.app.case import Case
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.pauses import Pauses
 from masonry_cd.mechanics.dynamics.start import drawn_velocities
+
+if TYPE_CHECKING:
+    from masonry_cd.app.events import Events
 
 
 def stepper_of(case: Case) -> Stepper:
@@ -53,6 +58,13 @@ def _crushed_at_rest(case: Case) -> InputError | None:
     except InputError as crushed:
         return crushed
     return None
+
+
+def events_of(case: Case, stepper: Stepper) -> Events:
+    """The events of a case, which change the model of a stepper at the beginning of its run."""
+    from masonry_cd.app.events import Events
+
+    return Events.of(case.events, case.scene.tables["material"], stepper, case.joints, case.gauges)
 
 
 def pauses_of(case: Case) -> Pauses | None:

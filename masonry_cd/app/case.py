@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from loads import Loading
     from loads.acted import Acted
     from loads.motion import Part
+    from masonry_cd.app.events import EventTable
     from masonry_cd.mechanics.model.fill import Fill
     from structures import Made
     from structures.ties import Bar
@@ -70,6 +71,14 @@ class Case:
     seconds: float  # to build it
     gauges: Gauges  # what is kept in every step besides
     fills: Sequence[Fill] = ()  # of bridges
+    events: tuple[EventTable, ...] = ()  # that change the model
+
+    @property
+    def reported(self) -> Assembly:
+        """The blocks as results have them: supports that an event releases are free blocks, to which nothing is relative."""
+        from masonry_cd.app.changes import released
+
+        return released(self.assembly, self.events) if self.events else self.assembly
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -193,6 +202,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     scene.refuse_static()
     structure = structure or structure_of(scene)
     scene, lasting = _timed(scene, structure)
+    events = _events(scene) if scene.events else ()
     with scene.locating(), _explained(scene, structure):
         if scene.limit:
             from masonry_cd.app.limit_table import limit_table
@@ -211,12 +221,16 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         ties = [(bar.where, bar.load()) for bar in structure.bars]
         loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties, own, structure.fills)
         plane = _plane(assembly, loading, run)
+        if plane is not None and any(one.gravity is not None and one.gravity[plane.axis] for one in events):
+            scene, plane = replace(scene, run=run.model_copy(update={"planar": False})), None
         strained = unknowns_of_strain(assembly, plane)
     if loading.support_velocity.any() and not assembly.fixed.any():
         remedy = f"; {scene.kind.unsupported}" if scene.kind is not None and scene.kind.unsupported else ""
         raise InputError(scene.origin.path, f"loads: the base is shaken, but no block of the structure is fixed{remedy}")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
+    if events:
+        assembly, loading = _before_events(scene, events, assembly, loading)
     planar, by_area, spheres = plane is not None, bool(assembly.laws.by_area.any()), bool(assembly.shapes.rounding.any())
     with compiling(SceneKind(scene.run.solver, planar, by_area, scene.stress, strained, spheres)):
         joints, built = structure.joints, structure.built_gap
@@ -241,10 +255,31 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         loading = _until_still(scene, loading, still)
     with scene.locating():
         gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
+        if events:
+            from masonry_cd.app.events import check_events
+
+            notes = (*notes, *check_events(events, assembly, loading, scene.tables["material"], scene.run, gauges))
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
     return Case(
-        scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges, structure.fills
-    )
+        scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges,
+        structure.fills, events,
+    )  # fmt: skip
+
+
+def _events(scene: Scene) -> tuple[EventTable, ...]:
+    from masonry_cd.app.events import parse_events
+
+    with scene.locating():
+        return parse_events(scene.events)
+
+
+def _before_events(scene: Scene, events: Sequence[EventTable], assembly: Assembly, loading: Loading) -> tuple[Assembly, Loading]:
+    """Blocks and loads before any event: what one puts in is not there yet."""
+    from masonry_cd.app.changes import waiting
+
+    with scene.locating():
+        assembly, out = waiting(assembly, events, "events")
+    return assembly, loading if loading.forces is None else replace(loading, forces=loading.forces.switched(out))
 
 
 def acting_too(case: Case, acted: Sequence[Acted]) -> Case:

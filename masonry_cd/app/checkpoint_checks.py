@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,23 +16,36 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import JOINT_PEAKS
 from masonry_cd.mechanics.dynamics.adaptive import AdaptiveSteps
 from masonry_cd.mechanics.dynamics.element_stress import elements_of
-from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.mean_stress import check_sums
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.snapshot import part
 from masonry_cd.mechanics.model.joints import JointMeasures
+
+if TYPE_CHECKING:
+    from masonry_cd.app.events import Events
 
 NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dict, "format": int}
 
 
-def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], stepper: Stepper, joints: int, stress: bool) -> None:
-    """Check the content of a checkpoint.
+class Kept(NamedTuple):
+    """What a run keeps besides its motion."""
+
+    joints: int  # J, whose peaks
+    stress: bool  # that of blocks and joints
+    rest: bool  # the measures of the joints from which others count
+
+
+def check_content(
+    arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], stepper: Stepper, kept: Kept, events: Events | None = None
+) -> None:
+    """Check the content of a checkpoint, in whose stage the stepper is then.
 
     Args:
         arrays: of the checkpoint.
         numbers: of the checkpoint.
         stepper: of the scene.
-        joints: J.
-        stress: the run keeps stress.
+        kept: what the run keeps.
+        events: that change the model of the stepper.
 
     Raises:
         InputError: names what is not so.
@@ -47,19 +60,21 @@ def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], 
     position = arrays.get("position")
     if position is not None and position.ndim == 2 and len(position) != stepper.assembly.count:
         raise InputError("", f"made by another structure ({len(position)} blocks); resume with the scene of that run")
-    stored = Stored(arrays)
+    stored, joints = Stored(arrays), kept.joints
+    if events is not None:
+        events.restore(stored.part("events"), part("events", arrays))
     stepper.check(stored)
     peaks = stored.part("peaks")
     for name in (*JOINT_PEAKS, "_area"):
         peaks.real(name, joints, finite=name != "first_opening_time")
     peaks.nothing_else()
     _check_step_peaks(stored.part("step_peaks"), stepper, joints)
-    if settles(stepper.assembly):
+    if kept.rest:
         rest = stored.part("rest")
         for measure in fields(JointMeasures):
             rest.real(measure.name, joints)
         rest.nothing_else()
-    if stress:
+    if kept.stress:
         check_sums(stored.part("stress"), stepper.assembly.count, joints, elements_of(stepper.system.strains))
     if stepper.settings.adaptive:
         AdaptiveSteps(stepper).check(stored.part("pace"))

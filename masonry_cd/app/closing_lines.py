@@ -41,6 +41,7 @@ def closing_lines(s: Summary) -> list[str]:
         *verdict_lines(s),
         *_time_step_lines(s),
         *map(_shock_line, s.shocks),
+        *(f"{one.name} came at {one.time:g} s: {one.change}" for one in s.events if one.time is not None),
         *([] if s.load_factor is None else factor_lines(s.load_factor)),
         *map(_tie_line, s.ties),
         *map(push_line, s.pushes),
@@ -229,6 +230,7 @@ def run_warnings(s: Summary) -> list[str]:
             f"the largest error is {solver.error_max:.1e} (each step's: solver/error in result.h5)"
         )
     lines += [f"{short} when the run ends: a longer run.duration or an earlier start has it act" for short in not_acted(s)]
+    lines += [f"{one.name} has not come ({one.cause}): {one.change}" for one in s.events if one.time is None]
     lines += _false_motion(solver, s.displacement_max)
     if closing.steps:
         left = f"{closing.steps} of them left contacts closing, at up to {length(closing.speed_max)}/s, so that overlaps grow"

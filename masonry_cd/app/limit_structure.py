@@ -74,6 +74,7 @@ def limit_structure(scene: Scene) -> LimitStructure:
     from masonry_cd.app.case import make_structures
     from masonry_cd.app.limit_table import limit_table
 
+    scene.refuse_events("limit analysis")
     made, material = make_structures(scene), scene.material
     with scene.locating():
         refuse_spheres(made.blocks, "structure", "limit analysis")

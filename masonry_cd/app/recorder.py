@@ -11,6 +11,7 @@ from masonry_cd.analysis.damage.step_peaks import StepPeaks
 from masonry_cd.app.gauge_rows import GaugeRows
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.per_step import QUANTITIES, Made
+from masonry_cd.app.staying_support import staying_support
 from masonry_cd.app.step_contacts import contacts_of, reactions_of
 from masonry_cd.io.block_arrays import Meshes
 from masonry_cd.io.gauges import Gauges
@@ -24,6 +25,7 @@ from masonry_cd.io.layout import (
     JOINT_PEAKS,
     MEAN_NORMAL_FORCE,
     NODE_DISPLACEMENT,
+    PRESENT,
     REACTION,
     SHOCK_PEAKS,
     STRESS,
@@ -32,7 +34,8 @@ from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.mean_stress import MeanStress
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
-from masonry_cd.mechanics.dynamics.pauses import ALIKE, Aftermath
+from masonry_cd.mechanics.dynamics.pauses import Aftermath
+from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.edge_stress import edge_stresses
 from masonry_cd.mechanics.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
 
@@ -50,6 +53,8 @@ class Recorder:
         shocks: the loads come as shocks in a row.
         stress: keep the stress of blocks and joints.
         gauges: what is kept in every step besides.
+        reported: the blocks as results have them, those that are released free; None: those of the stepper.
+        changes: blocks may come and go.
     """
 
     def __init__(
@@ -60,14 +65,19 @@ class Recorder:
         shocks: bool = False,
         stress: bool = False,
         gauges: Gauges | None = None,
+        reported: Assembly | None = None,
+        changes: bool = False,
     ) -> None:
-        self._writer, self._stepper, self._joints = writer, stepper, joints
-        self.rest = self._measured() if settles(stepper.assembly) else None  # of the joints; what opened before the run is no damage
+        self._writer, self._stepper, self._joints, self._changes = writer, stepper, joints, changes
+        self._reported = stepper.assembly if reported is None else reported
+        # of the joints; what opened before the run, or before a block was put in, is no damage
+        self.rest = measure_joints(joints, stepper.assembly, stepper.state) if changes or settles(stepper.assembly) else None
+        self._absent = stepper.assembly.absent
         self.frames = 0
         self.peaks = JointPeaks(joints)
         self.stress = MeanStress(stepper, joints) if stress else None
         support = staying_support(stepper, joints)
-        self.step_peaks = StepPeaks(stepper.assembly, joints, support)
+        self.step_peaks = StepPeaks(self._reported, joints, support)
         writer.begin_step_peaks(self.step_peaks.arrays, support)
         meshes = Meshes.of(stepper.assembly, stepper.system.strains) if stress else None
         self._meshed = meshes is not None
@@ -106,11 +116,27 @@ class Recorder:
 
     def now(self) -> JointMeasures:
         """The measures of the joints, since the rest that they began from where something has settled."""
-        found = self._measured()
-        return found if self.rest is None else found.since(self.rest, self._joints.area)
+        found = measure_joints(self._joints, self._stepper.assembly, self._stepper.state)
+        if self.rest is None:
+            return found
+        absent = self._stepper.assembly.absent
+        if absent is not self._absent:
+            self._take_in(found, absent)
+        now = found.since(self.rest, self._joints.area)
+        return now if absent is None else now.but(self._with_one_of(absent), self._joints.area)
 
-    def _measured(self) -> JointMeasures:
-        return measure_joints(self._joints, self._stepper.assembly, self._stepper.state)
+    def _take_in(self, found: JointMeasures, absent: np.ndarray | None) -> None:
+        """Measure joints of blocks that have been put in from how they are found now."""
+        assert self.rest is not None
+        none = np.zeros(self._stepper.assembly.count, dtype=bool)
+        before, after = none if self._absent is None else self._absent, none if absent is None else absent
+        came = self._with_one_of(before) & ~self._with_one_of(after)
+        self.rest = JointMeasures(**{name: np.where(came, values, vars(self.rest)[name]) for name, values in vars(found).items()})
+        self._absent = absent
+
+    def _with_one_of(self, blocks: np.ndarray) -> np.ndarray:
+        """(J,) joints of which one of the blocks (B,) bool is a side."""
+        return np.asarray(blocks[self._joints.block_a] | blocks[self._joints.block_b])
 
     def frame(self, now: JointMeasures) -> None:
         """Write the state and the joints."""
@@ -123,10 +149,13 @@ class Recorder:
         force, point = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
         writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point})
         contacts = contacts_of(self._stepper, self._joint_of_pairs())
-        reactions = reactions_of(self._stepper, contacts)[self._stepper.assembly.fixed]
+        reactions = reactions_of(self._stepper, contacts)[self._reported.fixed]
         writer.append({f"joints/{FORCE}": contacts.of_joints(self._joints.count), REACTION: reactions})
         of_laws = self._stepper.joint_histories(self._joint_of_pairs(), self._joints)
         writer.append({f"joints/{name}": values for name, values in of_laws.items()})
+        if self._changes:
+            absent = self._stepper.assembly.absent
+            writer.append({PRESENT: np.ones(self._stepper.assembly.count, dtype=bool) if absent is None else ~absent})
         if self.stress is not None:
             self._stress_frame(self.stress, of_laws.get(BONDED, np.zeros(self._joints.count)) > 0.0)
         self.frames += 1
@@ -180,19 +209,3 @@ class Recorder:
     def _joint_of_pairs(self) -> np.ndarray:
         """The joint of each pair of the detector, -1 for pairs that are none."""
         return self._pair_joints.of(self._stepper.detector.pairs)
-
-
-def staying_support(stepper: Stepper, joints: Joints) -> int:
-    """The support that the loads move least, the first of those that they move alike; -1 where there is none.
-
-    Supports on which nothing stands, such as a ground between abutments, count only where there are no others.
-    """
-    assembly, velocity = stepper.assembly, stepper.system.loads.support_velocity
-    fixed = np.flatnonzero(assembly.fixed)
-    if not len(fixed):
-        return -1
-    bearing = fixed[np.isin(fixed, [joints.block_a, joints.block_b])]
-    fixed = bearing if len(bearing) else fixed
-    along = np.cumsum(0.5 * stepper.settings.dt * (velocity[1:] + velocity[:-1]), axis=0)
-    farthest = np.sqrt((along * along).sum(axis=2)).max(axis=0, initial=0.0)[assembly.support_of[fixed]]
-    return int(fixed[np.argmax(farthest <= farthest.min() + ALIKE * farthest.max())])

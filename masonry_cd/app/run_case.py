@@ -10,7 +10,7 @@ import signal
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,9 +18,9 @@ from masonry_cd.app import time_step_checks
 from masonry_cd.app.advance import Advance, Advanced
 from masonry_cd.app.bed_checks import beds
 from masonry_cd.app.beginning import begin as begin_run
-from masonry_cd.app.beginning import pauses_of, stepper_of
+from masonry_cd.app.beginning import events_of, pauses_of, stepper_of
 from masonry_cd.app.case import Case
-from masonry_cd.app.checkpoint_checks import check_content
+from masonry_cd.app.checkpoint_checks import Kept, check_content
 from masonry_cd.app.closing_lines import run_warnings
 from masonry_cd.app.dump import Dump
 from masonry_cd.app.explain import left_out
@@ -42,11 +42,15 @@ from masonry_cd.io.lock import locked
 from masonry_cd.io.result_writer import ResultWriter, require_rows
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
+from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joint_laws import histories
 from masonry_cd.mechanics.model.joints import Joints
 from reports.files import known_files
+
+if TYPE_CHECKING:
+    from masonry_cd.app.events import Events
 
 RESULTS = "result.h5"
 
@@ -97,11 +101,12 @@ def run_case(
         dumped.check(1, case.steps)
         if own is None:
             begin_run(stepper, case)
+    events = _events_of(case, stepper, own)
     with locked(folder), Interrupt() as interrupt:
         mended = ""
         if resume:
             own_files.begin(folder, names_of_run(), is_run)
-            mended = _chosen(case, stepper, folder / RESULTS, saved)
+            mended = _chosen(case, stepper, folder / RESULTS, saved, events)
             dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, case.steps)
         else:
             _clear(folder)
@@ -109,8 +114,9 @@ def run_case(
         since = case.seconds - begin
         with _writer(case, folder / RESULTS, saved, resume) as writer:
             watch = _Watch(interrupt, limit)
-            report = _steps(case, stepper, writer, saved, watch, quiet, resume, own)
+            report = _steps(case, stepper, writer, saved, watch, quiet, resume, own, events)
             summary = run_summary(case, report) | Summary(
+                events=() if events is None else events.rows(),
                 timed_out=watch.timed_out,
                 dumped=tuple(path.name for path in dumped.written),
                 explanation=tuple(left_out(scene, stepper, report)),
@@ -130,12 +136,20 @@ def run_case(
     return summary
 
 
+def _events_of(case: Case, stepper: Stepper, own: Own | None) -> Events | None:
+    """Those of a run whose model may change."""
+    if own is not None:
+        return own.events
+    return events_of(case, stepper) if case.events else None
+
+
 class Own(NamedTuple):
     """What code that steps a case itself brings."""
 
     stepper: Stepper  # at its beginning
     follow: Callable[[Advance, Advanced], str]  # called after each step; what it returns in words ends the run
     note: str = ""  # for the summary, where the scene alone does not repeat the run
+    events: Events | None = None  # and changes of the model
 
 
 class _Watch:
@@ -153,7 +167,15 @@ class _Watch:
 
 
 def _steps(
-    case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watch: _Watch, quiet: bool, resume: bool, own: Own | None
+    case: Case,
+    stepper: Stepper,
+    writer: ResultWriter,
+    saved: Path,
+    watch: _Watch,
+    quiet: bool,
+    resume: bool,
+    own: Own | None,
+    events: Events | None,
 ) -> RunReport:
     """Make the steps of a run and write result.h5."""
     scene, settings = case.scene, case.scene.run
@@ -175,6 +197,8 @@ def _steps(
                 stress=scene.stress,
                 gauges=case.gauges,
                 follow=None if own is None else own.follow,
+                events=events,
+                reported=case.reported,
             ),
             progress,
             Checkpoints(saved, resume=resume) if own is None else None,
@@ -263,7 +287,7 @@ def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
         place = os.path.relpath(case.scene.path, file.parent)
         return ResultWriter(
             file,
-            case.assembly,
+            case.reported,
             case.joints,
             case.scene.text,
             case.scene.title,
@@ -318,7 +342,7 @@ def check_disc_space(folder: Path, needed: float, there: float = 0.0) -> None:
         )
 
 
-def _chosen(case: Case, stepper: Stepper, results: Path, saved: Path) -> str:
+def _chosen(case: Case, stepper: Stepper, results: Path, saved: Path, events: Events | None) -> str:
     """Put the last checkpoint that can be gone on from in its place; return a line where it is not the last that was taken, or "".
 
     Args:
@@ -336,7 +360,8 @@ def _chosen(case: Case, stepper: Stepper, results: Path, saved: Path) -> str:
         require_same(digests(case), found.inputs, results)
 
         def fits(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
-            check_content(arrays, numbers, stepper, case.joints.count, case.scene.stress)
+            kept = Kept(case.joints.count, case.scene.stress, events is not None or settles(case.assembly))
+            check_content(arrays, numbers, stepper, kept, events)
             require_rows(found, numbers["rows"], numbers["mark"])
 
         return checkpoint.mend(saved, fits)

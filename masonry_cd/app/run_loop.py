@@ -14,11 +14,12 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from masonry_cd.app.advance import Advance, Advanced
-from masonry_cd.app.checkpoint_checks import check_content
+from masonry_cd.app.checkpoint_checks import Kept, check_content
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.run_report import RunReport
@@ -30,8 +31,12 @@ from masonry_cd.mechanics.dynamics.adaptive import AdaptedStep, AdaptiveSteps
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper, StepReport
 from masonry_cd.mechanics.dynamics.pauses import Aftermath, Pauses
 from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
+from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import JointMeasures, Joints
 from masonry_cd.mechanics.model.shocks import Shock
+
+if TYPE_CHECKING:
+    from masonry_cd.app.events import Events
 
 
 @dataclass(frozen=True)
@@ -44,6 +49,8 @@ class Plan:
     stress: bool = False  # whether that of blocks and joints is kept
     follow: Callable[[Advance, Advanced], str] | None = None  # called after each step; what it returns in words ends the run
     gauges: Gauges | None = None  # what is kept in every step besides
+    events: Events | None = None  # that change the model
+    reported: Assembly | None = None  # as results have the blocks; None: the stepper's
 
 
 @dataclass(frozen=True)
@@ -80,9 +87,11 @@ def run(
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
     pauses, save_to = plan.pauses, None if checkpoints is None else checkpoints.path
-    recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks, plan.stress, plan.gauges)
+    changes, shocks = plan.events is not None, pauses is not None and pauses.any_shocks
+    recorder = Recorder(writer, stepper, joints, shocks, plan.stress, plan.gauges, plan.reported, changes)
     report = RunReport(planar=stepper.plane is not None, fall=_fall(stepper))
-    loop = _Loop(stepper, recorder, report, Advance.of(stepper, plan.steps, plan.frame_every, pauses), save_to, plan.follow)
+    advance = Advance.of(stepper, plan.steps, plan.frame_every, pauses, plan.events)
+    loop = _Loop(stepper, recorder, report, advance, save_to, plan.follow)
     if checkpoints is not None and checkpoints.resume:
         loop.resume(checkpoints.path)
     else:
@@ -171,6 +180,7 @@ class _Loop:
         arrays |= {} if self.recorder.rest is None else prefixed("rest", vars(self.recorder.rest))
         arrays |= {} if self.recorder.stress is None else prefixed("stress", self.recorder.stress.snapshot())
         arrays |= {} if self.pace is None else prefixed("pace", self.pace.snapshot())
+        arrays |= {} if self.advance.events is None else prefixed("events", self.advance.events.snapshot())
         numbers = {"report": asdict(self.report), "rows": rows, "mark": mark, "frames": self.recorder.frames}
         checkpoint.save(path, arrays, numbers | {"quiet": 0 if self.pauses is None else self.pauses.quiet})
 
@@ -182,10 +192,13 @@ class _Loop:
         """
         arrays, numbers = checkpoint.load(path)
         try:
-            check_content(arrays, numbers, self.stepper, len(self.recorder.peaks.opening), self.recorder.stress is not None)
+            kept = Kept(len(self.recorder.peaks.opening), self.recorder.stress is not None, self.recorder.rest is not None)
+            check_content(arrays, numbers, self.stepper, kept, self.advance.events)
         except InputError as reason:
             raise reason.under(path) from None
         self.stepper.restore(arrays)
+        if self.advance.events is not None:
+            self.advance.go_on()
         if self.pace is not None:
             self.pace.restore(part("pace", arrays))
         vars(self.recorder.peaks).update(part("peaks", arrays))

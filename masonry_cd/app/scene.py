@@ -12,6 +12,7 @@
     [limit]      push = "x"           # optional, of masonry-cd limit
     [assess]     friction = [0.5, 0.7]  # optional, ranges for masonry-cd assess
     [[output.point]]  block, corner   # optional, what is kept in every step
+    [[events]]   at, remove ...       # optional, what changes in the middle of a run; checked by app/events.py
     quiet_checks = ["limit.check.ag"] # optional: values that are meant as they are, however unusual
 
 A run is a pure function of its scene, so the text of the scene, with what ``--set`` changed in it, goes into the results.
@@ -74,6 +75,8 @@ class SceneTables(Table):
     """Ranges that masonry-cd assess varies instead of its own; a run does not read it."""
     output: dict[str, Any] = Field(default_factory=dict)
     """Points, joints, cracks and supports that are kept in every step: [[output.point]] and so on."""
+    events: list[dict[str, Any]] = Field(default_factory=list)
+    """What changes in the middle of a run, [[events]] each: blocks that come and go, supports that let go, ties, props, bonds."""
     quiet_checks: list[str] = Field(default_factory=list)
     """Keys whose unusual values are meant so, ["limit.check.ag"]: no line asks for their unit."""
 
@@ -98,7 +101,7 @@ class SceneTables(Table):
             raise ValueError("should be a table of its own")
         return value
 
-    @field_validator("loads", "structures", "links", mode="before")
+    @field_validator("loads", "structures", "links", "events", mode="before")
     @classmethod
     def _is_list_of_tables(cls, value: object, info: ValidationInfo) -> object:
         if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
@@ -166,6 +169,7 @@ class Scene:
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
     output: OutputTable = field(default_factory=OutputTable)
     links: tuple[LinkTable, ...] = ()
+    events: tuple[dict[str, Any], ...] = ()  # checked by app/events.py
     static: bool = False  # there is no [run]: for limit analysis, modal analysis and pictures alone
 
     @property
@@ -210,8 +214,19 @@ class Scene:
         Raises:
             InputError: there are some.
         """
-        if self.links:
-            raise InputError("links", f"{what} knows no links; a scene without them, and with a block in the place of two, can be asked")
+        with self.locating():
+            if self.links:
+                raise InputError("links", f"{what} knows no links; a scene with one block in the place of two that are one has none")
+
+    def refuse_events(self, what: str) -> None:
+        """Refuse a scene with [[events]] where nothing comes or goes.
+
+        Raises:
+            InputError: there are some.
+        """
+        with self.locating():
+            if self.events:
+                raise InputError("events", f"{what} is of all blocks as built, where none comes or goes; --set events=[] leaves them out")
 
     def locating(self) -> AbstractContextManager[None]:
         """Give the faults of the body that lie in keys of this scene their file and line."""
@@ -290,6 +305,7 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         structure=top.structure or {},
         structures=tuple(top.structures),
         loads=tuple(top.loads),
+        events=tuple(top.events),
         tables=tables,
         text=text,
         path=path,

@@ -31,6 +31,7 @@ REFUSED = "additionalProperties"  # set to false where unknown keys are
 def scene_schema() -> Schema:
     """The schema of a scene file."""
     from loads import KINDS as LOADS
+    from masonry_cd.app.events import EventTable
     from structures import KINDS as STRUCTURES
 
     top = table_schema(SceneTables)
@@ -40,6 +41,7 @@ def scene_schema() -> Schema:
     keys["structures"]["items"] = {"type": "object", "oneOf": [placed_schema(kind) for kind in structures]}
     keys["loads"]["items"] = {"type": "object", "required": ["kind"], "oneOf": [load_schema(kind) for kind in loads]}
     keys["links"]["items"] = table_schema(LinkTable)
+    keys["events"]["items"] = table_schema(EventTable)
     keys["material"] |= table_schema(Material)
     keys["run"] |= table_schema(Run)
     keys["report"] |= table_schema(Report)

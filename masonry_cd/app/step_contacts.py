@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from masonry_cd.mechanics.dynamics.linked_bodies import Linked
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.model.block_forces import Acting
@@ -106,8 +107,9 @@ def reactions_of(stepper: Stepper, contacts: Contacts) -> np.ndarray:
     acting: Acting | None = made.predicted.acting
     if acting is not None:
         taken += acting.wrench(len(fixed))
-    if stepper.assembly.links:
-        np.add.at(taken, np.array([link.blocks for link in stepper.assembly.links]), _link_wrenches(stepper, made))
+    linked = made.predicted.linked
+    if linked is not None:
+        np.add.at(taken, linked.linkage.used[linked.linkage.ends], _link_wrenches(stepper, made, linked))
     return np.where(fixed[:, None], -taken, 0.0)
 
 
@@ -131,15 +133,16 @@ class LinkForce:
 
 
 def links_of(stepper: Stepper) -> list[LinkForce]:
-    """What the links did over the last step, in the order of the scene; none before the first step.
+    """What the links did over the last step, in the order of the scene, of those whose blocks are there; none before the first step.
 
     Where more is held than the motions need, as by two hinges on one axis, forces are not unique: they are those of the least links.
     """
     made, names, out = stepper.last, stepper.assembly.names, list[LinkForce]()
-    if made is None or not stepper.assembly.links:
+    linked = None if made is None else made.predicted.linked
+    if made is None or linked is None:
         return out
     state, rotation = made.predicted.state, made.predicted.rotation
-    for link, wrench in zip(stepper.assembly.links, _link_wrenches(stepper, made)[:, 0], strict=True):
+    for link, wrench in zip(linked.linkage.links, _link_wrenches(stepper, made, linked)[:, 0], strict=True):
         first, second = link.blocks
         arm = rotation[first] @ (link.point - stepper.assembly.centre[first])
         moment = wrench[3:] - np.cross(arm, wrench[:3])
@@ -147,9 +150,8 @@ def links_of(stepper: Stepper) -> list[LinkForce]:
     return out
 
 
-def _link_wrenches(stepper: Stepper, made: StepProblem) -> np.ndarray:
+def _link_wrenches(stepper: Stepper, made: StepProblem, linked: Linked) -> np.ndarray:
     """Force [N] and moment about its centre [N m] of each link on both of its blocks, (L, 2, 6), over the last step."""
-    linked, step = made.predicted.linked, stepper.motion.span * stepper.settings.dt
-    assert linked is not None
+    step = stepper.motion.span * stepper.settings.dt
     given = made.link_impulse(stepper.solution.impulse, stepper.motion.v)
     return np.asarray(linked.wrenches(linked.multipliers(given)) / step)

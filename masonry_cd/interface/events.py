@@ -57,6 +57,9 @@ class Events:
             function(sim)
         if functions["opening"]:
             now = self._openings(state) - self._rest >= self._opened
+            absent = sim.absent
+            if absent.any():
+                now &= ~(absent[self._joints.block_a] | absent[self._joints.block_b])
             self._tell(sim, "opening", np.flatnonzero(now & ~self._open).tolist())
             self._open |= now
         if functions["fall"]:

@@ -79,7 +79,7 @@ class BoundLaw(Pushing):
         chosen = np.arange(joints.count) if law.joints is None else np.unique(np.asarray(law.joints, dtype=np.int64))
         if len(chosen) and not 0 <= chosen.min() <= chosen.max() < joints.count:
             raise InputError("law.joints", f"there are joints 0 to {joints.count - 1}")
-        self._law, self._fixed = law, assembly.fixed
+        self._law, self._absent = law, assembly.absent
         self._place(joints, chosen, assembly)
         self.history = np.zeros((len(self._area), law.history))
         self._trial = self.history
@@ -130,10 +130,16 @@ class BoundLaw(Pushing):
         if not np.isfinite(stress).all():
             raise InputError("law", f"at {now.time:g} s its stresses are not finite")
         force = -self._area[:, None] * np.einsum("ka,kai->ki", stress, axes)
+        if self._absent is not None:
+            force[self._absent[self._a] | self._absent[self._b]] = 0.0
         middle = 0.5 * (at_a + at_b)
         block, arms = np.concatenate([self._b, self._a]), np.concatenate([middle - now.position[self._b], middle - now.position[self._a]])
         every = np.concatenate([force, -force])
         return Pushes(block, every, arms)
+
+    def blocks_changed(self, absent: np.ndarray | None) -> None:
+        """Joints of blocks that are absent, (B,) bool, carry nothing; None: all are there."""
+        self._absent = absent
 
     def taken(self) -> None:
         """The step last asked for was made: what its points remember holds."""

@@ -8,7 +8,6 @@ Blocks whose motion is given become supports, driven on top of what moves all su
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
@@ -21,7 +20,6 @@ from masonry_cd.app.case import Structure, assembled, structure_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.values import numbers
-from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.guides import Guide
@@ -58,6 +56,10 @@ class Pushing(Protocol):
 
     def taken(self) -> None:
         """The step last asked for was made."""
+        return
+
+    def blocks_changed(self, absent: np.ndarray | None) -> None:
+        """Blocks (B,) bool are absent now; None: all are there."""
         return
 
     def copied(self) -> Pushing:
@@ -222,6 +224,20 @@ class OwnForces:
         return max(base, float((away / np.where(mass > 0.0, mass, np.inf)).max(initial=0.0)))
 
     @property
+    def there(self) -> np.ndarray:
+        """Which ties of the loads are there, (T,) bool."""
+        return np.zeros(0, dtype=bool) if self.base is None else self.base.there
+
+    @property
+    def switches(self) -> Mapping[str, bool]:
+        """Ties and guides of the loads that can come and go, by name, and whether they are there."""
+        return {} if self.base is None else self.base.switches
+
+    def switched(self, there: Mapping[str, bool]) -> OwnForces:
+        """The forces whose ties and guides of some names are there or not."""
+        return replace(self, base=None if self.base is None else self.base.switched(there))
+
+    @property
     def jacked(self) -> np.ndarray:
         """Which ties of the loads keep their first tension while the structure settles, (T,) bool."""
         return np.zeros(0, dtype=bool) if self.base is None else self.base.jacked
@@ -319,12 +335,3 @@ def _part(history: History, block: int, blocks: list[Block]) -> Part:
         summary={"kind": "python", "block": blocks[block].name},
         acted=history.acted("path"),
     )
-
-
-def independent(stepper: Stepper, forces: OwnForces | None) -> Stepper:
-    """A stepper that stands where another does and shares with it only what does not change."""
-    other = copy.copy(stepper)
-    if forces is not None:
-        other.system = replace(stepper.system, loads=replace(stepper.system.loads, forces=forces))
-    other.detector, other.islands = stepper.detector.copied(), copy.deepcopy(stepper.islands)
-    return other

@@ -6,35 +6,32 @@ A step of it is a step of ``masonry-cd run``, to the bit. Nothing is written bef
 
 from __future__ import annotations
 
-import copy
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from masonry_cd.app.advance import Advance, Advanced
-from masonry_cd.app.beginning import begin, pauses_of
+from masonry_cd.app.beginning import begin, events_of
 from masonry_cd.app.case import Case, acting_too, prepare
+from masonry_cd.app.changes import without
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.step_contacts import Contacts, LinkForce, contacts_of, links_of, reactions_of
-from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.interface.copies import Copies
 from masonry_cd.interface.events import EVENTS, Events
 from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
-from masonry_cd.interface.own_forces import OwnForces, Pushing, driven, independent, own_forces
+from masonry_cd.interface.own_forces import OwnForces, Pushing, driven, own_forces
 from masonry_cd.interface.scenes import Scene, scene
 from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.simulation_state import SimulationState, checked_state, require_apart, with_first_velocities
 from masonry_cd.interface.structure import Structure
-from masonry_cd.io import checkpoint
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.mechanics.dynamics.own_friction import FrictionLaw
 from masonry_cd.mechanics.dynamics.planar import find_plane
-from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
 from masonry_cd.mechanics.dynamics.start import with_state
 from masonry_cd.mechanics.model.state import State
 
@@ -46,7 +43,7 @@ if TYPE_CHECKING:
 BY_PYTHON = "forces, motions, velocities or calls of Python take part: the scene alone does not repeat this run, nor resume it"
 
 
-class Simulation(Sealed):
+class Simulation(Copies, Sealed):
     """A scene, step by step.
 
     Args:
@@ -60,6 +57,7 @@ class Simulation(Sealed):
         law: of the joints, beside contact and friction; or the name of one that an installed package adds.
         friction: a function ``f(contacts)`` of :class:`masonry_cd.mechanics.dynamics.own_friction.SlidingContacts` that gives the
             coefficients (C,) of a step, as by slip rate, pressure or direction of the joint; those of the scene when not given.
+        waiting: blocks or groups of the scene that are not there before :meth:`add` puts them in.
 
     Raises:
         InputError: anything wrong with the scene, the forces, the motions, the velocities or the law; ``friction`` where joints have
@@ -86,12 +84,13 @@ class Simulation(Sealed):
         velocities: Mapping[str, Any] | None = None,
         law: JointLaw | str | None = None,
         friction: FrictionLaw | None = None,
+        waiting: str | Sequence[str] = (),
     ) -> None:
         self.scene = scene(source)
         """The scene that is stepped."""
         checked = self.scene.checked
         structure, parts = driven(checked, motions) if motions else (None, [])
-        self._case = prepare(checked, structure, parts)
+        self._case = _without(prepare(checked, structure, parts), waiting)
         given = [] if forces is None else list(forces) if isinstance(forces, list | tuple) else [forces]
         assembly = self._case.assembly
         items: tuple[Pushing, ...] = tuple(own_forces(item, assembly) for item in given)
@@ -107,7 +106,8 @@ class Simulation(Sealed):
         begin(self._stepper, self._case)
         if velocities:
             self._stepper.kick(first)
-        self._touched = bool(items or motions or velocities or friction)  # by Python, so that the scene alone does not repeat it
+        self._touched = bool(items or motions or velocities or friction or waiting)  # by Python: the scene alone does not repeat it
+        self._changed = events_of(self._case, self._stepper)
         self._advance = self._fresh_advance()
         self._pair_joints = PairJoints(assembly)
         self._events = Events(self._case.joints, self._stepper, checked.report.opened)
@@ -183,7 +183,7 @@ class Simulation(Sealed):
         if self.steps or self._busy:
             raise InputError("record", "writes a run from its beginning, and this simulation has made steps; a new one has not")
         self._asked_to_stop = ""
-        own = Own(self._stepper, self._recorded_step, BY_PYTHON if self._touched else "")
+        own = Own(self._stepper, self._recorded_step, BY_PYTHON if self._touched else "", self._changed)
         return recorded(self._case, self.scene, folder, own, progress, force)
 
     def _recorded_step(self, advance: Advance, made: Advanced) -> str:
@@ -233,6 +233,12 @@ class Simulation(Sealed):
     def structure(self) -> Structure:
         """The blocks, in the order of all arrays."""
         return Structure(self._case.assembly.blocks, self._case.notes)
+
+    @property
+    def absent(self) -> np.ndarray:
+        """Blocks that are not there, (B,) bool."""
+        found = self._stepper.assembly.absent
+        return np.zeros(self._case.assembly.count, dtype=bool) if found is None else found.copy()
 
     @property
     def joints(self) -> Joints:
@@ -297,87 +303,19 @@ class Simulation(Sealed):
         self._refuse_at_end("problem")
         return self._stepper.friction_problem().solved
 
-    # --- copies --------------------------------------------------------------------------------------------------------------
-
-    def copy(self) -> Simulation:
-        """A second simulation in the state of this one, which continues with the same bits.
-
-        What functions of Python remember is shared, and both call those that are called on events.
-        """
-        self._refuse_when_busy("copy")
-        other = copy.copy(self)
-        other._own = self._own.copied()
-        other._stepper = independent(self._stepper, other._own if self._own.own else None)
-        other._advance = other._fresh_advance()
-        other._restore_pace(self._pace_arrays())
-        other._pair_joints = PairJoints(self._case.assembly)
-        other._events = self._events.copied()
-        return other
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a checkpoint, all that later steps depend on but what functions of Python remember.
-
-        Raises:
-            InputError: called in the middle of a step.
-        """
-        self._refuse_when_busy("save")
-        arrays = self._stepper.snapshot() | self._pace_arrays()
-        arrays |= {f"law/{i}": law.history for i, law in enumerate(self._laws)}
-        checkpoint.save(Path(path), arrays, {"simulation": self.scene.text})
-
-    def restore(self, path: str | os.PathLike[str]) -> None:
-        """Continue from a checkpoint that :meth:`save` wrote, in this process or another; the scene must be the same.
-
-        Raises:
-            InputError: no such file, another scene, or a file that no such simulation has written. Then nothing is changed.
-        """
-        self._refuse_when_busy("restore")
-        arrays, numbers_there = checkpoint.load(Path(path))
-        if numbers_there.get("simulation") != self.scene.text:
-            raise InputError(path, "no checkpoint of a simulation of this scene")
-        own = {name: array for name, array in arrays.items() if not name.startswith(("pace/", "rest/", "law/"))}
-        try:
-            self._stepper.check(Stored(own))
-        except InputError as reason:
-            raise reason.under(path) from None
-        self._stepper.restore(own)
-        for i, law in enumerate(self._laws):
-            law.history = arrays[f"law/{i}"].copy() if f"law/{i}" in arrays else np.zeros_like(law.history)
-        self._advance = self._fresh_advance()
-        self._restore_pace(arrays)
-        self._stepper.last = None
-        self._events.forget()
-
-    @property
-    def _laws(self) -> list[BoundLaw]:
-        return [item for item in self._own.own if isinstance(item, BoundLaw)]
-
     def _refuse_at_end(self, what: str) -> None:
         if self.done:
             raise InputError(what, f"the scene has ended, at {self.time:g} s; a longer run.duration continues it")
 
-    def _refuse_when_busy(self, what: str) -> None:
-        if self._busy:
-            raise InputError(what, "this simulation is in the middle of a step; between steps it can be asked for")
-
-    def _fresh_advance(self) -> Advance:
-        case: Case = self._case
-        return Advance.of(self._stepper, case.steps, case.scene.run.frame_every, pauses_of(case))
-
-    def _pace_arrays(self) -> dict[str, np.ndarray]:
-        """What the lengths of steps and the rests of the loads depend on."""
-        pace, pauses = self._advance.pace, self._advance.pauses
-        out = {} if pace is None else prefixed("pace", pace.snapshot())
-        return out | {"rest/quiet": np.array([0 if pauses is None else pauses.quiet])}
-
-    def _restore_pace(self, arrays: Mapping[str, np.ndarray]) -> None:
-        if self._advance.pace is not None:
-            self._advance.pace.restore(part("pace", arrays))
-        if self._advance.pauses is not None:
-            self._advance.pauses.quiet = int(arrays["rest/quiet"][0])
-
     def __repr__(self) -> str:
         return f'<Simulation "{self.scene.title}": {len(self._case.assembly.names)} blocks, {self.steps} steps, {self.time:g} s>'
+
+
+def _without(case: Case, waiting: str | Sequence[str]) -> Case:
+    """The case whose blocks of some names are not there at first."""
+    if not waiting:
+        return case
+    return replace(case, assembly=without(case.assembly, [waiting] if isinstance(waiting, str) else waiting, "waiting"))
 
 
 def _stepper(case: Case, own: OwnForces, velocity: np.ndarray) -> Stepper:

@@ -52,6 +52,7 @@ class Dataset(NamedTuple):
 FILLED = "there is fill; not in files of older versions"
 FILL, MESHED, STRESSED = "blocks carry fill", "blocks are meshed and the scene asks for stress", "the scene asks for stress"
 NEWER, ELASTIC, SEQUENCE = "not in files of older versions", "blocks deform", "the loads are a sequence of shocks"
+CHANGED = "the scene has [[events]], or Python recorded the run"
 PUSHED, WATCHED = "there are pushes by displacement or props", "the scene asks in [output]"
 
 DATASETS = (
@@ -110,6 +111,7 @@ DATASETS = (
     Dataset("joints/force_point", ("F", "J", 3), REAL, "m", "where the force crosses the joint's plane, NaN where there is none"),
     Dataset("joints/force", ("F", "J", 3), REAL, "N", "mean force on the second block over the step before", NEWER),
     Dataset("reaction", ("F", "S", 6), REAL, "N, N m", "mean force and moment about its centre of each support on what it carries", NEWER),
+    Dataset("present", ("F", "B"), FLAG, "", "the block is there", CHANGED),
     Dataset("gradient", ("F", "B", 3, 3), REAL, "", "of the displacement within the blocks, body frame; zeros of rigid ones", ELASTIC),
     *(Dataset(f"joints/{law.name}", ("F", "J"), REAL, law.unit, law.meaning, "joints have the law") for law in histories()),
     Dataset("stress", ("F", "B", 6), REAL, "Pa", "mean since the frame before: xx yy zz xy yz xz, tension positive", STRESSED),
@@ -167,6 +169,6 @@ JOINT_PEAKS, STEP_PEAKS, SHOCK_PEAKS = _under("joints/peak"), _under("peaks"), _
 JOINT_HISTORIES = tuple(name for name in _under("joints", of="F") if not BY_NAME[f"joints/{name}"].when)
 LAW_HISTORIES = tuple(law.name for law in histories())
 BONDED, CRUSHED = bonded.HISTORY.name, crushing.HISTORY.name
-FORCE, REACTION, GRADIENT, STRESS, CLOSING = "force", "reaction", "gradient", "stress", "closing"
+FORCE, REACTION, GRADIENT, STRESS, CLOSING, PRESENT = "force", "reaction", "gradient", "stress", "closing", "present"
 MEAN_NORMAL_FORCE, EDGE_STRESS = "mean_normal_force", "edge_stress"
 NODE_DISPLACEMENT, ELEMENT_STRESS = "meshes/displacement", "meshes/stress"

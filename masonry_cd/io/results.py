@@ -31,6 +31,7 @@ from masonry_cd.io.layout import (
     JOINT_CONSTANTS,
     JOINT_PEAKS,
     NODE_DISPLACEMENT,
+    PRESENT,
     REACTION,
     SHOCK_PEAKS,
     STEP_PEAKS,
@@ -139,8 +140,22 @@ class Results:
         return min(self.rows(one.name) for one in DATASETS if one.shape[0] == "F" and one.name in self.file)
 
     def gradient(self, frame: int) -> np.ndarray | None:
-        """Gradients of the displacement within the blocks at a frame, body frames, (B, 3, 3); None where none deforms."""
-        return np.asarray(self.file[GRADIENT][frame], dtype=float) if GRADIENT in self.file else None
+        """Gradients of the displacement within the blocks at a frame, body frames, (B, 3, 3); None where none deforms.
+
+        A block that is not there has shrunk to its centre.
+        """
+        found = np.asarray(self.file[GRADIENT][frame], dtype=float) if GRADIENT in self.file else None
+        there = self.present(frame)
+        if not there.all():
+            found = np.zeros((len(there), 3, 3)) if found is None else found
+            found[~there] = -np.eye(3)
+        return found
+
+    def present(self, frame: int = -1) -> np.ndarray:
+        """Which blocks are there at a frame, (B,) bool; frames below zero count from the last."""
+        if PRESENT not in self.file:
+            return np.ones(len(self.blocks), dtype=bool)
+        return np.asarray(self.file[PRESENT][range(self.frames)[frame]], dtype=bool)
 
     @cached_property
     def time(self) -> np.ndarray:

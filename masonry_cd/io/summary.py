@@ -24,6 +24,7 @@ from masonry_cd.io.summary_tables import (
     ElasticBasis,
     End,
     Energy,
+    Event,
     Flag,
     Islands,
     JointCounts,
@@ -113,6 +114,7 @@ class Summary(JointCounts, Heading):
     provisional: Annotated[str, "why residual values and grades are not the last; empty where the run ended at rest"] = ""
     end: End | None = None
     shocks: tuple[Shock, ...] = ()
+    events: tuple[Event, ...] = ()
     joints_bonded: Annotated[Count, "joints that were bonded at the start"] = 0
     joints_broken: Annotated[Count, "those of them whose bond broke, all over or in part"] = 0
     joints_crushed: Annotated[Count, "joints that are shorter for good"] = 0

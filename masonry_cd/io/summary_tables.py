@@ -99,6 +99,7 @@ class Energy(SummaryTable):
     base_work: Annotated[Joules, "work of the supports"] = 0.0
     gravity_work: Annotated[Joules, "work of gravity and of what pulls at all blocks alike"] = 0.0
     force_work: Annotated[Joules, "work of forces on blocks"] = 0.0
+    change_work: Annotated[Joules, "energy that changes of the model put in; below zero: took out"] = 0.0
     correction: Annotated[Joules, "work of lifting blocks out of overlaps, which is not part of the balance"] = 0.0
     balance: Annotated[Joules, "what is put in less where it went"] = 0.0
     balance_error: Annotated[Real, "largest imbalance over the largest work done, or kinetic energy reached"] = 0.0
@@ -262,6 +263,15 @@ class Shock(JointCounts):
     rest_end: Annotated[Seconds, "when its rest was over"] = 0.0
     residual_opening_max: Annotated[Metres, "widest opening after the rest"] = 0.0
     residual_sliding_max: Annotated[Metres, "farthest sliding after the rest"] = 0.0
+
+
+class Event(SummaryTable):
+    """An event of the scene."""
+
+    name: Annotated[str, "of the event"] = ""
+    cause: Annotated[str, "when it comes"] = ""
+    change: Annotated[str, "what it changes"] = ""
+    time: Annotated[Seconds | None, "of the loads at which it came; null where it did not"] = None
 
 
 class Cycle(SummaryTable):

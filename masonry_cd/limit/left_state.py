@@ -59,6 +59,8 @@ def left_state(structure: LimitStructure, loads: StaticLoads) -> tuple[LimitStru
     with Results.open(file) as results:
         _refuse_others(results, assembly)
         frame = _frame(results, asked.time)
+        if not results.present(frame).all():
+            raise InputError(KEY, f"{results.path}: events have taken blocks away, and limit analysis has all those of the scene")
         if results.gradient(frame) is not None:
             raise InputError(KEY, f"{results.path}: its blocks deform, and limit analysis has rigid ones")
         pose = Pose.of(results, solids_of(results.blocks), frame)

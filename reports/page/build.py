@@ -127,6 +127,8 @@ def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndar
     arrays["vertices"] = (within_sight(solids, solids.vertices, box + origin) - origin).astype(np.float32)
     down, apart = motion.read_losses(results, solids, moved, classes[0])
     flags = {"fallen": motion.bits(down), "separated": motion.bits(apart)}
+    gone = np.array([~results.present(frame) for frame in moved.frames.tolist()])
+    flags |= {"absent": motion.bits(gone)} if gone.any() else {}
     classes_of_stress, pressed = stress.colours(results, moved.frames)
     contents, text = packed(arrays | units | flags | pressed | tie_tensions(results, moved.time), histories)
     facts |= {"contents": contents, "frames": len(moved.frames), "frames_written": results.frames, "scales": scales}

@@ -62,6 +62,7 @@ class Motion {
       }
       for (let k = 0; k < 3; k++) { pose[at + k] = u[k]; pose[at + 8 + k] = centre[3 * b + k]; }
       for (let k = 0; k < 4; k++) pose[at + 4 + k] = q[k];
+      pose[at + 3] = this.data.absent ? this.flag("absent", b, frame) : 0;
     }
   }
 
@@ -94,7 +95,7 @@ class Motion {
   }
 
   flag(name, index, frame) {
-    const row = Math.ceil((name === "fallen" ? this.blocks : this.joints) / 8);
+    const row = Math.ceil((name === "separated" ? this.joints : this.blocks) / 8);
     return (this.data[name][frame * row + (index >> 3)] >> (index & 7)) & 1;
   }
 }

@@ -76,7 +76,9 @@ def read_losses(results: Results, solids: Solids, moved: Motion, thresholds: Thr
         if not (suspect[k] or (area <= thresholds.lost * joints.area).any()):
             continue
         pose = Pose.of(results, solids, frame)
+        there = results.present(frame)
         apart[k] = parted(joints, smallest_gap(joints, solids, pose), joint_frame(results, "sliding", frame), area, thresholds)
+        apart[k] &= there[joints.block_a] & there[joints.block_b]
         down[k] = fallen_in(joints, solids, pose, apart[k], thresholds)
     return down, apart
 

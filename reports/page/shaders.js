@@ -3,7 +3,7 @@ Shaders. A point X of a block at rest is drawn at
 
     X + f (R (X - c) + c + u - X),    R, u the block's rotation and displacement, c its centre, f the factor stated beside the model,
 
-all blocks in one call: their poses and colours lie in textures. The bands of the joints are those of the crack map (bands.py): four
+and one that is not there as its centre; all blocks in one call: their poses and colours lie in textures. The bands of the joints are those of the crack map (bands.py): four
 corners per side of an interface polygon, of a least width in pixels, dashed where the joint has slid.
 */
 
@@ -21,10 +21,10 @@ uniform float deep, lift;
 ivec2 texel(int i) { return ivec2(i % ${ACROSS}, i / ${ACROSS}); }
 vec3 turned(vec4 q, vec3 v) { return v + 2.0 * cross(q.yzw, cross(q.yzw, v) + q.x * v); }
 vec3 carried(vec3 x, int block) {
-  vec3 u = texelFetch(poses, texel(3 * block), 0).xyz;
+  vec4 u = texelFetch(poses, texel(3 * block), 0);
   vec4 q = texelFetch(poses, texel(3 * block + 1), 0);
-  vec3 arm = x - texelFetch(poses, texel(3 * block + 2), 0).xyz;
-  return x + factor * (turned(q, arm) - arm + u);
+  vec3 centre = texelFetch(poses, texel(3 * block + 2), 0).xyz, arm = x - centre;
+  return u.w > 0.5 ? centre : x + factor * (turned(q, arm) - arm + u.xyz);
 }
 vec3 carriedNormal(vec3 n, int block) {
   vec4 q = texelFetch(poses, texel(3 * block + 1), 0);

@@ -21,11 +21,12 @@ from small_runs import ctrl_c_before_step, write_scene
 
 from masonry_cd.app import run_loop
 from masonry_cd.app.case import prepare
-from masonry_cd.app.checkpoint_checks import check_content
+from masonry_cd.app.checkpoint_checks import Kept, check_content
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 LIMIT = 300  # seconds after which a process counts as hanging
@@ -95,7 +96,11 @@ def read(name: str, folder: Path) -> tuple[dict[str, np.ndarray], dict, Callable
     loading = case.loading
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run, forces=loading.forces)
     arrays, numbers = checkpoint.load(folder / checkpoint.NAME)
-    return arrays, numbers, lambda arrays, numbers: check_content(arrays, numbers, stepper, case.joints.count, case.scene.stress)
+    return (
+        arrays,
+        numbers,
+        lambda arrays, numbers: check_content(arrays, numbers, stepper, Kept(case.joints.count, case.scene.stress, settles(case.assembly))),
+    )
 
 
 def test_every_array_is_checked(stopped):

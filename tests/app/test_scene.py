@@ -284,6 +284,7 @@ PURE = {
     *("junction", "bond", "stages", "passive", "passive_shaken"),  # shares of courses, of a force, of the passive pressure
     *("active_at", "gone_at"),  # movement over depth
     *("behaviour_factor", "building_damping", "confidence_factor", "f0", "participation"),
+    *("above", "below"),  # of whatever a gauge shows
 }
 """Keys whose numbers have no unit."""
 

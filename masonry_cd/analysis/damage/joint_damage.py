@@ -112,7 +112,8 @@ def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds |
     solids = solids_of(results.blocks)
     gap = smallest_gap(joints, solids, Pose.of(results, solids, frame))
     sliding, contact_area = (joint_frame(results, name, frame) for name in ("sliding", "contact_area"))
-    return parted(joints, gap, sliding, contact_area, thresholds)
+    there = results.present(frame)
+    return there[joints.block_a] & there[joints.block_b] & parted(joints, gap, sliding, contact_area, thresholds)
 
 
 def collapsed_blocks(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ import numpy as np
 
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.jit import borrower, entry
-from masonry_cd.mechanics.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
+from masonry_cd.mechanics.contact.broad_phase import SKIN, Listing, list_holds, list_pairs, unlinked
 from masonry_cd.mechanics.contact.contact_set import ContactSet, write_contacts
 from masonry_cd.mechanics.contact.facets import Facets, Overlay
 from masonry_cd.mechanics.contact.faults import TooManyPoints, UnexplainedOverlap
@@ -69,8 +69,8 @@ class Detector:
         self._crushes = assembly.laws.elastic & (assembly.laws.crushing > 0.0) & (not corners_only)
         self._weight = np.where(assembly.fixed, np.inf, GRAVITY * assembly.mass)
         self._fixed_part = assembly.fixed[shapes.part_block]
-        self._affine = assembly.affine
-        self._linked = np.array([link.blocks for link in assembly.links], dtype=np.int64).reshape(-1, 2)
+        self._absent_part = None if assembly.absent is None else assembly.absent[shapes.part_block]
+        self._affine, self._linked = assembly.affine, [link.blocks for link in assembly.links]
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
         self._corners = _most_corners(shapes)
         self._rolling = assembly.rolling if not corners_only else np.zeros_like(assembly.rolling)
@@ -153,6 +153,14 @@ class Detector:
         other.tally = self.tally.copy()
         return other
 
+    def go_on_from(self, other: Detector) -> None:
+        """Remember what one of the same blocks does, of which others are supports or absent now, and list the pairs anew."""
+        self.restore(other.snapshot() | {"allowance": np.full(len(self._fixed_part), np.nan)})
+
+    def blocks_of_contacts(self) -> np.ndarray:
+        """The blocks of the contacts of the last set, (C, 2)."""
+        return np.asarray(self._shapes.part_block[self._memory.parts][self._memory.pair_of_contacts()])
+
     def snapshot(self) -> dict[str, np.ndarray]:
         """What the detector remembers, as arrays for a checkpoint."""
         listed = {f"listed_{name}": getattr(self._listing, name) for name in ("position", "rotation")}
@@ -229,17 +237,10 @@ class Detector:
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
         self._listing = Listing(motion.position - origin, motion.rotation.copy(), self._listing.allowance)
-        pairs = self._unlinked(list_pairs(self._listing, self._shapes, motion, self._fixed_part, self._skin))
+        pairs = unlinked(list_pairs(self._listing, self._shapes, motion, self._fixed_part, self._skin), self._shapes, self._linked)
+        pairs = pairs if self._absent_part is None else pairs[~self._absent_part[pairs].any(axis=1)]
         self._remember(self._memory.carried_over(pairs, self._capacity(pairs)))
         self.rebuilds += 1
-
-    def _unlinked(self, pairs: np.ndarray) -> np.ndarray:
-        """Pairs of parts (P, 2) without those whose blocks a link holds together: it stands in the place of their joint."""
-        if not len(self._linked):
-            return pairs
-        blocks, count = self._shapes.part_block[pairs], len(self._listing.position)
-        keys = np.sort(self._linked, axis=1) @ [count, 1]
-        return pairs[~np.isin(np.sort(blocks, axis=1) @ [count, 1], keys)]
 
     def _remember(self, memory: PairMemory) -> None:
         """Have a memory of new pairs, the kind of each, and the arm of its rolling friction [m]."""

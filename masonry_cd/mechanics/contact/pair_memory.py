@@ -107,6 +107,11 @@ class PairMemory(NamedTuple):
         end = np.cumsum(count)
         return np.repeat(self.slot[:-1][pairs] - (end - count), count) + np.arange(end[-1] if len(end) else 0)
 
+    def pair_of_contacts(self) -> np.ndarray:
+        """The pair of each contact of the last set, (C,)."""
+        place, pair = self.place[self.rows()], np.repeat(np.arange(len(self.parts)), self.point_count)
+        return pair[place >= 0][np.argsort(place[place >= 0])]
+
     def snapshot(self) -> dict[str, np.ndarray]:
         """What a checkpoint keeps: all but unused rows of points."""
         used = self.rows()

@@ -47,6 +47,11 @@ class AdaptiveSteps:
         self.stepper, self.control = stepper, StepControl(settings.longest_ticks)
         self.tolerance = error_tolerance(settings, stepper.assembly)
         self.drift = np.zeros(system.loads.support_velocity.shape[1:])  # (S, 3) of the supports so far, see base_drift [m]
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Go on with other blocks or loads: nothing is known of the last step."""
+        system = self.stepper.system
         pull = system.loads.acceleration
         self._steady = system.loads.forces is None and bool((pull == pull[0]).all())  # no load but shaking varies
         self._last = Change(np.zeros((len(system.reach), 6)), np.zeros(3))

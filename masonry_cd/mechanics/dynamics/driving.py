@@ -51,6 +51,8 @@ def drive(system: System, guides: tuple[Guide, ...], free: Prediction) -> tuple[
     index, columns, n = system.blocks.free_index, system.blocks.columns, system.unknowns
     inverse, v, made = free.inverse_mass.copy(), free.v_free.copy(), []
     for number, guide in enumerate(guides):
+        if not guide.there:
+            continue
         body, speed = index[guide.blocks], guide.speed(free.loads.number - 1 + free.loads.ticks)
         for full, pushes in _full_rows(guide, free.rotation, columns):
             row = np.zeros((len(body), n))

@@ -4,12 +4,13 @@
 With mean velocities over the step, v = (v_old + v_new) / 2, it is exact for theta = 1/2 up to the turning of the inertia:
 
     kinetic + elastic + friction + impact + damping + crushing  =
-        work of the supports and of guides (driving.py) + work of gravity + work of point loads and ties  (+ balance, what is left over)
+        work of the supports and of guides (driving.py) + work of gravity + work of point loads and ties + changes  (+ balance)
 
 The kinetic energy changes by p . H v, which is the relative motion of the contacts (lost in friction and impacts) less the part of the
 supports' own motion (work of the base). What a tie stores in its stretch counts as work until it gives it back. elastic is the energy of
 the springs of elastic joints and of blocks that deform, damping what these lost to their dashpots, to their theta, in breaking and where a
-joint passes to another face, whose springs begin without force; crushing is what joints take that are shortened for good.
+joint passes to another face, whose springs begin without force; crushing is what joints take that are shortened for good. changes is what
+is put in with blocks and joints that become others (stage.py), and below zero what is taken out.
 correction is the work of lifting blocks out of overlaps, beside the balance.
 """
 
@@ -53,9 +54,13 @@ def account(system: System, last: Motion, made: StepProblem, impulse: np.ndarray
         mean, support = 0.5 * (last.v + new.v), 0.5 * (loads.support_before + loads.support_after)
         by_links, lost = predicted.linked.work(system, made.link_impulse(impulse, new.v), mean, support)
         base, impact = base + by_links, impact + lost
+    stored = totals["elastic"] - new.strains.before if last.steps else new.springs.before
+    if last.energy.changed and last.steps:
+        totals["change_work"] += new.springs.before - stored
+        stored = new.springs.before
     if system.laws is not None:
         begun += new.springs.before if last.steps == 0 else 0.0
-        _book_springs(totals, new, totals["elastic"] - new.strains.before if last.steps else new.springs.before)
+        _book_springs(totals, new, stored)
     totals["elastic"] = new.springs.after + new.strains.elastic
     totals["damping"] += new.strains.lost
     begun += new.strains.before if last.steps == 0 else 0.0

@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The terms of the energy balance of a run, which :mod:`masonry_cd.mechanics.dynamics.energy` closes in each step, and their words."""
 
-WORKS = {"base_work": "work of the base", "gravity_work": "work of gravity", "force_work": "work of point loads and ties"}
+WORKS = {
+    "base_work": "work of the base",
+    "gravity_work": "work of gravity",
+    "force_work": "work of point loads and ties",
+    "change_work": "put in by changes of the model",
+}
 """What is put in."""
 LOSSES = {
     "kinetic": "kinetic",

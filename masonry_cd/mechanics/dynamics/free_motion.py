@@ -73,7 +73,18 @@ def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:
     free = Prediction(loads, state, rotation, inverse_mass, v_free, momentum, system.gravity, last.tensions, last.yielded, rotation)
     if system.strains is not None:
         free = _with_strains(system, system.strains, last, free)
-    return _with_carried_impulse(system, _with_forces(system, free), last.carried_impulse)
+    free = _with_carried_impulse(system, _with_forces(system, free), last.carried_impulse)
+    return free if system.absent is None else _without(system.absent, system.free, free)
+
+
+def _without(absent: np.ndarray, is_free: np.ndarray, free: Prediction) -> Prediction:
+    """Blocks that are absent, (B,) bool, stay where they are, whatever would act on them."""
+    v, momentum = free.v_free.copy(), free.angular_momentum.copy()
+    v[absent[is_free]], momentum[absent] = 0.0, 0.0
+    impulse = free.force_impulse
+    if impulse is not None:
+        impulse = np.where(absent[is_free, None], 0.0, impulse)
+    return free._replace(v_free=v, angular_momentum=momentum, force_impulse=impulse)
 
 
 def _with_strains(system: System, strains: Strains, last: Motion, free: Prediction) -> Prediction:

@@ -61,6 +61,10 @@ class Pauses:
         self._built = standing_of(assembly)
         self._reach = assembly.reach
 
+    def watch(self, assembly: Assembly) -> None:
+        """Go on with blocks of which others are free."""
+        self._assembly = assembly
+
     @property
     def any_shocks(self) -> bool:
         """Whether there are shocks to report on; a run that only goes on until its blocks are still has none."""

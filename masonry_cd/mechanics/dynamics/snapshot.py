@@ -32,7 +32,7 @@ def motion_arrays(motion: Motion, load_step: int) -> dict[str, np.ndarray]:
     out |= {"angular_momentum": m.angular_momentum, "v": m.v, "impulse": m.impulse, "false_slip": m.false_slip}
     out["yielded"] = m.yielded
     out["steps"] = np.array([m.steps, load_step, m.ticks, m.span])
-    out["energy"] = np.array([m.energy.begun, *(m.energy.totals[name] for name in ENERGIES)])
+    out["energy"] = np.array([m.energy.changed, m.energy.begun, *(m.energy.totals[name] for name in ENERGIES)])
     if len(m.state.strain):
         out["strain"] = m.state.strain
     if m.carried_impulse is not None:
@@ -67,7 +67,7 @@ def check_motion(stored: Stored, system: System, motion: Motion, contacts: int) 
     if not (steps <= ticks <= load_step and span in system.settings.spans):
         stored.refuse("steps", "out of range")
     stored.real("yielded", len(motion.tensions))
-    stored.real("energy", 1 + len(ENERGIES), finite=False)
+    stored.real("energy", 2 + len(ENERGIES), finite=False)
     joints = stored.part("joints")
     remembered = 1 if system.laws is None else max(1, contacts)
     joints.real("slip", remembered, 3)
@@ -80,7 +80,7 @@ def check_motion(stored: Stored, system: System, motion: Motion, contacts: int) 
 def restored_motion(arrays: Mapping[str, np.ndarray], tick: float, tensions: np.ndarray) -> tuple[Motion, int]:
     """The motion of :func:`motion_arrays` and the step of the loads, with ticks of some length [s] and tensions of the ties (T,) [N]."""
     steps, load_step, ticks, span = map(int, arrays["steps"])
-    begun, *energies = arrays["energy"].tolist()
+    changed, begun, *energies = arrays["energy"].tolist()
     strain = arrays.get("strain", np.zeros((0, 6)))
     motion = Motion(
         state=State(ticks * tick, arrays["position"], arrays["orientation"], arrays["velocity"], strain),
@@ -92,7 +92,7 @@ def restored_motion(arrays: Mapping[str, np.ndarray], tick: float, tensions: np.
         joints=JointMemory(**part("joints", arrays)),
         tensions=tensions,
         yielded=arrays["yielded"],
-        energy=EnergyBalance(dict(zip(ENERGIES, energies, strict=True)), begun),
+        energy=EnergyBalance(dict(zip(ENERGIES, energies, strict=True)), begun, bool(changed)),
         steps=steps,
         ticks=ticks,
         span=span,

@@ -11,7 +11,7 @@ from masonry_cd.mechanics.dynamics.energy import at_start
 from masonry_cd.mechanics.dynamics.free_motion import angular_momenta
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
 from masonry_cd.mechanics.dynamics.settings import FirstVelocities
-from masonry_cd.mechanics.dynamics.system import NO_APPROACH, EnergyBalance, Motion, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Motion, System
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 
@@ -52,7 +52,8 @@ def with_state(system: System, motion: Motion, state: State) -> Motion:
     energy = at_start(system, state, momentum)
     if motion.steps:
         totals = motion.energy.totals | {"kinetic": motion.energy.totals["kinetic"] + energy.begun - kinetic_energy(system, motion)}
-        energy = EnergyBalance(totals, motion.energy.begun + totals["kinetic"] - motion.energy.totals["kinetic"])
+        begun = motion.energy.begun + totals["kinetic"] - motion.energy.totals["kinetic"]
+        energy = motion.energy._replace(totals=totals, begun=begun)
     return motion._replace(state=state, angular_momentum=momentum, v=v, carried_impulse=None, energy=energy, approach=NO_APPROACH)
 
 

@@ -90,6 +90,7 @@ class System:
     rows: int  # of a contact, m: 3 in space (normal, two tangents), 2 in a plane
     linkage: Linkage | None  # the links; None: there are none
     bounces: bool  # whether contacts have a restitution
+    absent: np.ndarray | None = None  # (B,) bool: blocks that are not there; None: all are
 
     @classmethod
     def of(cls, assembly: Assembly, settings: Run, loads: Loads, plane: Plane | None) -> System:
@@ -126,6 +127,7 @@ class System:
             stretch=most_stretched(assembly.laws, masonry),
             support=int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1,
             rows=3 if plane is None else 2,
+            absent=assembly.absent,
             linkage=Linkage.of(assembly),
             bounces=bool(assembly.restitution.any()),
         )
@@ -141,8 +143,13 @@ class System:
         return len(self.blocks.columns) + (0 if self.strains is None else len(self.strains.columns))
 
     @property
+    def body(self) -> np.ndarray:
+        """The body of the friction problem that each free block is in (F,): those that links hang together are one."""
+        return np.arange(len(self.reach)) if self.linkage is None else self.linkage.body
+
+    @property
     def bodies(self) -> int:
-        """Of the friction problem: the free blocks, those that links hang together as one."""
+        """How many there are."""
         return len(self.reach) if self.linkage is None else self.linkage.bodies
 
     @property
@@ -213,6 +220,7 @@ class EnergyBalance(NamedTuple):
 
     totals: dict[str, float]  # by the names of ENERGIES [J]
     begun: float  # energy at the start of the run, that of springs included from the first step on [J]
+    changed: bool = False  # blocks or joints are others since the last step, and so is the energy of springs
 
 
 class Motion(NamedTuple):

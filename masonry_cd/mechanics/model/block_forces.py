@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -69,6 +70,17 @@ class BlockForces(Protocol):
     @property
     def jacked(self) -> np.ndarray:
         """Which ties keep their first tension while the structure settles, (T,) bool; the others are there by then."""
+
+    @property
+    def there(self) -> np.ndarray:
+        """Which ties are there, (T,) bool; the others do not pull."""
+
+    @property
+    def switches(self) -> Mapping[str, bool]:
+        """Ties and guides that can come and go, by name, and whether they are there."""
+
+    def switched(self, there: Mapping[str, bool]) -> BlockForces:
+        """The forces whose ties and guides of some names are there or not."""
 
     def ties_alone(self) -> BlockForces:
         """The forces without those that are given in time, and guides at rest."""

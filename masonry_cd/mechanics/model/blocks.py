@@ -178,6 +178,7 @@ class Assembly:
     shapes: Shapes = field(repr=False)
     deformation: Deformation | None = None  # of the blocks that deform; None: all are rigid
     links: tuple[Link, ...] = ()  # that hold blocks together
+    absent: np.ndarray | None = None  # (B,) bool: free blocks that are not there, and meet nothing; None: all are there
 
     @property
     def count(self) -> int:

@@ -21,6 +21,7 @@ class Guide:
     velocity: np.ndarray  # (N + 1,) along it at t_k [m/s]
     held: bool  # the blocks do not turn
     name: str  # for tables
+    there: bool = True  # else it guides nothing
 
     def speed(self, step: int) -> float:
         """The velocity at t_k [m/s]."""

@@ -14,7 +14,7 @@ either block, the gap vector is d_k = x_b(X_k) - x_a(X_k), and with the joint's 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -72,6 +72,11 @@ class JointMeasures:
             contact_area=np.minimum(area, self.contact_area + area - rest.contact_area),
             gap=self.gap - np.maximum(0.0, rest.gap),
         )
+
+    def but(self, gone: np.ndarray, area: np.ndarray) -> JointMeasures:
+        """The measures where those joints of some areas (J,) [m2] that are gone, (J,) bool, are as built."""
+        moved = {name: np.where(gone, 0.0, values) for name, values in vars(self).items()}
+        return replace(JointMeasures(**moved), contact_area=np.where(gone, area, self.contact_area))
 
 
 class JointPeaks:

@@ -261,3 +261,28 @@ def test_a_state_that_tears_a_link_is_refused():
     sim = simulation([SUPPORT, rod(0.3)], [PIN])
     with pytest.raises(mc.InputError, match=r"torn by 0\.1 m"):
         sim.state = sim.state.changed("b1", position=sim.state.position[1] + [0.1, 0.0, 0.0])
+
+
+def test_links_go_with_the_blocks_and_supports_that_they_hold():
+    blocks = [mc.box((-3.0, -1.0, -9.0), (3.0, 1.0, -8.0)), SUPPORT, rod(0.3)]
+    pin = PIN | {"blocks": ["b2", "b1"]}
+    sim = simulation(blocks, [pin], ["b0", "b1"], duration=0.4)
+    sim.run(until=0.1)
+    swung, hung = sim.copy(), sim.copy()
+    swung.remove("b2")
+    swung.step()
+    assert swung.links() == [] and swung.reactions()["b1"] == pytest.approx(np.zeros(6))
+    with pytest.raises(mc.InputError, match="torn"):  # the support has moved on
+        hung.release("b1")
+        hung.run(until=0.2)
+        hung.remove("b2")
+        hung.run(until=0.3)
+        hung.add("b2")
+    mass = sim._stepper.assembly.mass
+    sim.release("b1")
+    before = mass[1:] @ sim.state.velocity[1:, :3] / mass[1:].sum()
+    sim.run(until=0.2)
+    after = mass[1:] @ sim.state.velocity[1:, :3] / mass[1:].sum()
+    assert after - before == pytest.approx([0.0, 0.0, -0.1 * G], abs=1e-9)
+    assert sim._stepper.system.linkage.largest_violation(sim._stepper.state) < 1e-6 and len(sim.links()) == 1
+    assert abs(sim.energy["balance"]) < 1e-9

@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tables ``[[events]]`` of a scene: changes of the model at a time, or once a gauge passes a value.
+
+    [[events]]
+    at = 2.0                                                       # s, of the loads
+    remove = "centring"
+
+    [[events]]
+    when = { gauge = "crown", quantity = "z", below = -0.01 }      # a gauge of [output]
+    put_in = "prop 2"
+
+An event comes once, before the first step that begins at its time or later, or before the step after the one in which its gauge passed the
+value. Several that are due at once come in the order of the scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from masonry_cd.app.changes import Change, Changes, Model, check, in_words
+from masonry_cd.app.gauge_rows import GaugeRows
+from masonry_cd.app.pair_joints import PairJoints
+from masonry_cd.app.staying_support import staying_support
+from masonry_cd.foundation.arrays import Stored
+from masonry_cd.foundation.errors import InputError, of_each, parse_table, suggest
+from masonry_cd.foundation.fields import Instant, Number, Table
+from masonry_cd.io.gauges import Gauges
+from masonry_cd.io.summary_tables import Event
+from masonry_cd.mechanics.dynamics.equilibrium import settles
+from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
+from masonry_cd.mechanics.dynamics.system import Loads
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import JointMeasures, Joints, measure_joints
+
+if TYPE_CHECKING:
+    from loads import Loading
+
+QUANTITIES: Mapping[str, tuple[str, ...]] = {
+    "points": ("x", "y", "z"),
+    "joints": ("opening", "sliding", "normal_force", "shear_force"),
+    "cracks": ("x", "y", "z"),
+    "supports": ("x", "y", "z"),
+    "guides": ("force", "moment", "displacement"),
+}
+"""What may pass a value, by the kind of the gauge: displacements and openings [m], forces [N], moments [N m]."""
+
+
+class Condition(Table):
+    """What a gauge has to pass, ``when = { gauge = "crown", quantity = "z", below = -0.01 }``."""
+
+    gauge: str
+    """Its name: of a point, joint, crack or support of [output], of a push by displacement or a prop."""
+    quantity: str
+    """x, y, z of points, cracks and supports; opening, sliding, normal_force, shear_force of joints; force, moment, displacement of pushes
+    and props."""
+    above: Number | None = None
+    """The event comes once the quantity is more than this, in SI units."""
+    below: Number | None = None
+    """Or less than this."""
+
+    @model_validator(mode="after")
+    def _one_bound(self) -> Self:
+        if (self.above is None) == (self.below is None):
+            raise ValueError("give exactly one of above and below")
+        return self
+
+    def met(self, value: float) -> bool:
+        """Whether a value has passed it."""
+        return value > self.above if self.above is not None else value < (self.below or 0.0)
+
+    @property
+    def words(self) -> str:
+        """As of a line."""
+        bound = f"above {self.above:g}" if self.above is not None else f"below {self.below:g}"
+        return f'once {self.quantity} of "{self.gauge}" is {bound}'
+
+
+class EventTable(Change):
+    """A table ``[[events]]``."""
+
+    at: Instant | None = None
+    """Time of the loads at which it comes."""
+    when: Condition | None = None
+    """Or what a gauge has to pass."""
+    name: Annotated[str, Field(min_length=1, max_length=60)] | None = None
+    """In lines and summary.json."""
+
+    @model_validator(mode="after")
+    def _one_cause(self) -> Self:
+        if (self.at is None) == (self.when is None):
+            raise ValueError("give exactly one of at and when")
+        return self
+
+    @property
+    def cause(self) -> str:
+        """When it comes, in words."""
+        return self.when.words if self.when is not None else f"at {self.at:g} s"
+
+
+def parse_events(tables: Sequence[Mapping[str, Any]]) -> tuple[EventTable, ...]:
+    """The events of a scene.
+
+    Raises:
+        InputError: the faults of all of them together.
+    """
+    return tuple(of_each(lambda i: parse_table(EventTable, tables[i], f"events[{i}]"), range(len(tables))))
+
+
+def check_events(
+    events: Sequence[EventTable], assembly: Assembly, loading: Loading, material: Mapping[str, Any], settings: Run, gauges: Gauges
+) -> list[str]:
+    """A line on each event of a scene, with its blocks and loads before any of them.
+
+    Raises:
+        InputError: events that name what is not there, or would change nothing; the faults of all of them together.
+    """
+    loads = Loads(loading.support_velocity, loading.acceleration, loading.forces)
+    model = Model.of(assembly, loads, material, settings.gravity)
+
+    def line(i: int) -> str:
+        check(events[i], model, f"events[{i}]")
+        condition = events[i].when
+        if condition is not None:
+            find_condition(condition, gauges, f"events[{i}]")
+        return line_of(events[i], i, assembly)
+
+    return of_each(line, range(len(events)))
+
+
+def line_of(event: EventTable, number: int, assembly: Assembly) -> str:
+    """An event in a line, for who starts the run."""
+    return f"{event.name or f'events[{number}]'} {event.cause}: {in_words(event, assembly)}"
+
+
+@dataclass(frozen=True)
+class Looked:
+    """A condition, found among the gauges of a run."""
+
+    gauge: Gauges  # the one that it looks at
+    rows: str  # the dataset of its values
+    column: int
+    relative: bool = False  # to the support of displacements
+
+
+def find_condition(condition: Condition, gauges: Gauges, where: str) -> Looked:
+    """Find the gauge of a condition.
+
+    Raises:
+        InputError: no such gauge, or it has no such quantity.
+    """
+    every = [(kind, one) for kind, ones in gauges._asdict().items() for one in ones]
+    found = [(kind, one) for kind, one in every if one.name == condition.gauge]
+    names = [one.name for _, one in every]
+    if not found:
+        listed = f"gauges: {', '.join(names)}" if names else "[[output.point]] with a name makes one"
+        raise InputError(f"{where}.when.gauge", f'"{condition.gauge}" is no gauge{suggest(condition.gauge, names)}; {listed}')
+    kind, one = found[0]
+    if condition.quantity not in QUANTITIES[kind]:
+        raise InputError(f"{where}.when.quantity", f'"{condition.quantity}" is none of {", ".join(QUANTITIES[kind])}, which this gauge has')
+    rows = f"guides/{condition.quantity}" if kind == "guides" else f"gauges/{kind}"
+    if kind == "guides":
+        return Looked(Gauges(guides=gauges.guides), rows, gauges.guides.index(one))
+    only: Any = {kind: (one,)}
+    return Looked(Gauges(**only), rows, QUANTITIES[kind].index(condition.quantity), getattr(one, "relative", False))
+
+
+@dataclass(eq=False)
+class Events:
+    """The events of a run on its way."""
+
+    changes: Changes
+    tables: Sequence[EventTable]
+    stepper: Stepper
+    joints: Joints
+    support: int  # to which displacements are relative; -1 without one
+    looked: Mapping[int, Looked]  # of the events that have a condition
+    met: list[int] = field(default_factory=list)  # whose condition holds, and that are to come before the next step
+    rest: JointMeasures | None = None  # of the joints, since which they are measured
+    _rows: Mapping[int, GaugeRows] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._rows = {i: GaugeRows(one.gauge, self.stepper, self.joints, self.support) for i, one in self.looked.items()}
+        self._pair_joints = PairJoints(self.stepper.assembly)
+
+    @classmethod
+    def of(cls, tables: Sequence[EventTable], material: Mapping[str, Any], stepper: Stepper, joints: Joints, gauges: Gauges) -> Events:
+        """Of a stepper at the beginning of its run, with the table [material] of its scene and the gauges of the run."""
+        known = [(table, f"events[{i}]") for i, table in enumerate(tables)]
+        looked = {i: find_condition(one.when, gauges, f"events[{i}]") for i, one in enumerate(tables) if one.when is not None}
+        rest = measure_joints(joints, stepper.assembly, stepper.state) if looked and settles(stepper.assembly) else None
+        changes = Changes.of(stepper, material, known)
+        return cls(changes, tables, stepper, joints, staying_support(stepper, joints), looked, rest=rest)
+
+    @property
+    def stops(self) -> list[int]:
+        """Steps of the loads before which events are due, (E,) at most."""
+        return [int(np.ceil(table.at / self.stepper.settings.dt - 1e-6)) for table in self.tables if table.at is not None]
+
+    def before_step(self) -> bool:
+        """Have the events come that are due before the step that comes; whether there were any.
+
+        Raises:
+            RunStopped: there is no room for a block that one puts in.
+        """
+        now, made = self.stepper.load_step * self.stepper.settings.dt, {number for number, _ in self.changes.made}
+        timed = [i for i, table in enumerate(self.tables) if table.at is not None and table.at <= now + 1e-6 * self.stepper.settings.dt]
+        due = sorted(i for i in {*timed, *self.met} if i not in made)
+        for number in due:
+            try:
+                self.changes.make(number, self.stepper)
+            except InputError as fault:
+                raise RunStopped(f"step {self.stepper.steps + 1}: {fault}") from None
+        self.met.clear()
+        return bool(due)
+
+    def after_step(self) -> None:
+        """Look whether the step has met conditions."""
+        made = {number for number, _ in self.changes.made}
+        for number, looked in self.looked.items():
+            condition = self.tables[number].when
+            if number not in made and condition is not None and condition.met(self._value(number, looked)):
+                self.met.append(number)
+
+    def _value(self, number: int, looked: Looked) -> float:
+        """What the gauge of an event shows after the last step."""
+        stepper, joints, rows = self.stepper, self.joints, self._rows[number]
+        now = measure_joints(joints, stepper.assembly, stepper.state)
+        rows.step(now if self.rest is None else now.since(self.rest, joints.area), self._pair_joints.of(stepper.detector.pairs))
+        found = rows.take()
+        row = np.atleast_2d(found[looked.rows][0])
+        value = float(row[0, looked.column])
+        return value - float(found["gauges/base"][0, looked.column]) if looked.relative else value
+
+    def copied(self, stepper: Stepper) -> Events:
+        """A copy for another stepper, that goes its own way."""
+        return Events(self.changes.copied(), self.tables, stepper, self.joints, self.support, self.looked, list(self.met), self.rest)
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """What has come so far, and what is to come, for a checkpoint."""
+        rest = {} if self.rest is None else prefixed("rest", vars(self.rest))
+        return self.changes.snapshot() | {"met": np.array(self.met, dtype=np.int64)} | rest
+
+    def restore(self, stored: Stored, arrays: Mapping[str, np.ndarray]) -> None:
+        """Have the stepper be in the stage of a checkpoint, before its motion is restored.
+
+        Raises:
+            InputError: events that this scene does not have.
+        """
+        met = stored.whole("met", None)
+        if (met >= len(self.tables)).any():
+            stored.refuse("met", "not those of this scene")
+        if self.rest is not None:
+            kept = stored.part("rest")
+            for name in vars(self.rest):
+                kept.real(name, self.joints.count)
+            self.rest = JointMeasures(**part("rest", arrays))
+        self.changes.restore(stored, self.stepper)
+        self.met = met.tolist()
+
+    def rows(self) -> tuple[Event, ...]:
+        """What has come of each of them, for summary.json."""
+        when = {number: step * self.stepper.settings.dt for number, step in self.changes.made}
+        every = ((i, one, in_words(one, self.stepper.assembly)) for i, one in enumerate(self.tables))
+        return tuple(Event(name=one.name or f"events[{i}]", cause=one.cause, change=words, time=when.get(i)) for i, one, words in every)
