@@ -5,7 +5,8 @@ A kind of load is a :class:`loads.motion.LoadKind`, listed by name in the ``KIND
 full from the start unless a table of kind "gravity" ramps it.
 
 Support s follows the sum over the tables  v_s(t) = sum_i share_is v_i(t - delay_is). Supports whose delays and shares agree in every table
-have one motion: it is computed once, and the assembly's ``support_of`` says which block follows which.
+have one motion: it is computed once, and the assembly's ``support_of`` says which block follows which. One that turns about a point has a
+motion of its own.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from loads.kinds.driven import check_inertia, check_together
 from loads.kinds.gravity import GravityTable
 from loads.kinds.tie import TieTable, bar
 from loads.kinds.tilt import TiltTable, load_factors
-from loads.motion import LoadKind, LoadTable, Part, RunGrid
+from loads.motion import LoadKind, LoadTable, Part, RunGrid, Turning
 from loads.supports import ShakingTable
 from masonry_cd.foundation import plugins
 from masonry_cd.foundation.errors import InputError, of_each, parse_table, suggest
@@ -51,7 +52,8 @@ class Loading:
     """All loads of a run at its times t_k = k dt, k = 0 .. N.
 
     Attributes:
-        support_velocity: (N + 1, S, 3) velocity of each support motion [m/s]; S = 1: all supports move together.
+        support_velocity: (N + 1, S, 3) velocity of each support motion [m/s]; S = 1: all supports move together. (N + 1, S, 6) with the
+            angular velocity [rad/s] where a support turns.
         acceleration: (N + 1, 3) of every free block [m/s2]: gravity and what else pulls on all blocks.
         lines: on the loads, for the user.
         summary: the same numbers, ready for JSON.
@@ -138,6 +140,8 @@ def build(
             f"base: {velocity.shape[1]} motions of the supports, apart by at most {base['largest_difference']:.4g} m; "
             "displacements are relative to the support that moves least"
         )
+    if "peak_rotation" in base:
+        lines.append(f"base: turns by up to {base['peak_rotation']:.3g} degrees; what is relative to a support turns with it")
     warnings = tuple(line for part in parts for line in part.warnings)
     summary = {"tables": [part.summary for part in parts], "base": base}
     shocks = sorted((shock for part in parts for shock in part.shocks), key=lambda shock: shock.first)
@@ -286,6 +290,8 @@ def _check_range(what: str, values: np.ndarray, most: float, unit: str) -> None:
 
 def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:
     """Numbers of the base's motions on the run's own steps, where positions follow the trapezoidal rule (theta 0.5)."""
+    turned = 0.5 * dt * np.abs(np.cumsum(velocity[1:, :, 3:] + velocity[:-1, :, 3:], axis=0)).max(initial=0.0)
+    velocity = velocity[..., :3]
     moved = np.zeros_like(velocity)
     np.cumsum(0.5 * dt * (velocity[1:] + velocity[:-1]), axis=0, out=moved[1:])
     speed = np.sqrt((velocity**2).sum(axis=2).max(axis=1))
@@ -297,7 +303,7 @@ def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:
         "peak_displacement": [float(d) for d in np.abs(moved).max(axis=(0, 1))],
         "end_displacement": [float(d) for d in moved[-1, 0]],
         "largest_difference": float(np.sqrt((apart**2).sum(axis=1)).max()),
-    }
+    } | ({"peak_rotation": math.degrees(turned)} if turned else {})
 
 
 def _support_motions(parts: Sequence[Part], grid: RunGrid) -> tuple[np.ndarray, np.ndarray | None]:
@@ -308,14 +314,16 @@ def _support_motions(parts: Sequence[Part], grid: RunGrid) -> tuple[np.ndarray, 
         grid: the run.
 
     Returns:
-        Velocities (N + 1, S, 3) [m/s], and ``support_of`` (B,), -1 for a free block; None without an assembly.
+        Velocities (N + 1, S, 3) [m/s], or (N + 1, S, 6) where one turns, and ``support_of`` (B,), -1 for a free block;
+        None without an assembly.
 
     Raises:
         InputError: more motions than memory should be asked for.
     """
-    moving = [part for part in parts if part.motion is not None]
-    delays, shares, support_of = _distinct(moving, grid)
-    size = 24.0 * (grid.steps + 1) * len(delays)
+    moving = [each for part in parts for each in (part, *part.more) if each.motion is not None]
+    turning = _turning(moving, grid)
+    delays, shares, of, support_of = _distinct(moving, turning, grid)
+    size = 8.0 * (6 if turning else 3) * (grid.steps + 1) * len(delays)
     if size > LARGEST:
         many = f"{len(delays)} supports that each move on their own take {size / 1e9:.1f} GB over {grid.steps} steps"
         raise InputError("loads", f"{many}; name fewer groups, or shorten the run")
@@ -329,21 +337,53 @@ def _support_motions(parts: Sequence[Part], grid: RunGrid) -> tuple[np.ndarray, 
             if delay not in done:
                 done = {delay: part.motion(grid.times - delay)}  # only the last is kept: rows are sorted by delay
             velocity[:, s] += share * done[delay]
-    return velocity, support_of
+    return (_with_rotation(velocity, of, turning, grid) if turning else velocity), support_of
 
 
-def _distinct(parts: Sequence[Part], grid: RunGrid) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
-    """Delays and shares of the distinct motions by table, (S, tables) each, and the motion of each block (B,)."""
+def _turning(parts: Sequence[Part], grid: RunGrid) -> dict[int, Turning]:
+    """How supports turn, by their numbers.
+
+    Raises:
+        InputError: one that turns twice.
+    """
+    out: dict[int, Turning] = {}
+    for part in parts:
+        if part.turning is not None and part.share is not None and grid.assembly is not None:
+            for b in np.flatnonzero(part.share).tolist():
+                if b in out:
+                    raise InputError("loads", f'"{grid.assembly.names[b]}" is turned twice; one load may turn it, others may shift it')
+                out[b] = part.turning
+    return out
+
+
+def _with_rotation(velocity: np.ndarray, of: Sequence[int], turning: Mapping[int, Turning], grid: RunGrid) -> np.ndarray:
+    """Motions (N + 1, S, 6) of which each is that of a support, S, by the velocities (N + 1, S, 3) beside what turning adds."""
+    out = np.pad(velocity, ((0, 0), (0, 0), (0, 3)))
+    turned = {id(each): each.on(grid) for each in turning.values()}
+    for s, block in enumerate(of):
+        if block in turning:
+            each, found = turning[block], turned[id(turning[block])]
+            out[:, s, 3:] = found.velocity
+            if each.about is not None:
+                out[:, s, :3] += found.of_arm(grid.blocks("loads").centre[block] - each.about, grid.dt)
+    return out
+
+
+def _distinct(
+    parts: Sequence[Part], turning: Mapping[int, Turning], grid: RunGrid
+) -> tuple[np.ndarray, np.ndarray, Sequence[int], np.ndarray | None]:
+    """Delays and shares of the distinct motions by table, (S, tables) each, a block of each (S,), and the motion of each block (B,)."""
     assembly, n = grid.assembly, len(parts)
     if assembly is None or not assembly.fixed.any():
         support_of = None if assembly is None else np.full(assembly.count, -1)
-        return np.zeros((1, n)), np.ones((1, n)), support_of
+        return np.zeros((1, n)), np.ones((1, n)), [-1], support_of
     fixed = np.flatnonzero(assembly.fixed)
-    table = np.zeros((len(fixed), 2 * n + 1))  # a last column of zeros, for runs in which nothing moves
+    table = np.zeros((len(fixed), 2 * n + 1))  # a last column, zero but of supports that turn, which have motions of their own
+    table[:, -1] = [1.0 + b if b in turning else 0.0 for b in fixed.tolist()]
     for i, part in enumerate(parts):
         table[:, i] = 0.0 if part.delay is None else part.delay[fixed]
         table[:, n + i] = 1.0 if part.share is None else part.share[fixed]
-    rows, index = np.unique(table, axis=0, return_inverse=True)
+    rows, first, index = np.unique(table, axis=0, return_index=True, return_inverse=True)
     support_of = np.full(assembly.count, -1)
     support_of[fixed] = index.ravel()
-    return rows[:, :n], rows[:, n : 2 * n], support_of
+    return rows[:, :n], rows[:, n : 2 * n], fixed[first].tolist(), support_of

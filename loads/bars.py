@@ -27,6 +27,7 @@ from functools import cached_property
 import numpy as np
 
 from masonry_cd.mechanics.model.block_forces import Acting
+from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.guides import Guide
 
 NO_TENSION = np.zeros(0)  # of no ties
@@ -34,12 +35,13 @@ NO_TENSION = np.zeros(0)  # of no ties
 
 @dataclass(frozen=True, eq=False)
 class PointLoad:
-    """A force on one block."""
+    """A force and a moment on one block, which keep their directions."""
 
     block: int
     arm: np.ndarray  # (3,) from the centre of mass, body frame [m]
     force: np.ndarray  # (3,) [N]
     factor: np.ndarray  # (N + 1,)
+    moment: np.ndarray | None = None  # (3,) beside that of its arm, world axes [N m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,19 +98,34 @@ class Forces:
         block = np.array([load.block for load in self.points], dtype=np.int64)
         push = np.array([load.factor[step : step + ticks].mean() * load.force for load in self.points]).reshape(-1, 3)
         arm = np.sum(rotation[block] * np.array([load.arm for load in self.points]).reshape(-1, 1, 3), axis=-1)
+        moment = self._moments(step, ticks) if self._turns else None
         if not self.ties:
-            return Acting(block, push, arm, NO_TENSION)
+            return Acting(block, push, arm, NO_TENSION, moment)
         tension, along, arms = self._pull(position, rotation, velocity, yielded)
         pull = tension[:, None] * along
         blocks, arms_of_all = np.concatenate([block, *self._ends.T]), np.concatenate([arm, arms[:, 0], arms[:, 1]])
-        return Acting(blocks, np.concatenate([push, pull, -pull]), arms_of_all, tension)
+        moment = None if moment is None else np.pad(moment, ((0, 2 * len(self.ties)), (0, 0)))
+        return Acting(blocks, np.concatenate([push, pull, -pull]), arms_of_all, tension, moment)
 
-    def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
-        """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean; masses (B,) of free blocks [kg]."""
+    @cached_property
+    def _turns(self) -> bool:
+        """Whether a point load has a moment."""
+        return any(load.moment is not None for load in self.points)
+
+    def _moments(self, step: int, ticks: int) -> np.ndarray:
+        """Those of the point loads beside their arms, (P, 3) [N m], as :meth:`acting` takes them."""
+        of_one = [np.zeros(3) if load.moment is None else load.moment for load in self.points]
+        return np.array([load.factor[step : step + ticks].mean() * each for load, each in zip(self.points, of_one, strict=True)])
+
+    def spread(self, step: int, ticks: int, assembly: Assembly) -> float:
+        """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean, at the centre and at a corner."""
         largest = 0.0
         for load in self.points:
             factor = load.factor[step : step + ticks]
-            largest = max(largest, float(np.abs(factor - factor.mean()).max()) * math.hypot(*load.force) / float(mass[load.block]))
+            away, block = float(np.abs(factor - factor.mean()).max()), load.block
+            largest = max(largest, away * math.hypot(*load.force) / float(assembly.mass[block]))
+            if load.moment is not None:
+                largest = max(largest, away * math.hypot(*load.moment) / float(assembly.turning_mass[block]))
         return largest
 
     def extended(self, steps: int) -> Forces:
@@ -194,4 +211,6 @@ class Forces:
         size = 1e-9 * max(1.0, float(np.abs(centre).max()))
         off = any(abs(centre[block, axis] + arm[axis] - at) > size for block, arm in arms)
         off = off or any(guide.leaves_plane(axis, at, centre) for guide in self.guides)
+        turning = [d for d in range(3) if d != axis]
+        off = off or any(load.moment is not None and load.moment[turning].any() for load in self.points)
         return off or any(load.force[axis] != 0.0 for load in self.points)

@@ -20,6 +20,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSche
 
 from loads.acted import Acted
 from loads.bars import PointLoad, Tie
+from loads.turning import Turned
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -73,12 +74,22 @@ Motion = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
+class Turning:
+    """How the supports turn that a part moves, beside its motion, which then is that of the point."""
+
+    on: Callable[[RunGrid], Turned]
+    about: np.ndarray | None = None  # (3,) the point about which they turn, as built, and which moves with them [m]; None: each its centre
+
+
+@dataclass(frozen=True, eq=False)
 class Part:
     """What one table does in a run. What is left out is zero."""
 
     motion: Motion | None = None
     delay: np.ndarray | None = None  # (B,) by how much a support's motion lags behind [s]
     share: np.ndarray | None = None  # (B,) factor on a support's motion; one when left out
+    turning: Turning | None = None  # of the supports that have a share, which then is one
+    more: tuple[Part, ...] = ()  # further motions of supports, of each the four before count
     acceleration: np.ndarray | None = None  # (N + 1, 3) of the blocks [m/s2]
     lines: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()  # of what is likely a mistake
@@ -98,7 +109,7 @@ class Static:
     ties: tuple[Tie, ...] = ()
     weighs: bool = False  # its force may be the weight of a mass, by limit.masses
     direction: Direction | None = None  # in which a push or a tilt moves all masses
-    velocity: np.ndarray | None = None  # (B, 3) of supports that move
+    velocity: np.ndarray | None = None  # (B, 3) of supports that move, (B, 6) where they turn
 
 
 Positive = Annotated[float, Field(gt=0.0)]

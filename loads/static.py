@@ -39,7 +39,7 @@ def static_tables(tables: Sequence[Mapping[str, Any]], grid: RunGrid) -> list[St
     def one(load: Asked) -> StaticTable:
         kind, table, where = load
         found = None if kind.static is None else kind.static(table, grid, where)
-        return StaticTable(f"{where} ({table.kind})", kind.pattern(table), found or Static(), found is None)
+        return StaticTable(f"{where} ({table.kind})", "" if found is None else kind.pattern(table), found or Static(), found is None)
 
     return of_each(one, asked(tables, grid.folder))
 

@@ -22,9 +22,11 @@ NAMES = {
     "Assessment": "masonry_cd.interface.assessing:Assessment",
     "Block": "masonry_cd.mechanics.model.blocks:Block",
     "Comparison": "masonry_cd.interface.comparison:Comparison",
+    "Force": "masonry_cd.interface.own_forces:Force",
     "InputError": "masonry_cd.foundation.errors:InputError",
     "JointLaw": "masonry_cd.interface.joint_law:JointLaw",
     "LimitAnalysis": "masonry_cd.interface.limit:LimitAnalysis",
+    "Motion": "masonry_cd.interface.own_motions:Motion",
     "Run": "masonry_cd.interface.results:Run",
     "RunWarning": "masonry_cd.interface.returned:RunWarning",
     "Scene": "masonry_cd.interface.scenes:Scene",
@@ -35,6 +37,7 @@ NAMES = {
     "box": "structures.geometry.prism:box",
     "compare": "masonry_cd.interface.comparison:compare",
     "from_compas": "masonry_cd.interface.compas:from_compas",
+    "from_compas_dem": "masonry_cd.interface.compas_dem:from_compas_dem",
     "from_traces": "masonry_cd.interface.traces:from_traces",
     "limit_analysis": "masonry_cd.interface.limit:limit_analysis",
     "macro_elements": "masonry_cd.interface.limit:macro_elements",
@@ -46,6 +49,7 @@ NAMES = {
     "run": "masonry_cd.interface.running:run",
     "scene": "masonry_cd.interface.scenes:scene",
     "study": "masonry_cd.interface.studies:study",
+    "to_compas_dem": "masonry_cd.interface.compas_dem:to_compas_dem",
     "trust": "masonry_cd.foundation.trust:trust",
 }
 

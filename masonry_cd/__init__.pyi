@@ -7,11 +7,15 @@ from masonry_cd.interface.assessing import assess as assess
 from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.compas import from_compas as from_compas
+from masonry_cd.interface.compas_dem import from_compas_dem as from_compas_dem
+from masonry_cd.interface.compas_dem import to_compas_dem as to_compas_dem
 from masonry_cd.interface.joint_law import JointLaw as JointLaw
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
 from masonry_cd.interface.limit import macro_elements as macro_elements
 from masonry_cd.interface.modal import modal as modal
+from masonry_cd.interface.own_forces import Force as Force
+from masonry_cd.interface.own_motions import Motion as Motion
 from masonry_cd.interface.results import Run as Run
 from masonry_cd.interface.results import open_run as open
 from masonry_cd.interface.returned import RunWarning as RunWarning
@@ -34,9 +38,11 @@ __all__ = [
     "Assessment",
     "Block",
     "Comparison",
+    "Force",
     "InputError",
     "JointLaw",
     "LimitAnalysis",
+    "Motion",
     "Run",
     "RunWarning",
     "Scene",
@@ -47,6 +53,7 @@ __all__ = [
     "box",
     "compare",
     "from_compas",
+    "from_compas_dem",
     "from_traces",
     "limit_analysis",
     "macro_elements",
@@ -58,5 +65,6 @@ __all__ = [
     "run",
     "scene",
     "study",
+    "to_compas_dem",
     "trust",
 ]

@@ -32,7 +32,7 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds, classify
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
-from masonry_cd.analysis.deformed import Pose, base_shift, moved_nodes, solids_of
+from masonry_cd.analysis.deformed import Pose, base_at, moved_nodes, solids_of
 from masonry_cd.analysis.stress.peaks import principal, strengths
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
@@ -107,7 +107,7 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
         rotation = rotation_matrices(np.asarray(results.orientation[frame], dtype=float))
         world = Pose(float(results.time[frame]), position, rotation, results.gradient(frame))
         points = world.moved(solids, solids.vertices, solids.vertex_block)
-        moved = points - solids.vertices - base_shift(results, solids, position)
+        moved = base_at(results, solids, frame).seen(points) - solids.vertices
         down = DamageSnapshot.at(results, frame, thresholds).down
         velocity = np.asarray(results.velocity[frame, :, :3])
         data = {"fallen": down[block].astype(np.uint8), "velocity": velocity[block]}
@@ -126,7 +126,6 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
     histories = [name for name in JOINT_HISTORIES if results.has_joint_history(name)]
 
     def at(frame: int) -> Instant:
-        position = np.asarray(results.position[frame], dtype=float)
         snapshot = DamageSnapshot.at(results, frame, thresholds)
         points = DrawnJoints.at(joints, solids, snapshot.pose, 1.0, 0.0).middles
         data: Arrays = {name: results.joints_at(name, frame) for name in histories}
@@ -134,7 +133,7 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
             edge = results.joints_at(EDGE_STRESS, frame)
             data[EDGE_STRESS] = np.where(np.isinf(edge), np.nan, edge)  # or no range of colours would fit
         data["state"] = classify(snapshot.opening, snapshot.sliding, snapshot.separated, thresholds).astype(np.uint8)
-        return points + base_shift(results, solids, position), {"displacement": points - joints.polygon}, data
+        return base_at(results, solids, frame).in_world(points), {"displacement": points - joints.polygon}, data
 
     fixed = {
         "joint": np.arange(joints.count, dtype=np.int32),
@@ -159,7 +158,7 @@ def _elements(results: Results, meshes: Meshes) -> Mesh:
         data = {"stress": stress, "principal_stress": values, "compression": -values[:, 2]}
         if np.isfinite(strength).any():
             data["share_of_strength"] = -values[:, 2] / strength
-        return points, {"displacement": points - meshes.nodes - base_shift(results, solids, position)}, data
+        return points, {"displacement": base_at(results, solids, frame).seen(points) - meshes.nodes}, data
 
     corners = meshes.elements.shape[1]
     start, kind = corners * np.arange(len(meshes.elements) + 1), TETRAHEDRON if corners == 4 else TRIANGLE

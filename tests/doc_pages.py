@@ -93,6 +93,8 @@ class Reader:
         for fence in fences(page):
             if fence.language == "toml":
                 self.save(fence)
+            elif fence.language == "csv":
+                (self.folder / fence.title).write_text(fence.text)
             elif fence.language == "json":
                 (self.folder / "block_file.json").write_text(fence.text)
                 assert read(self.folder / "block_file.json", 2000.0)

@@ -135,6 +135,23 @@ def compas(assembly: bool = True) -> str:
     return json.dumps({"dtype": "compas_assembly.datastructures/Assembly", "data": {"graph": {"data": {"node": nodes, "edge": {}}}}})
 
 
+def compas_0(assembly: bool = True) -> str:
+    """JSON of COMPAS before 0.16.5, which names no types, and of its assemblies: keys as texts, nodes beside the blocks."""
+    meshes = []
+    for vertices, faces in SHAPES:
+        vertex = {repr(k): dict(zip("xyz", map(float, p), strict=True)) for k, p in enumerate(vertices)}
+        face = {repr(k): [repr(i) for i in loop] for k, loop in enumerate(faces)}
+        about = {"attributes": {"name": "Block"}, "dva": {"x": 0.0, "y": 0.0, "z": 0.0}, "dea": {}, "dfa": {}}
+        meshes.append(about | {"vertex": vertex, "face": face, "facedata": {}, "edgedata": {}, "max_int_key": 7, "max_int_fkey": 5})
+    if not assembly:
+        return json.dumps(meshes[0])
+    nodes = {repr(k): {"is_support": k == 0, "x": 0.0, "y": 0.0, "z": 0.0} for k in range(len(meshes))}
+    blocks = {repr(k): mesh for k, mesh in enumerate(meshes)}
+    return json.dumps(
+        {"attributes": {"name": "Assembly"}, "dna": {"is_support": False}, "dea": {}, "node": nodes, "edge": {}, "blocks": blocks}
+    )
+
+
 def lmgc90(folder: Path) -> None:
     """BODIES.DAT, DRV_DOF.DAT and BULK_BEHAV.DAT; the lower box is a PLANx."""
     points = POINTS[8:] - [0.5, 0.5, 1.5]

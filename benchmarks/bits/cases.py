@@ -43,6 +43,7 @@ SOLVERS = ("auto", "nlgs", "accelerated", "admm", "newton", "interior", "pivotin
 BODIES = tuple(Solve(name) for name in SOLVERS)
 LOCAL = tuple(Solve(name, local=True) for name in SOLVERS)
 LIMIT = "run.max_iterations=300"  # a step that misses its tolerance has bits too
+TURNS = '{kind="motion",supports="abutment2",time=[0,0.1,0.3],displacement=[0,0.01,0.02],rotation=[0,0.5,-1],axis="y",about=[2,0,0]}'
 
 CASES = {
     "aqueduct": of("aqueduct"),
@@ -66,6 +67,7 @@ CASES = {
     "falling": of("falling"),
     "alone": of("alone"),
     "settlement": of("settlement"),
+    "turning": of("settlement", f"loads=[{TURNS}]"),
     "tilt": of("tilt"),
     "shocks": of("shocks"),
     "record": of("record"),

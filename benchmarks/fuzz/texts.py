@@ -79,6 +79,7 @@ kind = "point"
 block = "block"
 force = [10.0, 0.0, -5.0]
 point = [0.1, 0.0, 0.2]
+moment = [0.0, 1.0, 0.0]
 ramp = 0.002
 [[loads]]
 kind = "tie"
@@ -103,6 +104,14 @@ direction = "x"
 displacement = 0.01
 start = 0.0
 duration = 0.02
+[[loads]]
+kind = "motion"
+supports = ["plate"]
+time = [0.0, 0.01, 0.03]
+displacement = [0.0, 0.002, 0.01]
+rotation = [0.0, 0.5, -1.0]
+axis = "y"
+about = [0.1, 0.0, 0.0]
 [[loads]]
 kind = "tilt"
 direction = "y"

@@ -20,6 +20,17 @@ ROOT = Path(__file__).resolve().parents[2]
 BROUGHT = {"CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md", "benchmarks/README.md": "benchmarks.md"}
 PLACES = {page: place for place, page in BROUGHT.items()}
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]*)(#[^)\s]*)?\)")
+IN_FULL = {  # what the site adds to a page of the repository: docstrings, by mkdocstrings
+    "python_reference.md": """
+## In full
+
+::: masonry_cd
+    options:
+      show_root_heading: false
+      show_root_toc_entry: false
+      members_order: alphabetical
+"""
+}
 FENCE = re.compile(r"^(```.*?^```$)", re.DOTALL | re.MULTILINE)
 
 
@@ -31,14 +42,14 @@ def on_files(files: Files, config: Any) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Formulas in the marks of arithmatex; links to where their files lie in the site."""
+    """Formulas in the marks of arithmatex; links to where their files lie in the site; docstrings in full where IN_FULL has them."""
     place = PLACES.get(page.file.src_uri, f"docs/{page.file.src_uri}")
     text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", markdown, flags=re.DOTALL | re.MULTILINE)
     parts = FENCE.split(text)  # code is left as it is
     for i in range(0, len(parts), 2):
         formulas = re.sub(r"\$`([^`]+)`\$", r"$\1$", parts[i])
         parts[i] = LINK.sub(lambda found: link_on_site(found, page.file.src_uri, place), formulas)
-    return "".join(parts)
+    return "".join(parts) + IN_FULL.get(page.file.src_uri, "")
 
 
 def on_page_content(html_text: str, **_: Any) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A force on a single block, which keeps its direction and acts at a point that moves with its block.
+"""A force on a single block, which keeps its direction and acts at a point that moves with its block, or a moment.
 
 It is there at once, grows over ``ramp``, or goes through stages, shares of it that are reached one after the other over ``ramp`` each and
 last for ``hold``.
@@ -37,8 +37,10 @@ class PointTable(LoadTable):
     kind: Literal["point"] = "point"
     block: str
     """Its name."""
-    force: Annotated[Vector, Unit("N"), *FORCE]
-    """A vector."""
+    force: Annotated[Vector, Unit("N"), *FORCE] = (0.0, 0.0, 0.0)
+    """A vector; none where there is a moment alone."""
+    moment: Annotated[Vector | None, Unit("N m")] = None
+    """A vector in the world axes, which keeps its direction, beside that of the force about the centre of mass."""
     point: Annotated[Vector | None, Unit("m")] = None
     """Of attack, as built, in the world; the centre of mass when not given."""
     start: Instant = 0.0
@@ -52,6 +54,10 @@ class PointTable(LoadTable):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        if "force" not in self.model_fields_set and self.moment is None:
+            raise ValueError("force: missing; a force, a moment or both act on the block")
+        if self.point is not None and not any(self.force):
+            raise ValueError("point: of no use without a force, a moment has no point of attack")
         if self.hold and not self.stages:
             raise ValueError("hold: of no use without stages")
         if self.stages is not None and not any(self.stages):
@@ -94,13 +100,17 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
     """
     load, assembly = _load(table, grid, where), grid.blocks(where)
     size, weight = math.hypot(*load.force), assembly.mass[load.block] * math.hypot(*grid.gravity)
-    relation = f", {size / weight:.3g} times its weight" if weight > 0.0 else ""
+    relation = f", {size / weight:.3g} times its weight" if weight > 0.0 and size else ""
+    turns = f"{math.hypot(*load.moment):.4g} N m" if load.moment is not None else ""
+    acts = " and ".join(part for part in (f"{size:.4g} N" if size or not turns else "", turns) if part)
     stages = f", in {len(table.stages)} stages up to {table.end:.4g} s" if table.stages else ""
     return Part(
         forces=(load,),
-        lines=(f'{where} point load of {size:.4g} N on "{table.block}"{relation}{stages}',),
+        lines=(f'{where} point load of {acts} on "{table.block}"{relation}{stages}',),
         acted=Acted(where, "force", table.end, table.reached),
-        summary=table.facts("block", "force", "point", "start", "ramp", *(("stages", "hold") if table.stages else ())),
+        summary=table.facts(
+            "block", "force", "point", "start", "ramp", *(("stages", "hold") if table.stages else ()), *(("moment",) if turns else ())
+        ),
     )
 
 
@@ -117,7 +127,8 @@ def _load(table: PointTable, grid: RunGrid, where: str) -> PointLoad:
     if table.point is not None:
         require_on_block(assembly.blocks[block], table.point, f"{where}.point")
     arm = np.zeros(3) if table.point is None else np.array(table.point) - assembly.centre[block]
-    return PointLoad(block, arm, np.array(table.force), table.factor(grid.times))
+    moment = None if table.moment is None else np.array(table.moment)
+    return PointLoad(block, arm, np.array(table.force), table.factor(grid.times), moment)
 
 
 def _senses(table: PointTable, down: np.ndarray, where: str) -> Iterator[tuple[str, str]]:

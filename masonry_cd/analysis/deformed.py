@@ -6,11 +6,11 @@ A point X of block b, built at rest, moves rigidly to
     x(X) = R_b (X - c_b) + x_b,
 
 c_b the centre of mass at rest, x_b and R_b the position and rotation of the frame. Seen from the base, which itself rides on the
-ground, x is reduced by the translation s of a support: any will do where all move together, and where they do not, as when one
-of them settles, it is the one that moves least (:attr:`masonry_cd.io.results.Results.support`). A picture of a displacement too small to
-see shows instead
+ground, x is taken back by the motion of a support s, to y = c_s + R_s^T (x - x_s): any will do where all move together, and where they do
+not, as when one of them settles, it is the one that moves least (:attr:`masonry_cd.io.results.Results.support`). A picture of a
+displacement too small to see shows instead
 
-    X + f (x(X) - s - X),      f the amplification; f = 1 is the true shape.
+    X + f (y(X) - X),      f the amplification; f = 1 is the true shape.
 """
 
 from __future__ import annotations
@@ -113,9 +113,9 @@ class Pose:
             InputError: no such frame.
         """
         frame = frame_index(results, frame)
-        position = np.asarray(results.position[frame], dtype=float)
-        rotation = rotation_matrices(np.asarray(results.orientation[frame], dtype=float))
-        return cls(float(results.time[frame]), position - base_shift(results, solids, position), rotation, results.gradient(frame))
+        base, position = base_at(results, solids, frame), np.asarray(results.position[frame], dtype=float)
+        rotation = base.rotations(rotation_matrices(np.asarray(results.orientation[frame], dtype=float)))
+        return cls(float(results.time[frame]), base.seen(position), rotation, results.gradient(frame))
 
     def displacement(self, solids: Solids) -> np.ndarray:
         """(B, 3) of the centres of mass, relative to the base [m]."""
@@ -142,12 +142,62 @@ def moved_nodes(results: Results, pose: Pose, frame: int, factor: float = 1.0) -
     return np.asarray(rest + factor * (np.einsum("nij,nj->ni", pose.rotation[block], arm) + pose.position[block] - rest))
 
 
-def base_shift(results: Results, solids: Solids, position: np.ndarray) -> np.ndarray:
-    """Translation of the support that moves least, (..., 3) [m], for positions (..., B, 3); zero where there is no support."""
+@dataclass(frozen=True, eq=False)
+class Base:
+    """Where the support is to which displacements are relative, at one time or at F times."""
+
+    shift: np.ndarray  # (3,) or (F, 3) since the start [m]; zero where there is no support
+    centre: np.ndarray  # (3,) as built [m]
+    orientation: np.ndarray | None = None  # (4,) or (F, 4); None: it has not turned
+
+    @classmethod
+    def of(cls, support: int, centre: np.ndarray, position: np.ndarray, orientation: np.ndarray) -> Base:
+        """That of a support, -1 for none, by centres as built (B, 3), positions (..., B, 3) and orientations (..., B, 4) of all blocks."""
+        if support < 0:
+            return cls(np.zeros((*position.shape[:-2], 3)), np.zeros(3))
+        turned = np.asarray(orientation[..., support, :], dtype=float)
+        shift = np.asarray(position[..., support, :] - centre[support])
+        return cls(shift, centre[support], turned if turned[..., 1:].any() else None)
+
+    @cached_property
+    def _rotation(self) -> np.ndarray:
+        """(3, 3) or (F, 3, 3)."""
+        assert self.orientation is not None
+        return rotation_matrices(self.orientation.reshape(-1, 4)).reshape(*self.orientation.shape[:-1], 3, 3)
+
+    def seen(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., N, 3) of the world as seen from the support [m]."""
+        moved = points - self.shift[..., None, :]
+        if self.orientation is None:
+            return np.asarray(moved)
+        return np.asarray(self.centre + np.einsum("...ji,...nj->...ni", self._rotation, moved - self.centre))
+
+    def in_world(self, points: np.ndarray) -> np.ndarray:
+        """Where points (N, 3) are that are so seen, at one time [m]."""
+        if self.orientation is not None:
+            points = self.centre + np.einsum("ij,nj->ni", self._rotation, points - self.centre)
+        return np.asarray(points + self.shift)
+
+    def rotations(self, rotation: np.ndarray) -> np.ndarray:
+        """Rotations (B, 3, 3) as seen from the support, at one time."""
+        return rotation if self.orientation is None else np.einsum("ji,bjk->bik", self._rotation, rotation)
+
+    def orientations(self, orientation: np.ndarray) -> np.ndarray:
+        """Quaternions (..., B, 4) as seen from the support."""
+        if self.orientation is None:
+            return orientation
+        w, x, y, z = np.moveaxis(self.orientation, -1, 0)
+        conjugate = np.array([[w, x, y, z], [-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])  # (4, 4, ...), from the left
+        return np.einsum("ij...,...bj->...bi", conjugate, orientation)
+
+
+def base_at(results: Results, solids: Solids, frames: int | slice) -> Base:
+    """The base at a frame or at some frames."""
     support = results.support
     if support < 0:
-        return np.zeros((*position.shape[:-2], 3))
-    return np.asarray(position[..., support, :] - solids.centre[support])
+        return Base(np.zeros((*np.shape(results.time[frames]), 3)), np.zeros(3))
+    place, turned = (np.asarray(every[frames, [support]], dtype=float) for every in (results.position, results.orientation))
+    return Base.of(0, solids.centre[[support]], place, turned)
 
 
 def frame_index(results: Results, frame: int) -> int:

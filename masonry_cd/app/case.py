@@ -211,7 +211,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         strength_by_group(scene.material.strength, structure.assembly.groups)
         refuse_in_a_run(scene.material.joint_laws, scene.material.joint_moduli)
         if scene.stress:
-            scene.refuse_links("the stress of blocks, which is that by their contacts,")
+            scene.refuse_tables("the stress of blocks, which is that by their contacts,", "links")
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 

@@ -74,11 +74,10 @@ def limit_structure(scene: Scene) -> LimitStructure:
     from masonry_cd.app.case import make_structures
     from masonry_cd.app.limit_table import limit_table
 
-    scene.refuse_events("limit analysis")
+    scene.refuse_tables("limit analysis", "links", "events")
     made, material = make_structures(scene), scene.material
     with scene.locating():
         refuse_spheres(made.blocks, "structure", "limit analysis")
-        scene.refuse_links("limit analysis")
         asked = limit_table(scene.limit)
         assembly = replace(Assembly.from_blocks(made.blocks, material.with_rigid_joints), deformation=None)
         return LimitStructure(scene, made, asked, assembly, find_joints(assembly))

@@ -9,6 +9,7 @@ import numpy as np
 
 from masonry_cd.analysis.damage.step_peaks import StepPeaks
 from masonry_cd.app.gauge_rows import GaugeRows
+from masonry_cd.app.measured_joints import MeasuredJoints
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.per_step import QUANTITIES, Made
 from masonry_cd.app.staying_support import staying_support
@@ -31,13 +32,12 @@ from masonry_cd.io.layout import (
     STRESS,
 )
 from masonry_cd.io.result_writer import ResultWriter
-from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.mean_stress import MeanStress
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.mechanics.dynamics.pauses import Aftermath
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.edge_stress import edge_stresses
-from masonry_cd.mechanics.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
+from masonry_cd.mechanics.model.joints import JointMeasures, JointPeaks, Joints
 
 ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
 NAME_BYTES = 160  # of a shock, in UTF-8: 40 letters of any script
@@ -70,9 +70,7 @@ class Recorder:
     ) -> None:
         self._writer, self._stepper, self._joints, self._changes = writer, stepper, joints, changes
         self._reported = stepper.assembly if reported is None else reported
-        # of the joints; what opened before the run, or before a block was put in, is no damage
-        self.rest = measure_joints(joints, stepper.assembly, stepper.state) if changes or settles(stepper.assembly) else None
-        self._absent = stepper.assembly.absent
+        self.measured = MeasuredJoints(stepper, joints, changes)
         self.frames = 0
         self.peaks = JointPeaks(joints)
         self.stress = MeanStress(stepper, joints) if stress else None
@@ -115,47 +113,17 @@ class Recorder:
         return now
 
     def now(self) -> JointMeasures:
-        """The measures of the joints, since the rest that they began from where something has settled."""
-        found = measure_joints(self._joints, self._stepper.assembly, self._stepper.state)
-        if self.rest is None:
-            return found
-        absent = self._stepper.assembly.absent
-        if absent is not self._absent:
-            self._take_in(found, absent)
-        now = found.since(self.rest, self._joints.area)
-        return now if absent is None else now.but(self._with_one_of(absent), self._joints.area)
-
-    def _take_in(self, found: JointMeasures, absent: np.ndarray | None) -> None:
-        """Measure joints of blocks that have been put in from how they are found now."""
-        assert self.rest is not None
-        none = np.zeros(self._stepper.assembly.count, dtype=bool)
-        before, after = none if self._absent is None else self._absent, none if absent is None else absent
-        came = self._with_one_of(before) & ~self._with_one_of(after)
-        self.rest = JointMeasures(**{name: np.where(came, values, vars(self.rest)[name]) for name, values in vars(found).items()})
-        self._absent = absent
-
-    def _with_one_of(self, blocks: np.ndarray) -> np.ndarray:
-        """(J,) joints of which one of the blocks (B,) bool is a side."""
-        return np.asarray(blocks[self._joints.block_a] | blocks[self._joints.block_b])
+        """The measures of the joints."""
+        return self.measured.now()
 
     def frame(self, now: JointMeasures) -> None:
         """Write the state and the joints."""
-        state, writer = self._stepper.state, self._writer
-        writer.append({"time": state.time, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
-        deformation = self._stepper.assembly.deformation
-        if deformation is not None:
-            writer.append({GRADIENT: deformation.gradients(state.strain)})
-        writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
-        force, point = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
-        writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point})
-        contacts = contacts_of(self._stepper, self._joint_of_pairs())
-        reactions = reactions_of(self._stepper, contacts)[self._reported.fixed]
-        writer.append({f"joints/{FORCE}": contacts.of_joints(self._joints.count), REACTION: reactions})
-        of_laws = self._stepper.joint_histories(self._joint_of_pairs(), self._joints)
-        writer.append({f"joints/{name}": values for name, values in of_laws.items()})
+        rows, of_laws = frame_rows(self._stepper, self._joints, now, self._joint_of_pairs(), self._reported.fixed)
+        self._writer.append(rows)
+        self._writer.append({f"joints/{name}": values for name, values in of_laws.items()})
         if self._changes:
             absent = self._stepper.assembly.absent
-            writer.append({PRESENT: np.ones(self._stepper.assembly.count, dtype=bool) if absent is None else ~absent})
+            self._writer.append({PRESENT: np.ones(self._stepper.assembly.count, dtype=bool) if absent is None else ~absent})
         if self.stress is not None:
             self._stress_frame(self.stress, of_laws.get(BONDED, np.zeros(self._joints.count)) > 0.0)
         self.frames += 1
@@ -209,3 +177,28 @@ class Recorder:
     def _joint_of_pairs(self) -> np.ndarray:
         """The joint of each pair of the detector, -1 for pairs that are none."""
         return self._pair_joints.of(self._stepper.detector.pairs)
+
+
+def frame_rows(
+    stepper: Stepper, joints: Joints, now: JointMeasures, pair_joint: np.ndarray, supports: np.ndarray
+) -> tuple[dict[str, np.ndarray | float], dict[str, np.ndarray]]:
+    """What a frame holds: the state, joints and supports by the names of datasets, and by their own what joint laws remember (J,).
+
+    Args:
+        stepper: after a step, or at the start.
+        joints: as built.
+        now: their measures.
+        pair_joint: (P,) the joint of each pair of the detector, -1 for pairs that are none.
+        supports: (B,) bool: blocks whose reactions are kept.
+    """
+    state, deformation = stepper.state, stepper.assembly.deformation
+    rows: dict[str, np.ndarray | float] = {"time": state.time}
+    rows |= {"position": state.position, "orientation": state.orientation, "velocity": state.velocity}
+    if deformation is not None:
+        rows[GRADIENT] = deformation.gradients(state.strain)
+    rows |= {f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")}
+    force, point = stepper.joint_forces(pair_joint, joints.count)
+    rows |= {"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point}
+    contacts = contacts_of(stepper, pair_joint)
+    rows |= {f"joints/{FORCE}": contacts.of_joints(joints.count), REACTION: reactions_of(stepper, contacts)[supports]}
+    return rows, stepper.joint_histories(pair_joint, joints)

@@ -177,7 +177,7 @@ class _Loop:
         rows, mark = self.recorder.flushed_rows()
         arrays = self.stepper.snapshot() | prefixed("peaks", vars(self.recorder.peaks))
         arrays |= prefixed("step_peaks", self.recorder.step_peaks.arrays)
-        arrays |= {} if self.recorder.rest is None else prefixed("rest", vars(self.recorder.rest))
+        arrays |= {} if self.recorder.measured.rest is None else prefixed("rest", vars(self.recorder.measured.rest))
         arrays |= {} if self.recorder.stress is None else prefixed("stress", self.recorder.stress.snapshot())
         arrays |= {} if self.pace is None else prefixed("pace", self.pace.snapshot())
         arrays |= {} if self.advance.events is None else prefixed("events", self.advance.events.snapshot())
@@ -192,7 +192,7 @@ class _Loop:
         """
         arrays, numbers = checkpoint.load(path)
         try:
-            kept = Kept(len(self.recorder.peaks.opening), self.recorder.stress is not None, self.recorder.rest is not None)
+            kept = Kept(len(self.recorder.peaks.opening), self.recorder.stress is not None, self.recorder.measured.rest is not None)
             check_content(arrays, numbers, self.stepper, kept, self.advance.events)
         except InputError as reason:
             raise reason.under(path) from None
@@ -203,8 +203,8 @@ class _Loop:
             self.pace.restore(part("pace", arrays))
         vars(self.recorder.peaks).update(part("peaks", arrays))
         self.recorder.step_peaks.restore(part("step_peaks", arrays))
-        if self.recorder.rest is not None:
-            self.recorder.rest = JointMeasures(**part("rest", arrays))
+        if self.recorder.measured.rest is not None:
+            self.recorder.measured.rest = JointMeasures(**part("rest", arrays))
         if self.recorder.stress is not None:
             self.recorder.stress.restore(part("stress", arrays))
         self.recorder.frames = numbers["frames"]

@@ -101,7 +101,7 @@ class SceneTables(Table):
             raise ValueError("should be a table of its own")
         return value
 
-    @field_validator("loads", "structures", "links", "events", mode="before")
+    @field_validator("loads", "structures", "events", "links", mode="before")
     @classmethod
     def _is_list_of_tables(cls, value: object, info: ValidationInfo) -> object:
         if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
@@ -168,8 +168,8 @@ class Scene:
     quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are meant so
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
     output: OutputTable = field(default_factory=OutputTable)
-    links: tuple[LinkTable, ...] = ()
     events: tuple[dict[str, Any], ...] = ()  # checked by app/events.py
+    links: tuple[LinkTable, ...] = ()
     static: bool = False  # there is no [run]: for limit analysis, modal analysis and pictures alone
 
     @property
@@ -208,25 +208,16 @@ class Scene:
         if self.static:
             raise InputError(self.origin.path, "run: missing: a run needs dt and duration; masonry-cd limit takes this scene as it is")
 
-    def refuse_links(self, what: str) -> None:
-        """Refuse a scene with links where something, such as "limit analysis", knows none.
+    def refuse_tables(self, what: str, *tables: str) -> None:
+        """Refuse a scene with ``links`` or ``events`` where something, such as "limit analysis", knows none.
 
         Raises:
             InputError: there are some.
         """
         with self.locating():
-            if self.links:
-                raise InputError("links", f"{what} knows no links; a scene with one block in the place of two that are one has none")
-
-    def refuse_events(self, what: str) -> None:
-        """Refuse a scene with [[events]] where nothing comes or goes.
-
-        Raises:
-            InputError: there are some.
-        """
-        with self.locating():
-            if self.events:
-                raise InputError("events", f"{what} is of all blocks as built, where none comes or goes; --set events=[] leaves them out")
+            for name in tables:
+                if getattr(self, name):
+                    raise InputError(name, f"{what} knows none: it is of all blocks as built; --set {name}=[] leaves them out")
 
     def locating(self) -> AbstractContextManager[None]:
         """Give the faults of the body that lie in keys of this scene their file and line."""

@@ -40,8 +40,8 @@ def scene_schema() -> Schema:
     keys["structure"] |= {"oneOf": [structure_schema(kind) for kind in structures]}
     keys["structures"]["items"] = {"type": "object", "oneOf": [placed_schema(kind) for kind in structures]}
     keys["loads"]["items"] = {"type": "object", "required": ["kind"], "oneOf": [load_schema(kind) for kind in loads]}
-    keys["links"]["items"] = table_schema(LinkTable)
     keys["events"]["items"] = table_schema(EventTable)
+    keys["links"]["items"] = table_schema(LinkTable)
     keys["material"] |= table_schema(Material)
     keys["run"] |= table_schema(Run)
     keys["report"] |= table_schema(Report)

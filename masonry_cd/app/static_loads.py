@@ -82,7 +82,10 @@ def static_loads(
     masses = _masses([(i, every[i].does.points[0]) for i in limit.masses], pattern.direction, down)
     filled = [fill.at_collapse(each, grid, pattern.direction is not None) for each in fills]
     arms = _arms([*points, *((NO_LOAD, force) for part in filled for force in part.points)], limit.live)
-    weight, live = np.zeros((count, 6)), arms.wrenches(arms.live, count)
+    weight, live, constant = np.zeros((count, 6)), arms.wrenches(arms.live, count), arms.wrenches(arms.dead, count)
+    for i, load in points:
+        if load.moment is not None:
+            (live if i in limit.live else constant)[load.block, 3:] += load.moment
     weight[free, :3] = assembly.mass[free, None] * down
     weight += masses.under(down, count)
     size, way = math.hypot(*down), np.array((0.0, 0.0, 0.0) if pattern.direction is None else pattern.direction.vector)
@@ -99,7 +102,7 @@ def static_loads(
         pattern.words,
         None if pattern.direction is None else pattern.direction.vector,
         weight,
-        arms.wrenches(arms.dead, count),
+        constant,
         live,
         _bars(ties, assembly),
         tuple(tie.name for tie in ties),
@@ -148,8 +151,9 @@ def _masses(points: Sequence[tuple[int, PointLoad]], direction: Direction | None
     if direction is None:
         raise InputError("limit.masses", "a push or a tilt moves masses; live loads and supports that move do not")
     for i, load in points:
-        if float(load.force @ down) < (1.0 - LEVEL) * math.hypot(*load.force) * math.hypot(*down) or not load.force.any():
-            raise InputError("limit.masses", f"loads[{i}] is no weight: its force {load.force.tolist()} does not act along gravity")
+        turns = load.moment is not None and load.moment.any()
+        if float(load.force @ down) < (1.0 - LEVEL) * math.hypot(*load.force) * math.hypot(*down) or not load.force.any() or turns:
+            raise InputError("limit.masses", f"loads[{i}] is no weight: its force {load.force.tolist()} does not act along gravity alone")
     each = [load for _, load in points]
     mass = np.array([math.hypot(*load.force) for load in each]) / math.hypot(*down)
     return PointMasses(np.array([load.block for load in each]), np.array([load.arm for load in each]), mass)

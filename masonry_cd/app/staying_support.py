@@ -21,6 +21,6 @@ def staying_support(stepper: Stepper, joints: Joints) -> int:
         return -1
     bearing = fixed[np.isin(fixed, [joints.block_a, joints.block_b])]
     fixed = bearing if len(bearing) else fixed
-    along = np.cumsum(0.5 * stepper.settings.dt * (velocity[1:] + velocity[:-1]), axis=0)
+    along = assembly.in_metres(np.cumsum(0.5 * stepper.settings.dt * (velocity[1:] + velocity[:-1]), axis=0))
     farthest = np.sqrt((along * along).sum(axis=2)).max(axis=0, initial=0.0)[assembly.support_of[fixed]]
     return int(fixed[np.argmax(farthest <= farthest.min() + ALIKE * farthest.max())])

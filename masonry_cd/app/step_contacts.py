@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.mechanics.dynamics.linked_bodies import Linked
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.model.block_forces import Acting
@@ -107,9 +106,8 @@ def reactions_of(stepper: Stepper, contacts: Contacts) -> np.ndarray:
     acting: Acting | None = made.predicted.acting
     if acting is not None:
         taken += acting.wrench(len(fixed))
-    linked = made.predicted.linked
-    if linked is not None:
-        np.add.at(taken, linked.linkage.used[linked.linkage.ends], _link_wrenches(stepper, made, linked))
+    if stepper.assembly.links_there:
+        np.add.at(taken, np.array([link.blocks for link in stepper.assembly.links_there]), _link_wrenches(stepper, made))
     return np.where(fixed[:, None], -taken, 0.0)
 
 
@@ -133,16 +131,15 @@ class LinkForce:
 
 
 def links_of(stepper: Stepper) -> list[LinkForce]:
-    """What the links did over the last step, in the order of the scene, of those whose blocks are there; none before the first step.
+    """What the links did over the last step, in the order of the scene; none before the first step.
 
     Where more is held than the motions need, as by two hinges on one axis, forces are not unique: they are those of the least links.
     """
     made, names, out = stepper.last, stepper.assembly.names, list[LinkForce]()
-    linked = None if made is None else made.predicted.linked
-    if made is None or linked is None:
+    if made is None or not stepper.assembly.links_there:
         return out
     state, rotation = made.predicted.state, made.predicted.rotation
-    for link, wrench in zip(linked.linkage.links, _link_wrenches(stepper, made, linked)[:, 0], strict=True):
+    for link, wrench in zip(stepper.assembly.links_there, _link_wrenches(stepper, made)[:, 0], strict=True):
         first, second = link.blocks
         arm = rotation[first] @ (link.point - stepper.assembly.centre[first])
         moment = wrench[3:] - np.cross(arm, wrench[:3])
@@ -150,8 +147,9 @@ def links_of(stepper: Stepper) -> list[LinkForce]:
     return out
 
 
-def _link_wrenches(stepper: Stepper, made: StepProblem, linked: Linked) -> np.ndarray:
+def _link_wrenches(stepper: Stepper, made: StepProblem) -> np.ndarray:
     """Force [N] and moment about its centre [N m] of each link on both of its blocks, (L, 2, 6), over the last step."""
-    step = stepper.motion.span * stepper.settings.dt
+    linked, step = made.predicted.linked, stepper.motion.span * stepper.settings.dt
+    assert linked is not None
     given = made.link_impulse(stepper.solution.impulse, stepper.motion.v)
     return np.asarray(linked.wrenches(linked.multipliers(given)) / step)

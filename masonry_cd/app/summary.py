@@ -145,6 +145,6 @@ def elasticity_left_out(case: Case) -> Summary:
 
     named = material.masonry
     moduli = None if named is None else named.model_copy(update={"stiffness": "mean"}).moduli
-    velocity = case.loading.support_velocity
+    velocity = case.loading.support_velocity[..., :3]
     moved = velocity[: case.scene.run.steps + 1].mean(axis=1)
     return elastic_period(assembly, case.joints, moved, case.scene.run.dt, moduli)

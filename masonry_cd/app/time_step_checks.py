@@ -37,11 +37,11 @@ def before_run(assembly: Assembly, support_velocity: np.ndarray, gravity: float,
 
     Args:
         assembly: the blocks.
-        support_velocity: (N + 1, S, 3) at the steps [m/s].
+        support_velocity: (N + 1, S, 3 or 6) at the steps [m/s, rad/s].
         gravity: magnitude [m/s2].
         step: h [s].
     """
-    frequency = dominant_frequency(support_velocity, step)
+    frequency = dominant_frequency(assembly.in_metres(support_velocity), step)
     reach = np.where(assembly.fixed, np.inf, assembly.reach)
     smallest = int(np.argmin(reach))
     p = float(np.sqrt(0.75 * gravity / reach[smallest]))

@@ -149,8 +149,11 @@ def _expected(kind: SceneKind, helped: bool) -> tuple[int, float]:
 
 def compile_missing(kind: SceneKind) -> None:
     """Have all that a kind of scene needs compiled, or loaded where it is there."""
-    if kind.solver != "auto":
+    if kind.solver in SOLVERS and kind.solver != "auto":
         shake_cubes(kind)
+    elif kind.solver != "auto":  # from elsewhere
+        shake_cubes(kind, unsolved=True)
+        _errors(kind)
     else:
         compile_jobs(kind, 0)
         compile_jobs(kind, 1)
@@ -168,14 +171,19 @@ def compile_jobs(kind: SceneKind, process: int) -> None:
         if job == "joints":
             _cubes(kind)
         elif job == "step":
-            shake_cubes(replace(kind, solver="admm"), unsolved=True)
+            shake_cubes(kind, unsolved=True)
         elif job == "errors":
-            problem, impulse = _falling_block(kind), np.zeros((1, 2 if kind.planar else 3))
-            natural_map_error(problem, impulse)
-            errors_by_group(problem.arrays(), impulse, np.zeros(1, dtype=np.int64), 1)
+            _errors(kind)
             islands.compile_kernels()
         else:
             SOLVERS[job](_falling_block(kind), UNREACHED, None)
+
+
+def _errors(kind: SceneKind) -> None:
+    """Measure errors."""
+    problem, impulse = _falling_block(kind), np.zeros((1, 2 if kind.planar else 3))
+    natural_map_error(problem, impulse)
+    errors_by_group(problem.arrays(), impulse, np.zeros(1, dtype=np.int64), 1)
 
 
 def compile_seldom(kind: SceneKind) -> None:
@@ -225,7 +233,8 @@ def shake_cubes(kind: SceneKind, unsolved: bool = False) -> None:
     shaking = np.zeros((STEPS + 1, 1, 3))
     shaking[:, 0, 0] = 0.01 * np.arange(STEPS + 1)
     gravity = np.tile([0.0, 0.0, -9.81], (STEPS + 1, 1))
-    settings = Run(dt=STEP, duration=STEPS * STEP, solver=kind.solver, tolerance=1e-300, planar=kind.planar, islands=not unsolved)
+    solver = "admm" if unsolved else kind.solver
+    settings = Run(dt=STEP, duration=STEPS * STEP, solver=solver, tolerance=1e-300, planar=kind.planar, islands=not unsolved)
     with TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", assembly, joints) as writer:
         machine = Stepper(assembly, shaking, gravity, settings)
         if unsolved:

@@ -18,7 +18,7 @@ def accuracy(
     output: Output,
     set_: Changes = None,
     solvers: Annotated[
-        str | None, typer.Option(metavar="NAMES", help=f"Of {','.join(SOLVERS)}.", show_default="all; of a scene its own")
+        str | None, typer.Option(metavar="NAMES", help=f"Of {','.join(SOLVERS)}, or of plug-ins.", show_default="all; of a scene its own")
     ] = None,
     tolerances: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="To reach in each step.", show_default="a range")] = None,
     dts: Annotated[str | None, typer.Option(metavar="DT1,DT2,...", help="Time steps [s].", show_default="x 2, 1, 1/2")] = None,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``masonry-cd export``: a run for ParaView."""
+"""``masonry-cd export``: a run for ParaView, or a scene for another program."""
 
 from __future__ import annotations
 
@@ -9,26 +9,44 @@ from typing import Annotated
 import typer
 
 from masonry_cd.app.result import Result
-from masonry_cd.cli.shared import Folder
+from masonry_cd.cli.shared import Changes, Force, Trust
 
 
 def export(
-    folder: Folder,
-    format_: Annotated[str, typer.Option("--format", metavar="NAME", help="vtkhdf, or pvd for older readers.")] = "vtkhdf",
+    source: Annotated[Path, typer.Argument(metavar="DIR|SCENE", help="Folder of a run, or scene file (TOML).", show_default=False)],
+    format_: Annotated[
+        str, typer.Option("--format", metavar="NAME", help="Of a run vtkhdf, or pvd for older readers; of a scene lmgc90 or 3dec.")
+    ] = "vtkhdf",
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="OUT", help="Folder for the files.", show_default="DIR/paraview")
     ] = None,
+    set_: Changes = None,
+    force: Force = False,
+    trust: Trust = False,
 ) -> Result[None]:
-    """Write a run for ParaView: blocks and joints over time.
+    """Write a run for ParaView, or a scene for LMGC90 or 3DEC.
 
-    OUT gets blocks and joints as VTKHDF, or as PVD collections of VTP files, with openings, slidings, forces, states and displacements,
-    and names.csv, which lists the names of blocks and groups by their numbers.
+    Of a run, OUT gets blocks and joints over time as VTKHDF, or as PVD collections of VTP files, with openings, slidings, forces, states
+    and displacements, and names.csv, which lists the names of blocks and groups by their numbers.
+
+    Of a scene, OUT gets the deck of another program: blocks, materials, supports, gravity and base motion. What that program has no words
+    for is refused.
 
     \b
     Examples:
       masonry-cd export out/aqueduct
       masonry-cd export out/aqueduct --format pvd -o out/view
+      masonry-cd export aqueduct.toml --format lmgc90 -o out/lmgc90
+      masonry-cd export church.toml --format 3dec -o out/3dec --set material.joints.normal_stiffness=1e10
     """
-    from masonry_cd.app.commands.export import export as command
+    from masonry_cd.app.commands import export as commands
+    from masonry_cd.app.scene import read_scene
+    from masonry_cd.foundation.errors import InputError
 
-    return command(folder, format_, output)
+    if source.suffix != ".toml":
+        if set_:
+            raise InputError("--set", "changes a scene, and a run is exported as it was")
+        return commands.export(source, format_, output)
+    if output is None:
+        raise InputError("--output", "missing; a folder for the deck")
+    return commands.deck(read_scene(source, set_ or ()), format_, output, force)

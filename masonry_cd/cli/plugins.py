@@ -7,7 +7,7 @@ from masonry_cd.app.result import Result
 
 
 def plugins() -> Result[None]:
-    """List what installed packages add: kinds of structures and loads, readers of records, reports, mechanisms, joint laws.
+    """List what installed packages add: kinds of structures and loads, readers of records, reports, mechanisms, joint laws, solvers.
 
     None of them is imported. A line for each: what it is, its name in a scene, the package, and where it stands there.
 

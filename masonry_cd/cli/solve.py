@@ -17,7 +17,7 @@ from masonry_cd.mechanics.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 
 def solve(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Friction problem: FCLIB HDF5 or .npz.", show_default=False)],
-    solver: Annotated[str, typer.Option(metavar="NAME", help=f"One of {', '.join(SOLVERS)}.")] = "auto",
+    solver: Annotated[str, typer.Option(metavar="NAME", help=f"One of {', '.join(SOLVERS)}, or of a plug-in.")] = "auto",
     tolerance: Annotated[float, typer.Option(metavar="T", help="Natural map error to reach (scaled).")] = 1e-8,
     max_iterations: Annotated[
         int | None, typer.Option(metavar="N", min=1, max=MOST_ITERATIONS, help="The solver's own limit by default.")

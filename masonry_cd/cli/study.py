@@ -21,6 +21,7 @@ def study(
     ] = None,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a dask scheduler that runs: tcp://host:8786.")] = None,
     slurm: Annotated[Path | None, typer.Option(metavar="CONFIG", help="Workers as jobs of Slurm, by this file (TOML).")] = None,
+    print_job: Annotated[bool, typer.Option("--print-job", help="Print the job that --slurm would submit, and make no run.")] = False,
     retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or ran out of time.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Refuse a DIR that holds no study; else it goes on without it as well.")] = False,
     plan: Annotated[bool, typer.Option("--plan", help="Check the study, print how many runs it has, and make none.")] = False,
@@ -43,11 +44,17 @@ def study(
       masonry-cd study study.toml -o out/study --scheduler tcp://node1:8786
       masonry-cd study study.toml -o out/study --slurm slurm.toml
     """
+    from masonry_cd.foundation.errors import InputError
     from masonry_cd.studies.study import command
+    from masonry_cd.studies.study.clusters import job_script
     from masonry_cd.studies.study.study_case import Options, plan_of
 
     exclude(("--report", report), ("--force", force))
     made = plan_of(study)
+    if print_job:
+        if slurm is None:
+            raise InputError("--print-job", "shows a job of Slurm; add --slurm CONFIG")
+        return Result(None, job_script(slurm).splitlines())
     if plan:
         return Result(None, [made.line])
     if report:

@@ -8,6 +8,7 @@
     masonry_cd.reports       an Output                                  [report] name = true
     masonry_cd.mechanisms    bodies(whole, element, direction)          [[limit.mechanism]] mechanisms = ["name"]
     masonry_cd.joint_laws    a JointLaw                                 mc.Simulation(scene, law="name"), in Python
+    masonry_cd.solvers       solve(problem, options, start)             [run] solver = "name", --solver name
 
 The kinds of the program itself are found by their place (:mod:`masonry_cd.foundation.extensions`) and asked first: metadata of packages are
 looked at only for a name that is not among them, and a package is imported only where a scene names what it adds. A kind of structure or
@@ -27,12 +28,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.files import is_file
+from masonry_cd.foundation.signatures import require_call
 from masonry_cd.foundation.trust import require_trust
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-GROUPS = ("structures", "loads", "readers", "reports", "mechanisms", "joint_laws")
+CALLED: dict[str, dict[str, str]] = {  # by group: how the functions of an entry are called, by their names; or itself, where it has none
+    "structures": {"build": "table, density, folder"},
+    "loads": {"part": "table, grid, where"},
+    "readers": {"recognises": "source", "read": "source, request"},
+    "reports": {"write": "job"},
+    "mechanisms": {"bodies": "whole, element, direction"},
+    "joint_laws": {"function": "opening, slip, history, step, stress"},
+    "solvers": {"solve": "problem, options, start"},
+}
 OWN_FILE = re.compile(r"(?P<path>.+\.py):(?P<name>[A-Za-z_]\w*)")
 PROGRAM = "a program that runs with your rights"
 
@@ -40,7 +50,7 @@ PROGRAM = "a program that runs with your rights"
 class Plugin(NamedTuple):
     """What a package adds."""
 
-    group: str  # one of GROUPS
+    group: str  # one of CALLED
     name: str
     package: str  # and its version
     place: str  # module:attribute
@@ -61,7 +71,7 @@ def _package(entry: EntryPoint) -> str:
 
 def plugins() -> list[Plugin]:
     """All that installed packages add; none of them is imported."""
-    return [Plugin(group, name, _package(entry), entry.value) for group in GROUPS for name, entry in sorted(entries(group).items())]
+    return [Plugin(group, name, _package(entry), entry.value) for group in CALLED for name, entry in sorted(entries(group).items())]
 
 
 def names(group: str) -> tuple[str, ...]:
@@ -73,13 +83,22 @@ def load(group: str, name: str) -> Any:
     """What a package adds, imported.
 
     Raises:
-        InputError: the package cannot be imported, or has no such thing.
+        InputError: the package cannot be imported, has no such thing, or one with functions that cannot be called as they will be.
     """
     entry = entries(group)[name]
+    unusable = f'plug-in "{name}" of {_package(entry)} cannot be used'
     try:
-        return entry.load()
+        found = entry.load()
     except Exception as failure:  # whatever foreign code raises
-        raise InputError(f'plug-in "{name}" of {_package(entry)} cannot be used', f"{_in_a_line(failure)}") from None
+        raise InputError(unusable, f"{_in_a_line(failure)}") from None
+    return _called(group, found, unusable)
+
+
+def _called(group: str, found: Any, where: str) -> Any:
+    """What a package or a file adds to a group, once its functions are known to be called as they will be."""
+    for name, arguments in CALLED[group].items():
+        require_call(getattr(found, name, found), arguments, where, name)
+    return found
 
 
 def find(group: str, name: str, key: str, known: Mapping[str, Any], folder: Path | None = None) -> Any:
@@ -97,7 +116,7 @@ def find(group: str, name: str, key: str, known: Mapping[str, Any], folder: Path
     """
     own = OWN_FILE.fullmatch(name) if folder is not None else None
     if own is not None and folder is not None:
-        return _of_file(folder / own["path"], own["name"], key)
+        return _called(group, _of_file(folder / own["path"], own["name"], key), key)
     if name in known:
         return known[name]
     if name not in entries(group):

@@ -109,6 +109,7 @@ KINDS = {
     "kg/m2": Kind("mass per area", "0.15 t/m2"),
     "kg/m3": Kind("density", "1.9 t/m3"),
     "N": Kind("force", "400 kN"),
+    "N m": Kind("moment", "5 kN m"),
     "N/m3": Kind("stiffness per area", "10 N/mm3"),
     "Pa": Kind("stress", "1.5 GPa"),
     "GB": Kind("size of memory", "4 GB"),

@@ -99,9 +99,12 @@ def _structure(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     rest = {key: value for key, value in table.items() if key not in (BLOCKS, FIXED)}
     if rest.get("kind", "file") != "file" or "path" in rest:
         raise InputError("structure.blocks", 'blocks as arrays are a structure of kind "file" without a path')
-    if not _is_list(table[BLOCKS]) or not len(table[BLOCKS]):
+    listed = table[BLOCKS]
+    if hasattr(listed, "geometry") and callable(getattr(listed, "dump", None)):  # a scene of trimesh: its meshes where they stand
+        listed = listed.dump()
+    if not _is_list(listed) or not len(listed):
         raise InputError("structure.blocks", "a list of blocks is needed, each (vertices, faces), a dict or a Block")
-    blocks = [_block(given, i) for i, given in enumerate(table[BLOCKS])]
+    blocks = [_block(given, i) for i, given in enumerate(listed)]
     rules = parse_table(Supports, {FIXED: table.get(FIXED, ())}, "structure").fixed
     blockfile.write(folder / BLOCK_FILE, with_supports(blocks, rules, "structure.fixed"))
     return {"kind": "file", "path": BLOCK_FILE} | rest
@@ -159,8 +162,12 @@ def _block(given: Any, index: int) -> Block:
 
 
 def shell_of(given: Any) -> dict[str, Any] | None:
-    """Vertices, faces and a name, if any, of an object that has them: of trimesh, pyvista, COMPAS, or any like these; else None."""
-    name = getattr(given, "name", None)
+    """Vertices, faces and a name, if any, of an object that has them: of trimesh, pyvista, COMPAS, or any like these; else None.
+
+    trimesh has the name among its metadata, as it comes from a file, or from the node of a scene.
+    """
+    metadata = getattr(given, "metadata", None)
+    name = getattr(given, "name", None) or (metadata.get("node") or metadata.get("name") if isinstance(metadata, Mapping) else None)
     about = {"name": name} if isinstance(name, str) and name else {}
     if callable(getattr(given, "to_vertices_and_faces", None)):  # of COMPAS
         vertices, faces = given.to_vertices_and_faces()

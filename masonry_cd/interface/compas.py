@@ -16,6 +16,7 @@ from typing import Any
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
 from masonry_cd.mechanics.model.blocks import Block
+from structures.files.program_readers import with_supports
 
 MESH = "compas.datastructures/Mesh"
 SUPPORT = "is_support"  # attribute of what stands fast
@@ -84,6 +85,7 @@ def _meshes(value: Any, support: bool) -> Iterator[tuple[Mapping[str, Any], bool
     """The data of all meshes in a value, and whether they, or what holds them, stand fast."""
     value = getattr(value, "__data__", value)
     if isinstance(value, Mapping):
+        value = with_supports(value)
         attributes = value.get("attributes")
         for table in (value, attributes, value.get("data")):
             if isinstance(table, Mapping) and SUPPORT in table:

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.foundation.signatures import require_call
 from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.pauses import fallen, standing_of
 from masonry_cd.mechanics.model.joints import Joints, measure_joints
 from masonry_cd.mechanics.model.state import State
 
-EVENTS = ("step", "opening", "fall")
+EVENTS = {"step": "sim", "opening": "sim, joint", "fall": "sim, block"}  # what their functions are given
 
 
 class Events:
@@ -31,28 +32,41 @@ class Events:
         self._joints, self._assembly, self._opened = joints, stepper.assembly, opened
         self._rest = self._openings(stepper.state) if settles(stepper.assembly) else np.zeros(joints.count)
         self._standing = standing_of(stepper.assembly)
-        self._functions: dict[str, list[Callable[..., None]]] = {event: [] for event in EVENTS}
+        self.functions: dict[str, list[Callable[..., None]]] = {event: [] for event in EVENTS}
         self.forget()
 
     def add(self, event: str, function: Callable[..., None]) -> None:
-        """Have a function called."""
-        self._functions[event].append(function)
+        """Have a function called.
+
+        Raises:
+            InputError: it cannot be called with what it would be given.
+        """
+        require_call(function, EVENTS[event], f"on {event}")
+        self.functions[event].append(function)
 
     def forget(self) -> None:
         """Take it that nothing has opened or fallen yet."""
         self._open = np.zeros(self._joints.count, dtype=bool)
         self._down = np.zeros(self._assembly.count, dtype=bool)
 
+    def parcel(self) -> tuple[Any, ...]:
+        """The functions, and what has opened and fallen, for :meth:`take` of another one."""
+        return self.functions, self._open, self._down
+
+    def take(self, parcel: tuple[Any, ...]) -> None:
+        """Continue from what :meth:`parcel` gave."""
+        self.functions, self._open, self._down = parcel
+
     def copied(self) -> Events:
         """A copy with the same functions, independent of this one."""
         other = copy.copy(self)
         other._open, other._down = self._open.copy(), self._down.copy()
-        other._functions = {event: list(functions) for event, functions in self._functions.items()}
+        other.functions = {event: list(functions) for event, functions in self.functions.items()}
         return other
 
     def call(self, sim: Any, state: State) -> None:
         """Call the functions of what has happened with a step that led to a state."""
-        functions = self._functions
+        functions = self.functions
         for function in functions["step"]:
             function(sim)
         if functions["opening"]:
@@ -69,7 +83,7 @@ class Events:
 
     def _tell(self, sim: Any, event: str, what: list[Any]) -> None:
         for item in what:
-            for function in self._functions[event]:
+            for function in self.functions[event]:
                 function(sim, item)
 
     def _openings(self, state: State) -> np.ndarray:

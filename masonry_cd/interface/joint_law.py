@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.plugins import find
+from masonry_cd.foundation.plugins import CALLED, find
+from masonry_cd.foundation.signatures import require_call
 from masonry_cd.interface.own_forces import Now, Pushes, Pushing
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
@@ -74,8 +75,9 @@ class BoundLaw(Pushing):
     keeps_plane = True  # as the joints do: what leads out of it cancels between mirror images
 
     def __init__(self, law: JointLaw, joints: Joints, assembly: Assembly, longest: float) -> None:
-        if not callable(law.function) or not law.stiffness > 0.0 or law.history < 0:
-            raise InputError("law", "a function, a stiffness above zero [Pa/m] and a history of 0 numbers or more are needed")
+        require_call(law.function, CALLED["joint_laws"]["function"], "law", "law")
+        if not law.stiffness > 0.0 or law.history < 0:
+            raise InputError("law", "a stiffness above zero [Pa/m] and a history of 0 numbers or more are needed")
         chosen = np.arange(joints.count) if law.joints is None else np.unique(np.asarray(law.joints, dtype=np.int64))
         if len(chosen) and not 0 <= chosen.min() <= chosen.max() < joints.count:
             raise InputError("law.joints", f"there are joints 0 to {joints.count - 1}")

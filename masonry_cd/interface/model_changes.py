@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from masonry_cd.app.advance import Advance
-from masonry_cd.app.changes import Change, check
+from masonry_cd.app.case import Case
+from masonry_cd.app.changes import Change, check, without
 from masonry_cd.app.events import Events
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.interface.own_forces import OwnForces
@@ -35,8 +37,7 @@ class ModelChanges:
         self.change(remove=blocks)
 
     def add(self, *blocks: str) -> None:
-        """Put in blocks that are not there: those that the simulation was told to leave out, where they were built, and removed ones where
-        they were.
+        """Put in blocks that are not there: those of ``waiting`` where they were built, removed ones where they were.
 
         Raises:
             InputError: see :meth:`change`.
@@ -94,3 +95,14 @@ class ModelChanges:
         """As tables, beside those of the scene."""
         known: Sequence[tuple[Change, str]] = self._changed.changes.known[len(self._changed.tables) :]
         return [change.model_dump(mode="json", exclude_none=True) for change, _ in known]
+
+
+def without_waiting(case: Case, waiting: str | Sequence[str] | None) -> Case:
+    """The case whose blocks of some names are not there at first.
+
+    Raises:
+        InputError: names that fit nothing, or a support.
+    """
+    if not waiting:
+        return case
+    return replace(case, assembly=without(case.assembly, [waiting] if isinstance(waiting, str) else waiting, "waiting"))

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Forces and motions that Python gives, on top of those of the scene's loads, as the step asks for them: at the places of its middle, q_m.
 
-A field is a function ``f(now)`` of all blocks at once, a history the force on one block over time. Both enter the free velocity as point
-loads do, so they are explicit: one that grows with displacement, of stiffness k on a mass m, needs a time step below 2 sqrt(m / k).
-Blocks whose motion is given become supports, driven on top of what moves all supports.
+A field is a function ``f(now)`` of all blocks at once, a history the force on one block over time, with a moment where it has six columns.
+Both enter the free velocity as point loads do, so they are explicit: one that grows with displacement, of stiffness k on a mass m, needs a
+time step below 2 sqrt(m / k). Blocks whose motion is given become supports, see :mod:`masonry_cd.interface.own_motions`.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from loads.acted import Acted, by_integral
-from loads.motion import Part
-from masonry_cd.app.case import Structure, assembled, structure_of
-from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.signatures import require_call
 from masonry_cd.interface.values import numbers
 from masonry_cd.mechanics.model.block_forces import Acting, BlockForces
-from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.guides import Guide
+from masonry_cd.mechanics.model.place_on_block import require_on_block
 
 ROUNDING = 1e-9  # share of the largest force
+WRENCH = 6  # numbers of a force and a moment, or of a linear and an angular velocity
 LOOKS = 65  # times over the run at which forces are looked at to tell whether the scene moves in a plane
 
 
@@ -38,12 +38,32 @@ class Now(NamedTuple):
     step: float  # its length [s]
 
 
+@dataclass(frozen=True, eq=False)
+class Force:
+    """A force on a block with its point of attack, for ``forces`` of a :class:`masonry_cd.Simulation`.
+
+    Attributes:
+        history: of the force (3,) [N], or of force and moment (6,) [N, N m], in the world axes: a function of time [s], or times (N,) and
+            values (N, 3 or 6). The moment is beside that of the force about the centre of mass.
+        at: the point of attack as built, in the world, which moves with the block (3,) [m]; the centre of mass when not given.
+    """
+
+    history: Any
+    at: Sequence[float] | None = None
+
+
 class Pushes(NamedTuple):
-    """Forces on blocks at points."""
+    """Forces on blocks at points, and moments."""
 
     block: np.ndarray  # (N,)
     force: np.ndarray  # (N, 3) [N]
     arm: np.ndarray  # (N, 3) from the centre of mass [m]
+    moment: np.ndarray | None = None  # (N, 3) beside those of the arms [N m]; None: there are none
+
+    @classmethod
+    def of(cls, block: np.ndarray, wrench: np.ndarray, arm: np.ndarray) -> Pushes:
+        """Of forces (N, 3), or forces and moments (N, 6)."""
+        return cls(block, wrench[:, :3], arm, wrench[:, 3:] if wrench.shape[1] == WRENCH else None)
 
 
 class Pushing(Protocol):
@@ -82,6 +102,7 @@ class History:
     def __init__(self, given: Any, sizes: tuple[int, ...], where: str) -> None:
         self._where, self._sizes, self._function = where, sizes, given if callable(given) else None
         if self._function is not None:
+            require_call(self._function, "time", where)
             return
         if not isinstance(given, Sequence) or isinstance(given, str | bytes) or len(given) != 2:
             raise InputError(where, "a function of time is needed, or a pair of arrays (times, values)")
@@ -115,37 +136,53 @@ class History:
 
 
 class BlockHistories(Pushing):
-    """Forces on single blocks over time, at their centres of mass.
+    """Forces on single blocks over time.
 
     Raises:
-        InputError: an unknown block, a support, or no history.
+        InputError: an unknown block, a support, no history, or a point off its block.
     """
 
     def __init__(self, given: Mapping[str, Any], assembly: Assembly) -> None:
         self._block = np.array([free_block(name, assembly, "forces") for name in given], dtype=np.int64)
-        self._histories = [History(value, (3,), f'forces["{name}"]') for name, value in given.items()]
+        forces = [value if isinstance(value, Force) else Force(value) for value in given.values()]
+        self._histories = [History(force.history, (3, WRENCH), f'forces["{name}"]') for name, force in zip(given, forces, strict=True)]
+        self._arms = np.zeros((len(forces), 3))  # body frames
+        for i, (name, force) in enumerate(zip(given, forces, strict=True)):
+            if force.at is not None:
+                where, block = f'forces["{name}"].at', self._block[i]
+                at = numbers(force.at, where, (3,))
+                require_on_block(assembly.blocks[block], tuple(at.tolist()), where)
+                self._arms[i] = at - assembly.centre[block]
+        self._at_points = bool(self._arms.any())
         self.acted = tuple(acted for history in self._histories if (acted := history.acted("impulse")) is not None)
 
     def pushes(self, now: Now) -> Pushes:
         """The forces at a time."""
-        return Pushes(self._block, np.array([history.at(now.time) for history in self._histories]), np.zeros((len(self._block), 3)))
+        values = [history.at(now.time) for history in self._histories]
+        arms = np.sum(now.rotation[self._block] * self._arms[:, None, :], axis=-1) if self._at_points else self._arms
+        if all(len(value) == 3 for value in values):
+            return Pushes(self._block, np.array(values), arms)
+        return Pushes.of(self._block, np.array([np.pad(value, (0, WRENCH - len(value))) for value in values]), arms)
 
 
 class Field(Pushing):
     """A field of forces on all blocks."""
 
     def __init__(self, function: Callable[[Now], Any], assembly: Assembly) -> None:
+        require_call(function, "now", "forces")
         self._function, self._fixed = function, assembly.fixed
 
     def pushes(self, now: Now) -> Pushes:
         """The forces at the places of now; those on supports do nothing, and are left out.
 
         Raises:
-            InputError: no forces (B, 3), or such as are not finite.
+            InputError: no forces (B, 3), or forces and moments (B, 6), or such as are not finite.
         """
-        found = numbers(self._function(now), f"forces: at {now.time:g} s", (len(self._fixed), 3))
+        found = numbers(self._function(now), f"forces: at {now.time:g} s")
+        if found.shape not in ((len(self._fixed), 3), (len(self._fixed), WRENCH)):
+            raise InputError(f"forces: at {now.time:g} s", f"an array of shape ({len(self._fixed)}, 3 or 6) is needed, got {found.shape}")
         block = np.flatnonzero(~self._fixed & found.any(axis=1))
-        return Pushes(block, found[block], np.zeros((len(block), 3)))
+        return Pushes.of(block, found[block], np.zeros((len(block), 3)))
 
 
 @dataclass(eq=False)
@@ -184,7 +221,11 @@ class OwnForces:
             found = self.base.acting(position, rotation, velocity, step, ticks, yielded)
         block = np.concatenate([found.block, *(item.block for item in every)])
         force, arm = (np.concatenate([getattr(found, name), *(getattr(item, name) for item in every)]) for name in ("force", "arm"))
-        return Acting(block, force, arm, found.tension)
+        given = [(found.force, found.moment), *((item.force, item.moment) for item in every)]
+        if all(moment is None for _, moment in given):
+            return Acting(block, force, arm, found.tension)
+        moments = np.concatenate([np.zeros_like(force) if moment is None else moment for force, moment in given])
+        return Acting(block, force, arm, found.tension, moments)
 
     @property
     def guides(self) -> tuple[Guide, ...]:
@@ -196,7 +237,7 @@ class OwnForces:
         if self.axis >= 0 and any(_across(found, self.axis) for item, found in zip(self.own, every, strict=True) if not item.keeps_plane):
             raise InputError(
                 "forces",
-                f"at {now.time:g} s one acts along {'xyz'[self.axis]}, across the plane in which this scene moves; "
+                f"at {now.time:g} s one acts along {'xyz'[self.axis]}, across the plane in which this scene moves, or turns out of it; "
                 "run.planar = false has it move in space",
             )
         return every
@@ -210,18 +251,20 @@ class OwnForces:
         for item in self.own:
             item.taken()
 
-    def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
-        """Largest acceleration [m/s2] by which forces differ in time from their mean over some steps, where blocks last were."""
-        base = 0.0 if self.base is None else self.base.spread(step, ticks, mass)
+    def spread(self, step: int, ticks: int, assembly: Assembly) -> float:
+        """Largest acceleration [m/s2] by which what acts differs in time from its mean over some steps, where blocks last were."""
+        base = 0.0 if self.base is None else self.base.spread(step, ticks, assembly)
         if self.last is None or not self.own:
             return base
-        size = len(self.last.position)
-        total = np.zeros((ticks, size, 3))
+        total = np.zeros((2, ticks, assembly.count, 3))  # forces, and moments beside those of arms
         for k in range(ticks):
             for item in self._pushes(self.last._replace(time=(step - 0.5 + k) * self.dt)):
-                np.add.at(total[k], item.block, item.force)
-        away = np.sqrt(((total - total.mean(axis=0)) ** 2).sum(axis=2))
-        return max(base, float((away / np.where(mass > 0.0, mass, np.inf)).max(initial=0.0)))
+                for kind, each in enumerate((item.force, item.moment)):
+                    if each is not None:
+                        np.add.at(total[kind, k], item.block, each)
+        away = np.sqrt(((total - total.mean(axis=1, keepdims=True)) ** 2).sum(axis=3))
+        against = np.where(assembly.fixed, np.inf, [assembly.mass, assembly.turning_mass])
+        return max(base, float((away / against[:, None]).max(initial=0.0)))
 
     @property
     def there(self) -> np.ndarray:
@@ -265,9 +308,18 @@ class OwnForces:
 
 
 def _across(pushes: Pushes, axis: int) -> bool:
-    """Whether a force acts along an axis, by more than rounding."""
+    """Whether a force acts along an axis, or its moment about the centre of mass is about another, by more than rounding."""
     along = np.abs(pushes.force[:, axis])
-    return bool((along > ROUNDING * np.abs(pushes.force).max(initial=0.0)).any())
+    if (along > ROUNDING * np.abs(pushes.force).max(initial=0.0)).any():
+        return True
+    if pushes.arm.any():  # a force in the plane at a point off it
+        size, arm = np.abs(pushes.force).max(axis=1), np.abs(pushes.arm)
+        if (size * arm[:, axis] > ROUNDING * float(size.max()) * float(arm.max())).any():
+            return True
+    if pushes.moment is None:
+        return False
+    moment = np.abs(pushes.moment)
+    return bool((moment[:, [d for d in range(3) if d != axis]] > ROUNDING * moment.max(initial=0.0)).any())
 
 
 def own_forces(given: Any, assembly: Assembly) -> Pushing:
@@ -304,34 +356,3 @@ def free_block(name: object, assembly: Assembly, where: str) -> int:
     if assembly.fixed[block]:
         raise InputError(where, f'"{name}" is a support, which moves as its loads and "motions" say')
     return block
-
-
-def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[Structure, list[Part]]:
-    """The structure of a scene with some blocks as supports, and what each of these adds to the loads.
-
-    Args:
-        scene: of the run.
-        motions: by block, its velocity over time, (3,) [m/s]; see :class:`History`.
-
-    Raises:
-        InputError: an unknown block, or no history.
-    """
-    built = structure_of(scene)
-    names = [block.name for block in built.blocks]
-    numbers = [block_named(name, names, "motions") for name in motions]
-    histories = [History(given, (3,), f'motions["{name}"]') for name, given in motions.items()]
-    blocks = [replace(block, fixed=block.fixed or i in numbers) for i, block in enumerate(built.blocks)]
-    made = replace(assembled(scene, blocks, built.notes, built.bars), fills=built.fills)
-    return made, [_part(history, number, blocks) for history, number in zip(histories, numbers, strict=True)]
-
-
-def _part(history: History, block: int, blocks: list[Block]) -> Part:
-    """The part of the loads that drives one block."""
-    share = np.zeros(len(blocks))
-    share[block] = 1.0
-    return Part(
-        motion=lambda times: np.array([history.at(float(t)) for t in times]),
-        share=share,
-        summary={"kind": "python", "block": blocks[block].name},
-        acted=history.acted("path"),
-    )

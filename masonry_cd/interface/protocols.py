@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The types of what a plug-in adds, by the group of its entry points; docs/plugins.md shows an example of each."""
+"""The types of what a plug-in or a function of Python adds; docs/plugins.md has their contracts, and an example of each."""
 
 from __future__ import annotations
 
@@ -12,11 +12,32 @@ from loads.motion import LoadKind, Part, RunGrid
 from loads.readers.source import Reader as RecordReader
 from masonry_cd.analysis.limit.part import Whole
 from masonry_cd.interface.joint_law import JointLaw
+from masonry_cd.interface.own_forces import Now
+from masonry_cd.mechanics.dynamics.own_friction import FrictionLaw, SlidingContacts
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
+from masonry_cd.mechanics.solvers import Options, Solver
 from reports.files import Output as Report
 from structures.kind import StructureKind  # of which ``build`` alone may stand for it
 from structures.macro_elements.element import MacroElement
 
-__all__ = ["JointLaw", "LimitMechanism", "LoadKind", "LoadPart", "RecordReader", "Report", "StructureKind"]
+__all__ = [
+    "FrictionLaw",
+    "FrictionProblem",
+    "JointLaw",
+    "LimitMechanism",
+    "LoadKind",
+    "LoadPart",
+    "LocalProblem",
+    "Now",
+    "Options",
+    "Problem",
+    "RecordReader",
+    "Report",
+    "SlidingContacts",
+    "Solution",
+    "Solver",
+    "StructureKind",
+]
 
 LoadPart = Callable[[Any, RunGrid, str], Part]
 """The function of a :class:`LoadKind`: what a table adds to a run on a grid of times; messages begin with the place of the table."""

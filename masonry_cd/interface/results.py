@@ -13,7 +13,7 @@ import numpy as np
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
-from masonry_cd.analysis.deformed import solids_of
+from masonry_cd.analysis.deformed import base_at, solids_of
 from masonry_cd.analysis.gauge_histories import unit_of_column
 from masonry_cd.analysis.outputs.measured import Measured, damage_numbers
 from masonry_cd.analysis.pushover import push_curves, require_pushes
@@ -189,15 +189,15 @@ class Run(RunExports, RunStress):
         """
         index = self.structure.index(block)
         with self.results() as found:
-            centre, support = solids_of(found.blocks).centre, found.support
-            place = np.asarray(found.position[: found.frames, index], dtype=float)
-            base = found.position[: found.frames, support] - centre[support] if support >= 0 else np.zeros_like(place)
+            every, solids = slice(0, found.frames), solids_of(found.blocks)
+            place, turned = (np.asarray(of[every, [index]], dtype=float) for of in (found.position, found.orientation))
+            base = base_at(found, solids, every)
             columns = {
-                **columns_of("xyz", place),
-                **columns_of(MOTIONS[:3], place - centre[index] - base),
-                **columns_of(MOTIONS[3:], rotation_vectors(np.asarray(found.orientation[: found.frames, index], dtype=float))),
+                **columns_of("xyz", place[:, 0]),
+                **columns_of(MOTIONS[:3], base.seen(place)[:, 0] - solids.centre[index]),
+                **columns_of(MOTIONS[3:], rotation_vectors(base.orientations(turned)[:, 0])),
                 **columns_of(VELOCITIES, found.velocity[: found.frames, index]),
-                **columns_of(("base_x", "base_y", "base_z"), base),
+                **columns_of(("base_x", "base_y", "base_z"), base.shift),
             }
         return frame_of(columns, self.time, "time")
 

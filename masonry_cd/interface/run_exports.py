@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
+from masonry_cd.interface.frames import JOINTS, REACTIONS, dataset
 from masonry_cd.interface.open_run import OpenRun
 from masonry_cd.interface.tables import columns_of, frame_of
 from masonry_cd.io.results import Results
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 OLD = "this run was made before its forces were kept as vectors; run its scene again"
-REACTIONS = ("fx", "fy", "fz", "mx", "my", "mz")
 QUANTITIES = {"displacement": ("DISP", "m"), "velocity": ("VEL", "m/s")}  # of traces
 
 
@@ -95,25 +95,8 @@ class RunExports(OpenRun):
             InputError: xarray is not installed.
         """
         require("to_xarray", "xarray")
-        import xarray
-
         with self.results() as found:
-            variables = _variables(found)
-            names = self.structure.names
-            where: dict[str, Any] = {
-                "time": ("time", found.time, {"units": "s"}),
-                "block": names,
-                "joint": np.arange(found.joints.count),
-                "support": [block.name for block in found.blocks if block.fixed],
-                "axis": list("xyz"),
-                "quaternion": list("wxyz"),
-                "velocity_component": ["vx", "vy", "vz", "wx", "wy", "wz"],
-                "reaction_component": list(REACTIONS),
-                "block_a": ("joint", [names[b] for b in found.joints.block_a]),
-                "block_b": ("joint", [names[b] for b in found.joints.block_b]),
-                "area": ("joint", found.joints.area, {"units": "m2"}),
-            }
-            return xarray.Dataset(variables, where, {"title": found.title, "scene": found.scene})
+            return dataset(_arrays(found), found.blocks, found.joints, {"title": found.title, "scene": found.scene})
 
     def mesh(self, time: float | None = None) -> PolyData:
         """The faces of all blocks where they are at a time, a mesh of pyvista with the arrays that the files for ParaView have.
@@ -187,18 +170,11 @@ def _world(found: Results, frame: int) -> Pose:
     return Pose(float(found.time[frame]), np.asarray(found.position[frame], dtype=float), rotation, found.gradient(frame))
 
 
-def _variables(found: Results) -> dict[str, Any]:
-    """The arrays over the frames, with dimensions and units."""
-    frames, of_block, of_joint = found.frames, ("time", "block"), ("time", "joint")
-    made: dict[str, Any] = {
-        "position": ((*of_block, "axis"), found.position[:frames], {"units": "m"}),
-        "orientation": ((*of_block, "quaternion"), found.orientation[:frames]),
-        "velocity": ((*of_block, "velocity_component"), found.velocity[:frames], {"units": "m/s, rad/s"}),
-    }
-    units = {"opening": "m", "sliding": "m", "rotation": "rad", "contact_area": "m2", "normal_force": "N", "shear_force": "N"}
-    for name, unit in units.items():
-        made[name] = (of_joint, found.joint_history(name), {"units": unit})
+def _arrays(found: Results) -> dict[str, np.ndarray]:
+    """All frames of a run, by the names of VARIABLES."""
+    made = {"time": found.time}
+    made |= {name: np.asarray(getattr(found, name)[: found.frames]) for name in ("position", "orientation", "velocity")}
+    made |= {name: found.joint_history(name) for name in JOINTS}
     if found.has_joint_history("force") and found.reaction is not None:
-        made["force"] = ((*of_joint, "axis"), found.joint_history("force"), {"units": "N"})
-        made["reaction"] = (("time", "support", "reaction_component"), found.reaction, {"units": "N, N m"})
+        made |= {"force": found.joint_history("force"), "reaction": np.asarray(found.reaction)}
     return made

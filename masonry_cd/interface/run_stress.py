@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.deformed import Pose, base_shift, moved_nodes, solids_of
+from masonry_cd.analysis.deformed import Pose, base_at, moved_nodes, solids_of
 from masonry_cd.analysis.stress.elements import centres, element_columns, element_peaks, require_meshes
 from masonry_cd.analysis.stress.peaks import StressPeaks, principal, require_stress, stress_peaks
 from masonry_cd.foundation.extras import require
@@ -82,7 +82,7 @@ class RunStress(OpenRun):
         with self._at(time) as (found, frame):
             meshes, solids = require_meshes(found), solids_of(found.blocks)
             relative = moved_nodes(found, Pose.of(found, solids, frame), frame)
-            place = relative + base_shift(found, solids, np.asarray(found.position[frame], dtype=float))
+            place = base_at(found, solids, frame).in_world(relative)
             columns = columns_of("xyz", place) | columns_of(("ux", "uy", "uz"), relative - meshes.nodes)
             return self._by_block(columns, meshes.block, meshes.node_start, "node", time=float(self.time[frame]))
 

@@ -137,6 +137,24 @@ class Scene(Sealed):
 
         return to_compas(self.structure.blocks)
 
+    def to_deck(self, folder: str | os.PathLike[str], program: str, *, force: bool = False) -> list[Path]:
+        """Write the deck of another program, as ``masonry-cd export`` does; return its files.
+
+        Args:
+            folder: made if need be.
+            program: "lmgc90" or "3dec".
+            force: whether files that are there may be overwritten.
+
+        Raises:
+            InputError: what that program has no words for, or files that are there.
+        """
+        from masonry_cd.app.commands.export import deck
+        from masonry_cd.interface.returned import returned
+
+        result = deck(self._checked, program, Path(folder), force)
+        returned(result)
+        return list(result.written)
+
     def picture(self, view: str = "auto") -> Image:
         """The structure by groups of blocks, as an image that a notebook shows.
 
@@ -180,6 +198,10 @@ class Scene(Sealed):
         """Its tables with full paths, and the files that hold its arrays, by the names that the tables give them."""
         own = {name: (self._checked.folder / name).read_bytes() for name in self._own()}
         return with_absolute_paths(self.tables, self._checked.folder, frozenset(own)), own
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        own = None if self._files is None else {name: (self._checked.folder / name).read_bytes() for name in self._own()}
+        return _again, (self._origin, own)
 
     def _named(self) -> set[str]:
         """Names of the files that the scene reads."""
@@ -254,6 +276,16 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
         return Scene(of_file).changed(*changes, **tables)
     made = (*changes, *changes_of(plain(tables, ""), parse_toml(of_file.text, path))) if tables else changes
     return Scene(replace(of_file, changes=made))
+
+
+def _again(origin: _Origin, own: Mapping[str, bytes] | None) -> Scene:
+    """A scene that was pickled, with the files of its arrays where it was made in Python; others are read where they lie."""
+    if own is None:
+        return Scene(origin)
+    files = TemporaryFolder()
+    for name, content in own.items():
+        (files.path / name).write_bytes(content)
+    return Scene(replace(origin, path=files.path / FILE), files)
 
 
 def scene_of(results: Results) -> Scene:

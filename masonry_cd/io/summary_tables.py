@@ -125,6 +125,7 @@ class BaseMotion(SummaryTable):
     peak_displacement: Annotated[tuple[Metres, ...], "largest, along x, y and z"] = ()
     end_displacement: Annotated[tuple[Metres, ...], "at the end of the loads"] = ()
     largest_difference: Annotated[Metres, "by which supports come apart"] = 0.0
+    peak_rotation: Annotated[Real, Unit("degrees"), "largest angle by which one turns"] = 0.0
 
 
 class Loads(SummaryTable):

@@ -128,11 +128,10 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
     asked = parse_table(VibrationOptions, options, "modal")
     free_folder(folder, OUTPUTS, force)
     scene.refuse_static()
-    scene.refuse_events("the modal check")
+    scene.refuse_tables("the modal check", "links", "events")
     blocks = make_structures(scene).blocks
     with scene.locating():
         refuse_spheres(blocks, "structure", "the modal check")
-        scene.refuse_links("the modal check")
         assembly = Assembly.from_blocks(blocks, scene.material)
         companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
         assembly = replace(assembly, laws=assembly.laws.damped_at(float(companion.frequencies[0])))

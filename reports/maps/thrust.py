@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
-from masonry_cd.analysis.deformed import Pose, Solids, base_shift, joint_frame
+from masonry_cd.analysis.deformed import Pose, Solids, base_at, frame_index, joint_frame
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing import palette
@@ -83,7 +83,7 @@ def thrust_lines(
 def drawn_points(results: Results, solids: Solids, pose: Pose, frame: int, factor: float) -> np.ndarray:
     """(J, 3) the force points where a picture with amplified displacements has them, halfway between the two blocks; 0 without force."""
     joints = results.joints
-    seen = np.nan_to_num(joint_frame(results, "force_point", frame) - base_shift(results, solids, np.asarray(results.position[frame])))
+    seen = np.nan_to_num(base_at(results, solids, frame_index(results, frame)).seen(joint_frame(results, "force_point", frame)))
     out = np.zeros_like(seen)
     for block in (joints.block_a, joints.block_b):
         at_rest = np.einsum("jki,jk->ji", pose.rotation[block], seen - pose.position[block]) + solids.centre[block]

@@ -34,7 +34,7 @@ def limits(context: PageContext) -> Mapping[str, Any]:
     stands = [context.tables.get("structure", {}), *context.tables.get("structures", [])]
     return {
         "assumed": assumptions(context),
-        "settles": bool({"settlement", "spreading"} & set(kinds)),
+        "settles": bool({"settlement", "spreading", "motion"} & set(kinds)),
         "lines": left_out_lines(context.summary),
         "moving": moving,
         "vertical": "z" in moving,
@@ -130,11 +130,14 @@ def _base(context: PageContext) -> str:
     if not count:
         return "No block is a support."
     supports = "The support is rigid" if count == 1 else f"The {count} supports are rigid"
+    base = context.summary.loads.base
+    turn = f"turn{'s' if count == 1 else ''} by up to {number(base.peak_rotation, 'degrees', digits=3)}" if base.peak_rotation else ""
     if not moving:
-        return f"{supports} and at rest."
-    differ = context.summary.loads.base.largest_difference
+        return f"{supports} and {turn or 'at rest'}."
+    differ = base.largest_difference
+    turning = f", and {turn}" if turn else ""
     together = "" if count == 1 else ", all alike" if not differ else f", apart from one another by up to {in_metres(differ)}"
-    return f"{supports} and {'moves' if count == 1 else 'move'} as prescribed along {' and '.join(moving)}{together}."
+    return f"{supports} and {'moves' if count == 1 else 'move'} as prescribed along {' and '.join(moving)}{together}{turning}."
 
 
 def _gravity(context: PageContext) -> list[str]:

@@ -18,7 +18,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds, fallen_in, parted
-from masonry_cd.analysis.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap
+from masonry_cd.analysis.deformed import Pose, Solids, base_at, joint_frame, smallest_gap
 from masonry_cd.io.results import Results
 
 LARGEST = 8191  # whole number of a block's largest component
@@ -54,9 +54,9 @@ def read_motion(results: Results, solids: Solids, frames: np.ndarray) -> Motion:
     displacement, rotation = np.empty((count, blocks, 3)), np.empty((count, blocks, 3))
     opening, sliding = np.empty((count, joints)), np.empty((count, joints))
     for k, frame in enumerate(frames.tolist()):
-        position = np.asarray(results.position[frame], dtype=float)
-        displacement[k] = position - base_shift(results, solids, position) - solids.centre
-        rotation[k] = rotation_vectors(np.asarray(results.orientation[frame], dtype=float))
+        base = base_at(results, solids, frame)
+        displacement[k] = base.seen(np.asarray(results.position[frame], dtype=float)) - solids.centre
+        rotation[k] = rotation_vectors(base.orientations(np.asarray(results.orientation[frame], dtype=float)))
         opening[k], sliding[k] = joint_frame(results, "opening", frame), joint_frame(results, "sliding", frame)
     return Motion(frames, np.asarray(results.time, dtype=float)[frames], displacement, rotation, opening, sliding)
 

@@ -26,7 +26,7 @@ from structures.files.program_readers import BOX, NUMBER
 
 READ = ("create", "fix", "free", "group", "cut")  # of block
 HARMLESS = (  # of block: none changes corners, groups or supports
-    "constitutive", "contact", "damping", "dynamic", "fluid", "gravity", "history", "insitu", "list", "mechanical",
+    "apply", "constitutive", "contact", "damping", "dynamic", "fluid", "gravity", "history", "insitu", "list", "mechanical",
     "mechanical-damping", "property", "results", "table", "thermal", "zone",
 )  # fmt: skip
 NAMED = ("gridpoint", "face", "initialize", "name", "rigid")  # of block: may hold or load blocks, and is named

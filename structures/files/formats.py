@@ -7,6 +7,7 @@ An ending that is known decides. Any other file is taken for what its first byte
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ from masonry_cd.foundation.errors import InputError
 from structures.files.mesh_readers import HEAD as STL_HEAD
 from structures.files.mesh_readers import TRIANGLE
 
+OLD_COMPAS = re.compile(rb'"(?:dva|dea|dna|max_int_key|vertex|halfedge)"\s*:')  # keys of its JSON before it named its types
 LOOKED_AT = 4096  # bytes of a file of an unknown ending
 PACKAGE = "structures.files."
 
@@ -97,13 +99,10 @@ def _by_content(head: bytes, size: int) -> str | None:
     if text.startswith((b"{", b"[")):
         if b'"asset"' in head and b'"accessors"' in head:
             return "gltf"
-        return (
-            "compas"
-            if (b'"dtype"' in head or b'"datatype"' in head) and b'"blocks"' not in head
-            else "json"
-            if text.startswith(b"{")
-            else None
-        )
+        typed = (b'"dtype"' in head or b'"datatype"' in head) and b'"blocks"' not in head
+        if typed or OLD_COMPAS.search(head):
+            return "compas"
+        return "json" if text.startswith(b"{") else None
     marks = ((b"glTF", "gltf"), (b"AutoCAD Binary DXF", "dxf"), (b"ply", "ply"), (b"\x89HDF", "vtkhdf"), (b"PK\x03\x04", "3mf"))
     if found := next((name for mark, name in marks if text.startswith(mark)), None):
         return found

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks of other programs: COMPAS JSON and LMGC90 decks. Each runs in a child, see :mod:`structures.files.foreign`.
 
-    COMPAS    every mesh or polyhedron within the file, by name; ``is_support`` of it or of the node around it. Elements with features,
-              which cut their geometry, are refused; frames of their own and shapes that are no meshes are counted
+    COMPAS    every mesh or polyhedron within the file, by name; ``is_support`` of it or of the node around it, or, in assemblies of
+              version 0, of its node beside it. Elements with features, which cut their geometry, are refused; frames of their own and
+              shapes that are no meshes are counted
     LMGC90    BODIES.DAT: a RBDY3 with one POLYR or PLANx each, or a RBDY2 with one POLYG or JONCx, drawn out by a thickness; colour is the
               group. Beside it DRV_DOF.DAT (all velocities driven: a support) and BULK_BEHAV.DAT (densities). Bodies of other kinds, or
               moved from where they are written, are refused; so are turned ones in space
 
-Sources: COMPAS 1 and 2 documentation; LMGC90 user guide.
+Sources: COMPAS 0.19, 1 and 2 documentation; LMGC90 user guide.
 """
 
 from __future__ import annotations
@@ -106,6 +107,7 @@ def _meshes(path: Path, item: Any, name: str, support: bool, place: np.ndarray, 
             yield from _meshes(path, part, name, support, place, depth + 1)
     if not isinstance(item, dict):
         return
+    item = with_supports(item)
     given = item.get("attributes")
     attributes: dict[str, Any] = given if isinstance(given, dict) else {}
     own = item.get("name") or attributes.get("name") or name
@@ -126,6 +128,15 @@ def _meshes(path: Path, item: Any, name: str, support: bool, place: np.ndarray, 
     if not found and not np.allclose(own_place, np.eye(4)):
         what = "moves others, which do not stand within it; write their model geometry"
         raise Refused(path.name, f'the element "{str(own)[:40]}" {what}')
+
+
+def with_supports(item: Mapping[str, Any]) -> dict[str, Any]:
+    """An object of COMPAS; of an assembly of version 0, whose nodes lie beside its blocks, with what they say of supports in the blocks."""
+    blocks, nodes = item.get("blocks"), item.get("node", item.get("vertex"))
+    if not (isinstance(blocks, dict) and isinstance(nodes, dict)):
+        return dict(item)
+    held = {key for key, node in nodes.items() if isinstance(node, dict) and node.get("is_support")}
+    return {**item, "blocks": {key: {**mesh, "is_support": True} if key in held else mesh for key, mesh in blocks.items()}}
 
 
 def _transformation(item: Mapping[str, Any], where: str) -> np.ndarray:
@@ -290,7 +301,7 @@ def _contactor(where: str, kind: str, text: str) -> tuple[np.ndarray, Faces]:
         raise Refused(where, f"a contactor {kind}; POLYR and PLANx are read")
     points = np.array(_values(text, "coo")).reshape(-1, 3) if len(_values(text, "coo")) % 3 == 0 else np.zeros((0, 3))
     corners = [int(value) - 1 for value in _values(text, "ver")]
-    announced = [int(value) for value in re.findall(r"nb_(?:vertex|faces)\s*=\s*(\d+)", text)]
+    announced = [int(value) for value in re.findall(r"nb_(?:vertex|faces?)\s*=\s*(\d+)", text)]
     if len(announced) != 2 or announced != [len(points), len(corners) // 3] or len(corners) % 3:
         raise Refused(where, "not as many corners and faces as it announces")
     if corners and (min(corners) < 0 or max(corners) >= len(points)):

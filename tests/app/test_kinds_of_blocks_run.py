@@ -202,6 +202,12 @@ displacement = 0.02
 start = 0.02
 duration = 0.1
 """,
+    "motion": """
+[[loads]]
+kind = "motion"
+path = "levels.csv"
+about = [3.0, 0.0, 0.0]
+""",
     "tilt": """
 [[loads]]
 kind = "tilt"
@@ -274,8 +280,10 @@ def test_a_tilted_ball_rolls_from_the_angle_of_its_rolling_friction_on(tmp_path:
     assert gone[-1] > 1e-3
 
 
-def test_spheres_go_on_from_their_checkpoint_to_the_same_bits(tmp_path: Path) -> None:
-    path = scene(tmp_path, "record", 0.2)
+@pytest.mark.parametrize("load", ["record", "motion"])
+def test_spheres_go_on_from_their_checkpoint_to_the_same_bits(tmp_path: Path, load: str) -> None:
+    (tmp_path / "levels.csv").write_text("time [h],far.z [mm],far.ry [deg]\n0,0,0\n0.00002,-1,0.2\n0.00004,-4,0.5\n")
+    path = scene(tmp_path, load, 0.2)
     assert masonry_cd("run", path, "-o", tmp_path / "whole", "-q").exit_code == 0
 
     with ctrl_c_before_step(30):

@@ -18,7 +18,7 @@ from places import ROOT
 from masonry_cd.app.limit_table import limit_table
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import parse_table
-from masonry_cd.foundation.plugins import GROUPS, OWN_FILE
+from masonry_cd.foundation.plugins import CALLED, OWN_FILE
 from masonry_cd.mechanics.model.link_table import LinkTable
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.studies.study.clusters import SlurmTable
@@ -145,7 +145,7 @@ def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
         ],
         "docs/limit_analysis.md": [lambda tables: limit_table(tables["limit"])],
         "docs/plugins.md": [
-            lambda tables: [GROUPS.index(name.removeprefix("masonry_cd.")) for name in tables["project"]["entry-points"]],
+            lambda tables: [[*CALLED].index(name.removeprefix("masonry_cd.")) for name in tables["project"]["entry-points"]],
             lambda tables: re.fullmatch(OWN_FILE, tables["structure"]["kind"])["path"],
         ],
         "docs/scene_file.md": [

@@ -17,19 +17,17 @@ import numpy as np
 import pytest
 import scenes
 from doc_pages import DOCS, PAGES, page_name
-from models import stepper, tower
 from places import ROOT
 
 import masonry_cd as mc
-import masonry_cd.mechanics.solvers
 import structures
 from masonry_cd import __version__
 from masonry_cd.mechanics.friction.problem import Problem, natural_map_error
-from masonry_cd.mechanics.solvers import SOLVERS, Options
+from masonry_cd.mechanics.solvers import Options
 from masonry_cd.studies.laboratory.field_tests import PRESTWOOD, WITHIN, collapse
 from structures.files import meshfile
 
-JACOBI = ROOT / "examples" / "solver" / "jacobi.py"
+JACOBI = ROOT / "examples" / "plugin" / "masonry_cd_stacks" / "jacobi.py"
 
 
 def loaded(path: Path, name: str) -> ModuleType:
@@ -62,15 +60,6 @@ def jacobi() -> Iterator[ModuleType]:
     del sys.modules["example_jacobi"]
 
 
-@pytest.fixture
-def added(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The example put where the program looks for solvers."""
-    package = masonry_cd.mechanics.solvers
-    monkeypatch.setattr(package, "__path__", [*package.__path__, str(JACOBI.parent)])
-    yield
-    sys.modules.pop("masonry_cd.mechanics.solvers.jacobi", None)
-
-
 def test_every_package_of_the_tree_is_drawn(picture: ModuleType, found: dict[str, tuple]) -> None:
     homes = [ROOT / "masonry_cd", ROOT / "masonry_cd" / "mechanics"]
     core = {str(path.parent.relative_to(ROOT)) for home in homes for path in home.glob("*/__init__.py")} - {"masonry_cd/mechanics"}
@@ -91,16 +80,6 @@ def test_the_example_of_a_solver_solves(jacobi: ModuleType, problem: Problem) ->
     assert np.array_equal(solution.impulse, again.impulse)
     missed = jacobi.solve(problem, Options(tolerance=1e-12, max_iterations=40))
     assert missed.iterations == 40
-
-
-@pytest.mark.usefixtures("added")
-def test_one_file_adds_a_solver() -> None:
-    assert "jacobi" in SOLVERS
-    machine = stepper(tower(2), 5, solver="jacobi", tolerance=1e-6)
-    reports = [machine.step() for _ in range(5)]
-    assert reports[0].iterations > 0
-    assert max(report.error for report in reports) < 1e-6
-    assert np.abs(machine.state.position - machine.assembly.centre).max() < 1e-6
 
 
 @pytest.mark.parametrize("page", PAGES, ids=page_name)

@@ -128,6 +128,12 @@ def test_the_reference_of_commands_is_what_is_generated() -> None:
     assert reference.PAGE.read_text(encoding="utf-8") == reference.page(), "python docs/write_command_reference.py"
 
 
+def test_the_reference_of_python_is_what_is_generated() -> None:
+    made = loaded(DOCS / "write_python_reference.py", "write_python_reference")
+    assert made.PAGE.read_text(encoding="utf-8") == made.reference(), "python docs/write_python_reference.py"
+    assert [name for name in made.mc.NAMES if f"mc.{name}" not in made.reference()] == []
+
+
 def test_the_gallery_shows_every_example() -> None:
     gallery = loaded(DOCS / "draw_gallery.py", "draw_gallery")
     measured = json.loads(gallery.MEASURED.read_text())

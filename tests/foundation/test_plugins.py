@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -20,6 +21,7 @@ import masonry_cd as mc
 from masonry_cd.foundation import plugins
 from masonry_cd.foundation.trust import VARIABLE, trusted
 from masonry_cd.interface import protocols
+from masonry_cd.interface.events import EVENTS
 from masonry_cd.studies.assess.assumptions import assumptions_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
@@ -115,7 +117,15 @@ def test_the_command_lists_them_and_a_scene_without_them_imports_none(tmp_path: 
     code, said = command("plugins")
     assert code == 0
     assert "structure stack: masonry-cd-stacks 0.1.0, masonry_cd_stacks.stack:STACK" in said.splitlines()
-    assert {line.partition(" ")[0] for line in said.splitlines()} == {"structure", "load", "reader", "report", "mechanism", "joint"}
+    assert {line.partition(" ")[0] for line in said.splitlines()} == {
+        "structure",
+        "load",
+        "reader",
+        "report",
+        "mechanism",
+        "joint",
+        "solver",
+    }
     assert not any(name.startswith("masonry_cd_stacks") for name in sys.modules)
 
 
@@ -193,6 +203,14 @@ def test_what_the_example_adds_is_what_the_protocols_say() -> None:
     assert isinstance(load["loads"], protocols.LoadKind) and isinstance(load["readers"], protocols.RecordReader)
     assert isinstance(load["reports"], protocols.Report) and callable(load["structures"].build)
     assert isinstance(load["joint_laws"], protocols.JointLaw) and callable(load["mechanisms"])
+    assert set(load) == set(plugins.CALLED)
+
+
+def test_the_page_has_every_contract() -> None:
+    page = (ROOT / "docs" / "plugins.md").read_text(encoding="utf-8")
+    calls = [f"`{name}({given})`" for group in plugins.CALLED.values() for name, given in group.items()]
+    assert [call for call in [*calls, *(f"`f({given})`" for given in EVENTS.values())] if call not in page] == []
+    assert [group for group in plugins.CALLED if f"`masonry_cd.{group}`" not in page] == []
 
 
 @pytest.mark.usefixtures("installed")
@@ -258,10 +276,53 @@ def test_a_joint_law_of_a_package_holds_what_friction_does_not(tmp_path: Path) -
 
 
 @pytest.mark.usefixtures("installed")
+def test_a_solver_of_a_package_makes_runs_and_solves_files(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE.partition("[report]")[0].replace("duration = 0.02", 'duration = 0.02\nsolver = "jacobi"'))
+    code, said = command("run", tmp_path / "scene.toml", "-o", tmp_path / "out", "-q", "--dump-problem", 5, "--set", "run.tolerance=1e-5")
+    assert code == 0, said
+    solver = mc.open(tmp_path / "out").summary["solver"]
+    assert solver["name"] == "jacobi" and solver["steps_missed"] == 0 and 0.0 < solver["error_max"] < 1e-5
+    problem = next((tmp_path / "out").glob("problem_5*.npz"))
+    code, said = command("solve", problem, "--solver", "jacobi", "--tolerance", 1e-5, "--json")
+    assert code == 0 and json.loads(said)["converged"]
+    code, said = command("accuracy", problem, "-o", tmp_path / "rows", "--solvers", "jacobi,nlgs", "--tolerances", "1e-3", "--repeats", 1)
+    assert code == 0 and "jacobi: reached all" in said
+    for words in (("solve", problem, "--solver"), ("accuracy", problem, "-o", tmp_path / "no", "--solvers")):
+        code, said = command(*words, "jacoby")
+        assert code == 2 and '"jacoby" (did you mean "jacobi"?)' in said
+
+
+@pytest.mark.parametrize(
+    ("module", "function", "contract"),
+    [
+        ("stack", "def build(", plugins.CALLED["structures"]["build"]),
+        ("surge", "def surge(", plugins.CALLED["loads"]["part"]),
+        ("jacobi", "def solve(", plugins.CALLED["solvers"]["solve"]),
+        ("glue", "def stresses(", plugins.CALLED["joint_laws"]["function"]),
+    ],
+)
+def test_a_function_that_takes_something_else_is_said_in_a_line(
+    installed: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, function: str, contract: str
+) -> None:
+    """Before anything runs: the contract, and what the function takes."""
+    own = tmp_path / "masonry_cd_stacks"
+    shutil.copytree(EXAMPLE / "masonry_cd_stacks", own)
+    text = (own / f"{module}.py").read_text(encoding="utf-8")
+    (own / f"{module}.py").write_text(text.replace(function, function.replace("(", "(more, also, ")))
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    with pytest.raises(mc.InputError) as refused:
+        mc.Simulation(mc.scene(tmp_path / "scene.toml", "run.solver=jacobi"), law="glue")
+    assert len(refused.value.lines) == 1
+    assert "(more, also, " in str(refused.value) and f"({contract}) is needed" in str(refused.value)
+
+
+@pytest.mark.usefixtures("installed")
 def test_the_schema_has_the_keys_of_a_packages_kinds() -> None:
     code, said = command("schema")
     assert code == 0
     keys = json.loads(said)["properties"]
+    assert "jacobi" in keys["run"]["properties"]["solver"]["enum"]
     (stack,) = [one for one in keys["structure"]["oneOf"] if one["properties"]["kind"]["const"] == "stack"]
     assert {"cubes", "side", "ground"} <= set(stack["properties"])
     (surge,) = [one for one in keys["loads"]["items"]["oneOf"] if one["properties"]["kind"]["const"] == "surge"]

@@ -9,12 +9,14 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import mesh_files
 import numpy as np
 import pytest
 from hostile import refused_at
 
 import masonry_cd as mc
 from masonry_cd.app.case import prepare
+from structures.files.formats import format_of
 
 WEIGHT = 0.4 * 0.4 * 0.8 * 2000.0 * 9.81  # of b2 [N]; b1 has half of it
 
@@ -63,6 +65,12 @@ def test_meshes_lie_where_the_blocks_are(run: mc.Run) -> None:
     trimesh = pytest.importorskip("trimesh")
     scene = run.to_trimesh(0.0)
     assert isinstance(scene, trimesh.Scene) and set(scene.geometry) == {"b0", "b1", "b2"}
+    for blocks in (scene, scene.dump()):  # and back, by their names
+        again = mc.scene(
+            structure={"blocks": blocks, "fixed": "b0"}, material={"density": 2000.0, "friction": 0.5}, run={"dt": 0.1}
+        ).structure
+        assert set(again.names) == {"b0", "b1", "b2"} and again["b0"].fixed
+        assert again["b1"].vertices.mean(axis=0) == pytest.approx(scene.geometry["b1"].vertices.mean(axis=0))
     assert scene.geometry["b2"].volume == pytest.approx(0.128)
 
 
@@ -118,6 +126,11 @@ def test_meshes_are_found_wherever_a_model_holds_them(tmp_path: Path) -> None:
     )
     assert [(block["name"], block["fixed"]) for block in found] == [("b0", True), ("b1", False)]
     assert np.array_equal(found[0]["vertices"], corners) and [tuple(loop) for loop in found[0]["faces"]] == list(faces)
+    old = mc.from_compas(json.loads(mesh_files.compas_0()))  # of version 0: nodes beside blocks, keys as texts
+    assert [(block["name"], block["fixed"]) for block in old] == [("Block", True), ("Block_1", False)]
+    (tmp_path / "mesh.json").write_text(mesh_files.compas_0(assembly=False), encoding="utf-8")
+    assert [len(block["faces"]) for block in mc.from_compas(tmp_path / "mesh.json")] == [6]
+    assert format_of(tmp_path / "mesh.json") == "compas"
     data["face"]["0"] = [99, 10, 11]
     with pytest.raises(mc.InputError, match='mesh 0, "b0": its vertices and faces do not fit'):
         mc.from_compas(data)

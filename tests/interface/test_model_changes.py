@@ -156,6 +156,21 @@ def test_a_prop_holds_until_it_is_taken_out() -> None:
     assert sim.state.velocity[1, 0] == pytest.approx(0.2 * 0.3 * G, rel=1e-5)
 
 
+def test_what_hangs_on_a_block_that_is_removed_falls() -> None:
+    beam = mc.Block("beam", *mc.box((-2, -0.5, 4.5), (2, 0.5, 5.0)), group="beam", fixed=True)
+    ends = (("hangs", "rod", 3.0), ("rod", "beam", 4.5))
+    pins = [{"kind": "hinge", "blocks": [a, b], "point": [0, 0, z]} for a, b, z in ends]
+    rod = mc.Block("rod", *mc.box((-0.1, -0.1, 3.2), (0.1, 0.1, 4.3)))
+    sim = simulation(cube("hangs", z=2.0), rod, beam, links=pins, run={"tolerance": 1e-8})
+    sim.run(until=0.1)
+    assert abs(sim.state.velocity[1, 2]) < 1e-6
+    begin = sim.state.position[1, 2]
+    sim.remove("rod")
+    assert sim.links() == []
+    sim.run(until=0.4)
+    assert begin - sim.state.position[1, 2] == pytest.approx(0.5 * G * 0.3**2, rel=0.005)
+
+
 def test_restarts_and_copies_have_the_changes_and_the_bits(tmp_path: Path) -> None:
     def begun() -> mc.Simulation:
         return simulation(cube("low"), cube("high", z=1.0), cube("late", x=1.2), joints=SPRINGS, waiting="late")

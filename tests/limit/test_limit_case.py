@@ -136,6 +136,27 @@ def test_live_loads_are_multiplied_and_others_are_not(tmp_path):
     assert found.whole.analysis.associated.factor == pytest.approx((weight * 0.25 - 100.0 * 1.5) / (1000.0 * 0.75), rel=1e-9)
 
 
+def test_a_moment_is_multiplied_or_constant(tmp_path):
+    """The pillar turns about its edge at x = 0.5: M_live + M_dead = W 0.25."""
+    points = "".join(f'[[loads]]\nkind = "point"\nblock = "a"\nmoment = [0, {m}, 0]\n' for m in (100.0, 40.0))
+    found = limit_case(scene(tmp_path, pillar(), points + "[limit]\nlive = [1]\n"))
+    weight = 2000.0 * 9.81 * 0.5 * 0.4 * 1.5
+    assert found.whole.analysis.associated.factor == pytest.approx((weight * 0.25 - 100.0) / 40.0, rel=1e-9)
+    with pytest.raises(InputError, match="loads\\[0\\] is no weight"):
+        limit_case(scene(tmp_path, pillar(), points + "[limit]\npush = 'x'\nmasses = [0]\n"))
+
+
+@pytest.mark.parametrize(("pivot", "edge"), [(-8.2, 2.0), (1.0, 1.8)])
+def test_a_support_that_turns_bears_at_the_edge_where_it_has_the_least_power(tmp_path, pivot, edge):
+    """N = W 0.8 / (edge - 0.2) about the edge of the left support, by the way of the edge over that of the corner that goes farthest."""
+    blocks = [box("left", (0, -0.2, -0.5), (0.2, 0.2, 0), True), box("right", (1.8, -0.2, -0.5), (2, 0.2, 0), True)]
+    blocks.append(box("beam", (0, -0.2, 0), (2, 0.2, 0.3)))
+    keys = f"time = [0, 9]\nrotation = [0, 1]\naxis = 'y'\nabout = [{pivot}, 0, 0]\n"
+    found = limit_case(scene(tmp_path, blocks, f'[[loads]]\nkind = "motion"\nsupports = "right"\n{keys}'))
+    borne = 2000.0 * 9.81 * 2.0 * 0.4 * 0.3 * 0.8 / (edge - 0.2) * (edge - pivot) / math.hypot(2.0 - pivot, 0.5)
+    assert facts(found)["support_force"] == pytest.approx(borne, rel=1e-6)
+
+
 def test_a_settlement_is_read_from_the_loads(tmp_path):
     blocks = [box("left", (0, -0.2, -0.5), (0.2, 0.2, 0), True), box("right", (1.8, -0.2, -0.5), (2, 0.2, 0), True)]
     blocks.append(box("beam", (0, -0.2, 0), (2, 0.2, 0.3)))

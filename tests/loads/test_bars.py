@@ -13,7 +13,7 @@ from models import box, ground
 
 import loads
 from loads.bar_frequency import felt_mass
-from loads.bars import Forces
+from loads.bars import Forces, PointLoad
 from masonry_cd.app.case import prepare
 from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
@@ -279,3 +279,12 @@ tension = 500.0
         assert tie.tension_max == tension.max() > tension[-1] == tie.tension_end > 500.0
     assert tie.stress_max == pytest.approx(tie.tension_max / (np.pi * 1e-4))
     assert closing_lines(summary)[2].startswith('tie "left" to "right": at most ')
+
+
+def test_a_moment_that_varies_within_a_step_is_measured_at_the_corners(pair: Assembly) -> None:
+    """An adapting step takes the mean of it: what it is off by accelerates a corner by M R / I."""
+    factor = np.array([0.0, 0.0, 1.0, 1.0])
+    turning = Forces((PointLoad(1, np.zeros(3), np.zeros(3), factor, np.array([0.0, 60.0, 0.0])),), ())
+    least = float(np.linalg.eigvalsh(pair.inertia[1])[0])
+    assert turning.spread(1, 2, pair) == pytest.approx(30.0 * pair.reach[1] / least)
+    assert turning.spread(2, 2, pair) == 0.0 and turning.leaves_plane(0, 0.0, pair.centre)

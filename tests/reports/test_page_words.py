@@ -139,6 +139,9 @@ def test_the_axes_of_the_base_and_the_largest_pressure_are_read_from_the_frames(
         assert largest_pressure(results) == pytest.approx((8e5, 1, 0.1))  # on one square metre
         write_page(results, tmp_path / "report.html", Summary(**SOUND))
     assert "The support is rigid and moves as prescribed along y." in words((tmp_path / "report.html").read_text(encoding="utf-8"))
+    with Results.open(path) as results:
+        write_page(results, tmp_path / "report.html", Summary(**SOUND, loads={"base": {"peak_rotation": 1.5}}))
+    assert "moves as prescribed along y, and turns by up to 1.5 degrees." in words((tmp_path / "report.html").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize(

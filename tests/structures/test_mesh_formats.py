@@ -52,6 +52,7 @@ def boxes(folder: Path, name: str, content: str | bytes = "", **keys: Any) -> li
         ("a.dxf", files.dxf(polyface=True)),
         ("a.json", files.compas()),
         ("a.compas", files.compas(assembly=False)),
+        ("a.json", files.compas_0()),
         ("a.3ddat", files.threedec()),
         ("a.wrl", files.vrml()),
         ("a.msh", files.msh()),
@@ -66,7 +67,8 @@ def test_boxes_that_share_corners_are_two_blocks(tmp_path: Path, name: str, cont
 
 def test_what_files_say_of_blocks_is_kept(tmp_path: Path) -> None:
     assert [block.group for block in boxes(tmp_path, "a.dxf", files.dxf(), up="z")] == ["lower", "upper"]  # in metres by its header
-    assert [block.fixed for block in boxes(tmp_path, "a.json", files.compas(), **METRES)] == [True, False]
+    for text in (files.compas(), files.compas_0()):
+        assert [block.fixed for block in boxes(tmp_path, "a.json", text, **METRES)] == [True, False]
     deck = boxes(tmp_path, "a.3dec", files.threedec(), **METRES)
     assert [(block.group, block.fixed) for block in deck] == [("base", True), ("stone", False)]
     assert [block.fixed for block in boxes(tmp_path, "b.dat", files.PRISM, **METRES)] == [True, False]

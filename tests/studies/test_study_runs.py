@@ -20,7 +20,7 @@ from typer.testing import Result
 
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.io.results import Results
-from masonry_cd.studies.study.clusters import ONE_THREAD, Where, read_slurm, slurm_cluster
+from masonry_cd.studies.study.clusters import ONE_THREAD, Where
 from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.plan import Planned
@@ -314,9 +314,9 @@ python = "/opt/env/bin/python"
 
 def test_the_job_script_of_slurm(tmp_path: Path) -> None:
     (tmp_path / "slurm.toml").write_text(SLURM)
-    with slurm_cluster(read_slurm(tmp_path / "slurm.toml")) as cluster:
-        script = cluster.job_script()
-    lines = script.splitlines()
+    result = invoke(write_study(tmp_path), "--slurm", str(tmp_path / "slurm.toml"), "--print-job")
+    assert result.exit_code == 0 and not (tmp_path / "out").exists()
+    lines = result.stdout.splitlines()
     asked = [
         "#SBATCH -p short",
         "#SBATCH -A arches",
@@ -342,6 +342,17 @@ def test_a_bad_file_for_slurm(tmp_path: Path, text: str, message: str) -> None:
     first, *others = result.stderr.partition("masonry-cd: error: ")[2].splitlines()
     assert first == f"{tmp_path / 'slurm.toml'}: {message}"
     assert all(line.startswith(f"{tmp_path / 'slurm.toml'}: ") for line in others)
+
+
+@pytest.mark.parametrize("words", [["--slurm", "slurm.toml"], ["--print-job"]])
+def test_without_slurm_nothing_is_begun(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str]) -> None:
+    (tmp_path / "slurm.toml").write_text(SLURM)
+    study = write_study(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    result = invoke(study, *words)
+    assert result.exit_code == 2 and result.stderr.startswith(f"masonry-cd: error: {words[0]}: ") and result.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
 
 
 def test_nothing_wrong_with_all_runs_gets_as_far_as_a_worker(tmp_path: Path) -> None:

@@ -59,7 +59,7 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
     if index > 0 and index == results.frames - 1 and closing.ended_still:
         speed = np.minimum(now, speeds(_since(results, index), solids, results.support))
     fastest = int(np.argmax(speed)) if standing.any() else -1
-    base = np.linalg.norm(velocity[solids.fixed, :3], axis=1)
+    base = speeds(velocity, solids, -1)[solids.fixed]
     end = End(
         time=float(results.time[index]),
         speed=float(speed[fastest]) if fastest >= 0 else 0.0,

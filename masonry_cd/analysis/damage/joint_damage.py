@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.analysis.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
-from masonry_cd.analysis.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
+from masonry_cd.analysis.deformed import Pose, base_at, joint_frame, smallest_gap, solids_of
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.layout import BONDED, CRUSHED, LAW_HISTORIES
 from masonry_cd.io.results import Results
@@ -143,7 +143,7 @@ def displacements(results: Results) -> np.ndarray:
         return largest
     for some in results.in_chunks(3 * len(solids.centre)):
         position = np.asarray(results.position[some], dtype=float)
-        relative = position - base_shift(results, solids, position)[:, None] - solids.centre
+        relative = base_at(results, solids, some).seen(position) - solids.centre
         largest[some] = np.linalg.norm(relative[:, ~solids.fixed], axis=2).max(axis=1)
     return largest
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.macro_elements import HINGED, LEVELS, Levels, MacroElements, macro_elements_of, part_names
-from masonry_cd.analysis.deformed import Solids, solids_of
+from masonry_cd.analysis.deformed import Base, Solids, solids_of
 from masonry_cd.io.layout import STEP_PEAKS
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.damage_peaks import FallTables, PartTables, Peaks, StepMeasures, take_step
@@ -63,7 +63,11 @@ class StepPeaks:
 
     def update(self, now: JointMeasures, state: State) -> None:
         """Take in a step."""
-        seen = StepMeasures(state.position, state.orientation, now.opening, now.gap, now.sliding, now.contact_area)
+        position, orientation = state.position, state.orientation
+        if self._parts.support >= 0 and orientation[self._parts.support, 1:].any():
+            base = Base.of(self._parts.support, self._assembly.centre, position, orientation)
+            position, orientation = base.seen(position), base.orientations(orientation)
+        seen = StepMeasures(position, orientation, now.opening, now.gap, now.sliding, now.contact_area)
         grown = Peaks(*(self.arrays[name] for name in Peaks._fields))
         if take_step(self._parts, self._falls, seen, grown, self._wider):
             new = np.flatnonzero(self._wider)

@@ -100,7 +100,7 @@ class Loads:
     dead: np.ndarray  # (B, 6)
     live: np.ndarray  # (B, 6), multiplied by the factor
     bars: Bars
-    support_velocity: np.ndarray | None = None  # (B, 3) of the supports; then there are no live forces
+    support_velocity: np.ndarray | None = None  # (B, 3) of the supports, (B, 6) where they turn; then there are no live forces
     arms: Arms | None = None  # of the point loads among them; without it, moments stay what they are when blocks turn
 
     def moved(self, centre: np.ndarray, position: np.ndarray, rotation: np.ndarray) -> Loads:
@@ -214,7 +214,8 @@ def problem_at(assembly: Assembly, points: Interfaces, loads: Loads, axis: int |
     dead, live = ((part[free][:, _columns(axis)] / scale).ravel() for part in (loads.dead, loads.live))
     moves = loads.support_velocity is not None
     if moves:
-        velocity = np.pad(np.asarray(loads.support_velocity), ((0, 0), (0, 3)))
+        velocity = np.asarray(loads.support_velocity)
+        velocity = np.pad(velocity, ((0, 0), (0, 6 - velocity.shape[1])))
         jacobian = _with_column(jacobian, np.einsum("red,red->r", stacked, velocity[ends]))
         bars = _with_column(bars, np.einsum("red,red->r", _bar_rows(assembly, loads.bars), velocity[loads.bars.blocks]))
         dead, live = np.append(dead, 0.0), np.append(live, 1.0)
@@ -232,7 +233,8 @@ def plane_of(assembly: Assembly, loads: Loads) -> int | None:
             continue
         across = [axis, *(3 + d for d in range(3) if d != axis)]
         forces = np.concatenate([loads.dead, loads.live])
-        still = loads.support_velocity is None or not loads.support_velocity[:, axis].any()
+        moved = loads.support_velocity
+        still = moved is None or not moved[:, [column for column in across if column < moved.shape[1]]].any()
         size = 1e-9 * float(np.abs(forces).max(initial=0.0))
         if still and not (np.abs(forces[:, across]) > size).any() and _in_plane(loads.bars, axis, at):
             return axis

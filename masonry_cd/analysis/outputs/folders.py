@@ -18,6 +18,17 @@ FOLDERS: dict[str, dict[str, str]] = {
         "plan_left.csv": "what of a drawing was not understood",
         "plan_junctions.csv": "where walls meet and where they end, with the widths found",
     },
+    "export": {
+        "DATBOX/BODIES.DAT": "the blocks for LMGC90, as --format lmgc90 asks",
+        "DATBOX/BULK_BEHAV.DAT": "gravity and densities",
+        "DATBOX/TACT_BEHAV.DAT": "friction by pair of groups",
+        "DATBOX/DRV_DOF.DAT": "supports",
+        "DATBOX/v*.dat": "how they move",
+        "DATBOX/DOF.INI": "the state at the beginning",
+        "DATBOX/Vloc_Rloc.INI": "contacts at the beginning: none",
+        "command.py": "runs that deck by pylmgc90",
+        "deck.3ddat": "the scene for 3DEC 7, as --format 3dec asks",
+    },
     "limit": {
         "limit.json": "verdict, factors, mechanisms, check and certificate",
         "mechanisms.csv": "every mechanism of the whole and of its parts with its check, the gravest first",

@@ -25,7 +25,7 @@ from masonry_cd.analysis.damage.joint_damage import (
 from masonry_cd.analysis.damage.macro_elements import can_be_graded
 from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
 from masonry_cd.analysis.damage.verdict import checks_of
-from masonry_cd.analysis.deformed import Solids, base_shift, solids_of
+from masonry_cd.analysis.deformed import Solids, base_at, solids_of
 from masonry_cd.analysis.outputs import SUMMARY, values_in
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
@@ -80,9 +80,9 @@ class Measured:
 
     def moved(self, block: int) -> np.ndarray:
         """(F, 3) how a block has moved relative to the base, over the frames [m]."""
-        results, solids = self.results, self.solids
-        shift = base_shift(results, solids, np.asarray(results.position[: results.frames], dtype=float)) if solids.fixed.any() else 0.0
-        return np.asarray(np.asarray(results.position[: results.frames, block], dtype=float) - solids.centre[block] - shift)
+        every = slice(0, self.results.frames)
+        position = np.asarray(self.results.position[every, [block]], dtype=float)
+        return np.asarray(base_at(self.results, self.solids, every).seen(position)[:, 0] - self.solids.centre[block])
 
     @cached_property
     def top(self) -> np.ndarray:

@@ -152,10 +152,9 @@ def modal(
     asked, unusual = parse_table(ModalOptions, options, "modal"), []
     measured = read_measured(asked.reference) if asked.reference else []
     if isinstance(source, Scene):
-        source.refuse_events("the modal check")
+        source.refuse_tables("the modal check", "links", "events")
         blocks, title, material = make_structures(source).blocks, source.title, source.material
         unusual = structure_doubts(source, blocks)
-        source.refuse_links("the modal check")
     else:
         blocks, material = list(source), None
     refuse_spheres(blocks, "structure", "the modal check")

@@ -12,10 +12,11 @@ from scipy import sparse
 
 from masonry_cd.app.result import Result
 from masonry_cd.foundation.atomic import replacing
-from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.problem_files import read_problem
 from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
+from masonry_cd.mechanics.solvers.by_name import require_solver, solver_named
 
 
 def solve(
@@ -26,7 +27,7 @@ def solve(
 
     Args:
         path: .npz or FCLIB HDF5.
-        solver: a name in ``SOLVERS``.
+        solver: ours, or one that a package adds, by its name.
         tolerance: natural map error, scaled.
         max_iterations: None: the solver's own limit.
         seed: of random sweep orders.
@@ -39,8 +40,8 @@ def solve(
     Raises:
         InputError: see :func:`read_problem`; an unknown solver, an impossible tolerance, an output that is no .npz.
     """
-    if solver not in SOLVERS:
-        raise InputError(f'solver "{solver}"', f"unknown{suggest(solver, SOLVERS)}; known are {', '.join(SOLVERS)}")
+    require_solver(solver, "solver")
+    method = solver_named(solver)
     if not 0.0 < tolerance < 1.0:
         raise InputError("tolerance", f"should be between 0 and 1, got {tolerance:g}")
     if output is not None and Path(output).suffix != ".npz":
@@ -51,7 +52,7 @@ def solve(
     options = Options(tolerance=tolerance, max_iterations=max_iterations, seed=seed)
     load_kernels(solver, problem)
     begin = time.perf_counter()
-    solution = SOLVERS[solver](problem, options, None)
+    solution = method(problem, options, None)
     seconds = time.perf_counter() - begin
     error = natural_map_error(problem, solution.impulse)
     if output is not None:
@@ -82,4 +83,4 @@ def load_kernels(solver: str, problem: Problem) -> None:
         m = problem.dimension
         problem = LocalProblem(sparse.identity(m, format="csr"), -np.ones((1, m)), np.ones(1))
     for name in SOLVERS if solver == "auto" else (solver,):
-        SOLVERS[name](problem, Options(tolerance=1e-300, max_iterations=1), None)
+        solver_named(name)(problem, Options(tolerance=1e-300, max_iterations=1), None)

@@ -9,7 +9,6 @@ rebuilds nothing.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -47,14 +46,6 @@ def list_pairs(listing: Listing, shapes: Shapes, motion: Motion, fixed: np.ndarr
     boxes = np.empty((len(listing.allowance), 6))
     grown_boxes(listing, shapes, motion, skin, boxes)
     return overlapping_boxes(boxes, shapes.part_block, fixed)
-
-
-def unlinked(pairs: np.ndarray, shapes: Shapes, links: Sequence[tuple[int, int]]) -> np.ndarray:
-    """Pairs of parts (P, 2) without those whose blocks a link holds together: it stands in the place of their joint."""
-    if not links:
-        return pairs
-    blocks = np.sort(shapes.part_block[pairs], axis=1)
-    return pairs[~(blocks[:, None] == np.sort(np.array(links), axis=1)).all(axis=2).any(axis=1)]
 
 
 def overlapping_boxes(boxes: np.ndarray, owner: np.ndarray, fixed: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Contact detection between convex parts: which surfaces may touch within the coming step, where, and how far apart they are.
 
-    broad_phase    pairs of parts whose boxes overlap
+    broad_phase    pairs of parts whose boxes overlap, but those that have no contact (apart)
     pair_memory    what is known of a pair from the last step; pairs that stick are done with here
     separation     the faces or edges that separate the others, the last ones first
     flat_contact   finds both anew, for polyhedra
@@ -23,7 +23,8 @@ import numpy as np
 
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.jit import borrower, entry
-from masonry_cd.mechanics.contact.broad_phase import SKIN, Listing, list_holds, list_pairs, unlinked
+from masonry_cd.mechanics.contact.apart import Apart
+from masonry_cd.mechanics.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
 from masonry_cd.mechanics.contact.contact_set import ContactSet, write_contacts
 from masonry_cd.mechanics.contact.facets import Facets, Overlay
 from masonry_cd.mechanics.contact.faults import TooManyPoints, UnexplainedOverlap
@@ -39,8 +40,7 @@ from masonry_cd.mechanics.model.geometry import relative_pose
 
 ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for each: meshes of nearly one size have three or so
 
-# Kinds of pairs: points at corners; at centroids too, with areas; between facets; those with areas; of a sphere. All but the first two have
-# loops of their own.
+# Kinds of pairs: points at corners; at centroids too, with areas; between facets; those with areas; of a sphere. The last three loop apart.
 CORNERS, BY_AREA, FACET_PAIR, FACETS_BY_AREA, ROUND_PAIR = 0, 1, 2, 3, 4
 
 StiffnessOf = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -69,8 +69,8 @@ class Detector:
         self._crushes = assembly.laws.elastic & (assembly.laws.crushing > 0.0) & (not corners_only)
         self._weight = np.where(assembly.fixed, np.inf, GRAVITY * assembly.mass)
         self._fixed_part = assembly.fixed[shapes.part_block]
-        self._absent_part = None if assembly.absent is None else assembly.absent[shapes.part_block]
-        self._affine, self._linked = assembly.affine, [link.blocks for link in assembly.links]
+        self._apart = Apart.of(assembly)
+        self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
         self._corners = _most_corners(shapes)
         self._rolling = assembly.rolling if not corners_only else np.zeros_like(assembly.rolling)
@@ -154,7 +154,7 @@ class Detector:
         return other
 
     def go_on_from(self, other: Detector) -> None:
-        """Remember what one of the same blocks does, of which others are supports or absent now, and list the pairs anew."""
+        """Remember what one of the same blocks does, of which others are supports or absent, and list pairs anew."""
         self.restore(other.snapshot() | {"allowance": np.full(len(self._fixed_part), np.nan)})
 
     def blocks_of_contacts(self) -> np.ndarray:
@@ -237,8 +237,8 @@ class Detector:
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
         self._listing = Listing(motion.position - origin, motion.rotation.copy(), self._listing.allowance)
-        pairs = unlinked(list_pairs(self._listing, self._shapes, motion, self._fixed_part, self._skin), self._shapes, self._linked)
-        pairs = pairs if self._absent_part is None else pairs[~self._absent_part[pairs].any(axis=1)]
+        listed = list_pairs(self._listing, self._shapes, motion, self._fixed_part, self._skin)
+        pairs = self._apart.without(listed, len(self._listing.position))
         self._remember(self._memory.carried_over(pairs, self._capacity(pairs)))
         self.rebuilds += 1
 

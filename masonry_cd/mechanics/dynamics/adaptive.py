@@ -46,7 +46,7 @@ class AdaptiveSteps:
         settings, system = stepper.settings, stepper.system
         self.stepper, self.control = stepper, StepControl(settings.longest_ticks)
         self.tolerance = error_tolerance(settings, stepper.assembly)
-        self.drift = np.zeros(system.loads.support_velocity.shape[1:])  # (S, 3) of the supports so far, see base_drift [m]
+        self.drift = np.zeros(system.loads.support_velocity.shape[1:])  # (S, 3 or 6) of the supports so far, see base_drift
         self.begin_anew()
 
     def begin_anew(self) -> None:
@@ -112,7 +112,8 @@ class AdaptiveSteps:
         longer = span / stepper.motion.span - 1.0
         if longer > 0.0 and 0.5 * longer * landing_gap(stepper) > self.tolerance:
             return False
-        drift = float(np.sqrt((base_drift(system.loads, tick, k, span) ** 2).sum(axis=1)).max(initial=0.0))
+        off = stepper.assembly.in_metres(base_drift(system.loads, tick, k, span))
+        drift = float(np.sqrt((off**2).sum(axis=1)).max(initial=0.0))
         return drift <= self.tolerance and (self._steady or load_variation(system, k, span) <= self.tolerance)
 
     def snapshot(self) -> dict[str, np.ndarray]:

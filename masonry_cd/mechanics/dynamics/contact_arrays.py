@@ -9,14 +9,14 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.friction.contact_geometry import IN_SPACE, Geometry, axes_at
-from masonry_cd.mechanics.linalg.triples import in_axes, plus, scaled
+from masonry_cd.mechanics.linalg.triples import cross, in_axes, plus, scaled
 
 
 class Velocities(NamedTuple):
     """How the blocks move: F free blocks with n unknowns, S support motions."""
 
     free: np.ndarray  # (F, n) [m/s, rad/s]
-    support: np.ndarray  # (S, 3) [m/s]
+    support: np.ndarray  # (S, 3) [m/s], or (S, 6) with [rad/s] where supports turn
 
 
 class ContactRows(NamedTuple):
@@ -34,10 +34,11 @@ class ContactRows(NamedTuple):
     offset: np.ndarray  # (C, m) b of rigid contacts [m/s]
     mu: np.ndarray  # (C,)
     start: np.ndarray  # (C, m) impulses of the last step [N s]
+    support_arm: np.ndarray  # (C, 2, 3) from the centres of supports that turn, else zero [m]; (0, 2, 3) where none turns
 
     @classmethod
-    def allocate(cls, active: np.ndarray, m: int, n: int) -> ContactRows:
-        """Room for the contacts at these places (C,), to be filled."""
+    def allocate(cls, active: np.ndarray, m: int, n: int, turning: bool) -> ContactRows:
+        """Room for the contacts at these places (C,), to be filled; ``turning``: supports turn."""
         count = len(active)
         one, pair, index, frame = (count,), (count, 2), np.int64, np.empty((count, 3, 3))
         if n > 3 * (m - 1):  # blocks deform
@@ -47,20 +48,26 @@ class ContactRows(NamedTuple):
         return cls(
             active, np.empty(one), np.empty(one, index), np.empty(pair, index), np.empty(pair, index), np.empty(pair, index),
             np.empty(pair, index), frame, geometry, np.empty((count, m)), np.empty(one), np.empty((count, m)),
+            np.zeros((count if turning else 0, 2, 3)),
         )  # fmt: skip
 
     def of(self, contacts: np.ndarray) -> ContactRows:
         """Some contacts, by a mask (C,)."""
-        return ContactRows(**{name: each.of(contacts) if name == "geometry" else each[contacts] for name, each in self._asdict().items()})
+        chosen = {name: each[contacts] for name, each in self._asdict().items() if name not in ("geometry", "support_arm")}
+        arms = self.support_arm[contacts] if len(self.support_arm) else self.support_arm
+        return ContactRows(geometry=self.geometry.of(contacts), support_arm=arms, **chosen)
 
 
 @borrower()
 def support_velocity(rows, c, velocity):
-    """Relative velocity that supports with velocities (S, 3) give contact c of ContactRows, along its axes: three numbers."""
+    """Relative velocity that supports with velocities (S, 3 or 6) give contact c of ContactRows, along its axes: three numbers."""
     u = (0.0, 0.0, 0.0)
     for side in range(2):
         s = rows.supports[c, side]
         if s >= 0:
             move = velocity[s, 0], velocity[s, 1], velocity[s, 2]
+            if len(rows.support_arm):
+                arm = rows.support_arm[c, side, 0], rows.support_arm[c, side, 1], rows.support_arm[c, side, 2]
+                move = plus(move, cross((velocity[s, 3], velocity[s, 4], velocity[s, 5]), arm))
             u = plus(u, scaled(1.0 - 2.0 * side, in_axes(axes_at(rows, c), move)))
     return u

@@ -6,8 +6,9 @@ at X. Between rigid blocks these stand for its rows of H; where blocks deform a 
 
     sign (t, (X - x) x t),        sign = +1 on the candidate, -1 on the antagonist,
 
-followed by what strains add. The offset b holds the velocity of the supports and, on the normal, the gap over the step, max(g, 0) / h. In a
-plane a contact has the rows n and t1 only, and t1 lies in the plane. Elastic and bonded joints then put their law in, see ``joint_law.py``.
+followed by what strains add. The offset b holds the velocity of the supports, v + w x (X - x) where they turn, and, on the normal, the gap
+over the step, max(g, 0) / h. In a plane a contact has the rows n and t1 only, and t1 lies in the plane. Elastic and bonded joints then put
+their law in, see ``joint_law.py``.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
     if warps is not None:
         touch = warps.touches(found.bodies[own], found.point[own], now.position, predicted.maps, system.constants.plane_axis)
         found = found._replace(gap=warped_gaps(warps.arrays, found, own, touch, predicted.rotation, now.strain[:, STRAINS:]))
-    rows = ContactRows.allocate(own, system.rows, system.unknowns)
+    rows = ContactRows.allocate(own, system.rows, system.unknowns, system.loads.turning)
     given = (found, system.blocks, system.constants, predicted.state.position, predicted.loads.support_after, system.assembly.friction)
     in_shares(lambda _, first, end: fill_rows(*given, last.impulse, rows, (first, end)), system.threads_for(len(own)), len(own))
     if system.strains is not None:
@@ -89,7 +90,7 @@ def fill_rows(
 ) -> None:
     """Fill ``rows`` of a share (first, end), whose places among the contacts found are known, as of rigid joints.
 
-    Positions (B, 3) at q_m [m], velocities of the supports (S, 3) at the end of the step [m/s], coefficients of friction (G, G) by group,
+    Positions (B, 3) at q_m [m], velocities of the supports (S, 3 or 6) at the end of the step, coefficients of friction (G, G) by group,
     impulses of all contacts of the last set (., m) [N s].
 
     Gaps up to ``closed`` [m] count as closed, and become zero in ``rows``: positions at rest carry rounding, coordinates of files more than
@@ -118,6 +119,8 @@ def fill_rows(
             if plane_axis >= 0:
                 arm[plane_axis] = 0.0
             x, y, z = arm[0], arm[1], arm[2]
+            if len(rows.support_arm) and free_index[block] < 0:
+                rows.support_arm[row, side, 0], rows.support_arm[row, side, 1], rows.support_arm[row, side, 2] = x, y, z
             if form != BY_ROWS:
                 _place(form, arm, free_index[block] < 0, columns, rows, row, side)
             for i in range(m):
@@ -130,6 +133,9 @@ def fill_rows(
                 if free_index[block] < 0:
                     s = support_of[block]
                     offset[row, i] += sign * (tx * support_velocity[s, 0] + ty * support_velocity[s, 1] + tz * support_velocity[s, 2])
+                    if len(rows.support_arm):
+                        wx, wy, wz = support_velocity[s, 3], support_velocity[s, 4], support_velocity[s, 5]
+                        offset[row, i] += sign * (tx * (wy * z - wz * y) + ty * (wz * x - wx * z) + tz * (wx * y - wy * x))
         rows.mu[row] = friction[rows.groups[row, 0], rows.groups[row, 1]]
 
 

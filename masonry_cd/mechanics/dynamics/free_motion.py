@@ -106,7 +106,7 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     acting = forces.acting(position, free.maps, velocity, free.loads.number, free.loads.ticks, yielded)
     wrench = acting.wrench(count)[system.free]
     pushed = np.sqrt(wrench[:, 0] ** 2 + wrench[:, 1] ** 2 + wrench[:, 2] ** 2) / system.assembly.mass[system.free]
-    pull = system.gravity + float(pushed.max())
+    pull = system.gravity + float((pushed if acting.moment is None else pushed + acting.turning(system.assembly)[system.free]).max())
     impulse = np.zeros_like(free.v_free)
     impulse[:, : len(system.blocks.columns)] = system.constants.step * wrench[:, system.blocks.columns]
     if system.strains is not None:

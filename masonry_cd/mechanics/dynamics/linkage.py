@@ -19,7 +19,7 @@ import numpy as np
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.linalg.triples import cross, inner
 from masonry_cd.mechanics.model.blocks import Assembly
-from masonry_cd.mechanics.model.links import Link, clusters
+from masonry_cd.mechanics.model.links import clusters
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 
@@ -27,7 +27,6 @@ from masonry_cd.mechanics.model.state import State, rotation_matrices
 class Linkage:
     """L links between U blocks, numbered among themselves."""
 
-    links: tuple[Link, ...]  # whose blocks are both there
     used: np.ndarray  # (U,) blocks with links
     moved: np.ndarray  # (K,) places of the free ones among these
     free: np.ndarray  # (K,) and theirs among the free blocks
@@ -40,9 +39,8 @@ class Linkage:
 
     @classmethod
     def of(cls, assembly: Assembly) -> Linkage | None:
-        """That of an assembly; None where it has no links, but for those of blocks that are not there."""
-        gone, free = assembly.absent, ~assembly.fixed
-        links = tuple(link for link in assembly.links if gone is None or not gone[list(link.blocks)].any())
+        """That of an assembly; None where it has no links."""
+        links, free = assembly.links_there, ~assembly.fixed
         if not links:
             return None
         ends = np.array([link.blocks for link in links])
@@ -57,7 +55,7 @@ class Linkage:
         body = np.unique(number[free], return_inverse=True)[1].reshape(-1)
         arms = np.array([[link.point - assembly.centre[b] for b in link.blocks] for link in links])
         moved, place = np.flatnonzero(free[used]), np.cumsum(free) - 1
-        return cls(links, used, moved, place[used[moved]], local, arms, np.array([link.frame for link in links]), held, tuple(hung), body)
+        return cls(used, moved, place[used[moved]], local, arms, np.array([link.frame for link in links]), held, tuple(hung), body)
 
     @property
     def bodies(self) -> int:

@@ -85,7 +85,7 @@ class Linked(NamedTuple):
     def work(self, system: System, impulse: np.ndarray, mean: np.ndarray, support: np.ndarray) -> tuple[float, float]:
         """What the supports put in through links, and what was lost in them [J].
 
-        Impulse of the links on the free blocks (F, n), velocities of these in the mean of the step (F, n), and of the supports (S, 3).
+        Impulse of the links on the free blocks (F, n), velocities of these in the mean of the step (F, n), and of the supports (S, 3 or 6).
         """
         moved = in_space(system, self.linkage, np.zeros_like(mean), of_supports(system, support))
         base = -float(np.sum(self.multipliers(impulse) * speeds(self.linkage, self.rows, moved)))
@@ -100,9 +100,9 @@ class LinkedContacts(NamedTuple):
 
 
 def of_supports(system: System, velocity: np.ndarray) -> np.ndarray:
-    """Velocities (B, 6) of the supports, zero of free blocks, of those (S, 3) of their motions."""
+    """Velocities (B, 6) of the supports, zero of free blocks, of those (S, 3 or 6) of their motions."""
     out, fixed = np.zeros((len(system.free), 6)), ~system.free
-    out[fixed, :3] = velocity[system.assembly.support_of[fixed]]
+    out[fixed, : velocity.shape[1]] = velocity[system.assembly.support_of[fixed]]
     return out
 
 

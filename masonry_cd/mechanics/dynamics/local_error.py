@@ -11,9 +11,9 @@ that flies is exact in space: the smaller of the two counts. The error of the st
 
 **Of a step to come.** Supports follow the trapezoidal rule through the velocities of their motion at the ends of the step, which are
 exact: so the step gets the whole momentum of the record whatever its length, and no acceleration within it is lost. What differs is the
-displacement, by D - h (V + V+) / 2, D being that over ticks. A body force or a point load enters by its mean; one that varies within the
-step by da about it moves a block by up to h^2 da / 8 otherwise. Both stay below the tolerance, and no block moves by more than PASSING of
-the smallest width.
+displacement, by D - h (V + V+) / 2, D being that over ticks; of supports that turn, at their farthest corner. A body force or a point load
+enters by its mean; one that varies within the step by da about it moves a block by up to h^2 da / 8 otherwise. Both stay below the
+tolerance, and no block moves by more than PASSING of the smallest width.
 
 **A longer step after this one.** A contact whose gap g closes over a step of length h is to land at the next q_m; if the next step has
 the length r h, the two have moved on by (r - 1) g / 2 then, into one another. That too stays below the tolerance.
@@ -67,7 +67,7 @@ def landing_gap(stepper: Stepper) -> float:
 
 
 def base_drift(loads: Loads, tick: float, k: int, span: int) -> np.ndarray:
-    """How far supports are off after a step of ``span`` ticks from t_k on, (S, 3): over ticks less in one [m]."""
+    """How far supports are off after a step of ``span`` ticks from t_k on, (S, 3 or 6): over ticks less in one [m, rad]."""
     v = loads.support_velocity[k : k + span + 1]
     ends = v[0] + v[-1]
     return np.asarray(tick * (v.sum(axis=0) - 0.5 * ends - 0.5 * span * ends))
@@ -79,7 +79,7 @@ def load_variation(system: System, k: int, span: int) -> float:
     during = loads.acceleration[k + 1 : k + span + 1]
     spread = float(np.sqrt(((during - during.mean(axis=0)) ** 2).sum(axis=1)).max())
     if loads.forces is not None:
-        spread += float(loads.forces.spread(k + 1, span, system.free_mass))
+        spread += float(loads.forces.spread(k + 1, span, system.assembly))
     return spread * h * h / 8.0
 
 

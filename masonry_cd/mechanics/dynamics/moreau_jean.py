@@ -58,8 +58,7 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joint_laws import histories
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.state import State, body_maps, rotation_matrices
-from masonry_cd.mechanics.solvers import SOLVERS
-from masonry_cd.mechanics.solvers.condensed import in_condensed_unknowns
+from masonry_cd.mechanics.solvers.by_name import step_solver
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
 
@@ -121,7 +120,7 @@ class Stepper:
 
     Args:
         assembly: the blocks.
-        support_velocity: (N + 1, S, 3) velocity of support motion s at t_k, k ticks of length dt [m/s].
+        support_velocity: (N + 1, S, 3 or 6) velocity of support motion s at t_k, k ticks of length dt, see :class:`Loads`.
         acceleration: (N + 1, 3) body acceleration at t_k, gravity included [m/s2].
         settings: time step, or the shortest where it adapts, theta, solver, tolerance, seed.
         start: where the run begins; None: at rest, as built.
@@ -148,7 +147,7 @@ class Stepper:
         self.motion = motion_at_start(self.system, state)
         masonry = self.system.masonry
         self.detector = Detector(assembly, facets=self.system.facets, stiffness=None if masonry is None else masonry.of_contacts)
-        self.islands = Islands(in_condensed_unknowns(SOLVERS[settings.solver]), self.system.bodies, settings.islands)
+        self.islands = Islands(step_solver(settings.solver), self.system.bodies, settings.islands)
         self.load_step = 0  # k of the loads; it may run ahead of the steps, see pauses.py
         self.watch: Watch | None = None  # sees each problem that is solved
         self.friction: FrictionLaw | None = None  # gives the coefficients of each step; None: those of the scene

@@ -116,8 +116,8 @@ def move_on(
 ) -> float:
     """Move the blocks of ``end``, which are at q_m, for a time [s] by the velocities after contact, which it gets as well.
 
-    Rotations (B, 3, 3) at q_m, velocities of the free blocks with contact and without (F, n), of the supports (S, 3); impulses (C, m) and
-    the places of their contacts (C,) among all found. I (w - w_free) is added to the angular momenta.
+    Rotations (B, 3, 3) at q_m, velocities of the free blocks with contact and without (F, n), of the supports (S, 3 or 6); impulses (C, m)
+    and the places of their contacts (C,) among all found. I (w - w_free) is added to the angular momenta.
 
     Returns:
         the kinetic energy of the free blocks [J].
@@ -129,7 +129,7 @@ def move_on(
     for b in range(velocity.shape[0]):
         i = free_index[b]
         if i < 0:
-            for d in range(3):
+            for d in range(support_velocity.shape[1]):
                 velocity[b, d] = support_velocity[blocks.support_of[b], d]
             continue
         for j in range(columns.shape[0]):

@@ -38,12 +38,13 @@ def find_plane(
     Args:
         assembly: the blocks.
         state: at the start.
-        support_velocity: (N + 1, S, 3) [m/s].
+        support_velocity: (N + 1, S, 3) [m/s], or (N + 1, S, 6) with [rad/s].
         acceleration: (N + 1, 3) [m/s2].
         forces: on single blocks.
     """
     for axis in range(3):
-        if np.any(support_velocity[..., axis]) or np.any(acceleration[..., axis]):
+        turning = [3 + d for d in range(3) if d != axis and support_velocity.shape[-1] > 3]
+        if np.any(support_velocity[..., [axis, *turning]]) or np.any(acceleration[..., axis]):
             continue
         if not _moves_in_plane(assembly, state, axis):
             continue

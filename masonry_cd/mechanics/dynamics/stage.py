@@ -3,7 +3,7 @@
 
 Blocks that are taken away stay in the arrays, at rest where they are, and meet nothing; so do blocks that are put in later, where they were
 built. A support that is released becomes a free block with the velocity that it had. What remembers blocks and contacts goes by their
-numbers, which stay; the solver learns anew where the number of free blocks is another.
+numbers, which stay; the solver learns anew where other blocks are free or hang together. Links of a block that is not there hold nothing.
 
 What this puts in or takes out is booked as a work of its own: at once the kinetic energy of blocks that come and go, and in the step that
 follows that of springs and strains, which are then those of the new stage.
@@ -20,7 +20,7 @@ from masonry_cd.mechanics.dynamics.free_motion import angular_momenta
 from masonry_cd.mechanics.dynamics.islands import Islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.start import kinetic_energy
-from masonry_cd.mechanics.dynamics.system import Loads, Motion, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Loads, Motion, System
 from masonry_cd.mechanics.friction.problem import Solution
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.state import rotation_matrices
@@ -42,7 +42,7 @@ def enter(stepper: Stepper, stage: Stage) -> None:
     detector.go_on_from(stepper.detector)
     stepper.motion = _carried_over(before, after, stepper.motion)
     stepper.assembly, stepper.system, stepper.detector = stage.assembly, after, detector
-    if not np.array_equal(before.free, after.free) or not np.array_equal(before.body, after.body):
+    if after.linkage is not None or before.linkage is not None or not np.array_equal(before.free, after.free):
         stepper.islands = Islands(stepper.islands.solver, after.bodies, stepper.settings.islands)
     stepper.last, stepper.solution = None, Solution(np.zeros((0, after.rows)), None, 0)
 
@@ -57,6 +57,7 @@ def _carried_over(before: System, after: System, motion: Motion) -> Motion:
             state.strain[gone] = 0.0
     momentum[freed] = angular_momenta(after.blocks, rotation_matrices(state.orientation), state.velocity)[freed]
     new = motion._replace(
+        approach=NO_APPROACH,
         state=state,
         angular_momentum=momentum,
         v=_rows(before, after, motion.v, state.velocity),

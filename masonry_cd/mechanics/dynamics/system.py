@@ -26,6 +26,7 @@ from masonry_cd.mechanics.model.guides import Guide
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.solvers import threads_that_pay
 
+WITH_ROTATION = 6  # columns of the velocities of supports of which one turns
 TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed, or those of the joints as built
 NO_APPROACH = np.zeros(0)
 SLACK = 1.5  # times the latter: a joint that slips or turns a little stays closed
@@ -36,8 +37,8 @@ class StepLoads(NamedTuple):
 
     number: int  # k + 1
     ticks: int  # n
-    support_before: np.ndarray  # (S, 3) velocities of the supports at t_k [m/s]
-    support_after: np.ndarray  # (S, 3) at t_k+n
+    support_before: np.ndarray  # (S, 3 or 6) velocities of the supports at t_k, see Loads
+    support_after: np.ndarray  # (S, 3 or 6) at t_k+n
     acceleration: np.ndarray  # (3,) body acceleration, gravity included, mean over the step [m/s2]
 
 
@@ -45,7 +46,7 @@ class StepLoads(NamedTuple):
 class Loads:
     """What acts in a run, sampled at N + 1 times a tick apart: the time step, or the shortest where it adapts."""
 
-    support_velocity: np.ndarray  # (N + 1, S, 3) velocity of support motion s at t_k, k ticks [m/s]
+    support_velocity: np.ndarray  # (N + 1, S, 3) of support motion s at t_k, k ticks [m/s]; (N + 1, S, 6) with [rad/s] where one turns
     acceleration: np.ndarray  # (N + 1, 3) body acceleration at t_k, gravity included [m/s2]
     forces: BlockForces | None  # on single blocks
 
@@ -55,12 +56,17 @@ class Loads:
         return StepLoads(k + 1, ticks, self.support_velocity[k], self.support_velocity[k + ticks], pull)
 
     @property
+    def turning(self) -> bool:
+        """Whether supports turn."""
+        return self.support_velocity.shape[2] == WITH_ROTATION
+
+    @property
     def guides(self) -> tuple[Guide, ...]:
         """Of blocks whose motion is given in part."""
         return () if self.forces is None else self.forces.guides
 
     def at_rest(self) -> tuple[np.ndarray, np.ndarray]:
-        """Support velocities (N + 1, S, 3) of none, and body accelerations (N + 1, 3) whose first two are the first of the run."""
+        """Support velocities (N + 1, S, 3 or 6) of none, and body accelerations (N + 1, 3) whose first two are the first of the run."""
         acceleration = self.acceleration.copy()
         acceleration[1] = acceleration[0]
         return np.zeros_like(self.support_velocity), acceleration
@@ -127,9 +133,9 @@ class System:
             stretch=most_stretched(assembly.laws, masonry),
             support=int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1,
             rows=3 if plane is None else 2,
-            absent=assembly.absent,
             linkage=Linkage.of(assembly),
             bounces=bool(assembly.restitution.any()),
+            absent=assembly.absent,
         )
 
     def with_step(self, step: float) -> System:
@@ -143,13 +149,8 @@ class System:
         return len(self.blocks.columns) + (0 if self.strains is None else len(self.strains.columns))
 
     @property
-    def body(self) -> np.ndarray:
-        """The body of the friction problem that each free block is in (F,): those that links hang together are one."""
-        return np.arange(len(self.reach)) if self.linkage is None else self.linkage.body
-
-    @property
     def bodies(self) -> int:
-        """How many there are."""
+        """Of the friction problem: the free blocks, those that links hang together as one."""
         return len(self.reach) if self.linkage is None else self.linkage.bodies
 
     @property

@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.model.guides import Guide
+
+if TYPE_CHECKING:
+    from masonry_cd.mechanics.model.blocks import Assembly
 
 
 class Acting(NamedTuple):
@@ -19,12 +22,22 @@ class Acting(NamedTuple):
     force: np.ndarray  # (N, 3) [N]
     arm: np.ndarray  # (N, 3) from the centre of mass of the block [m]
     tension: np.ndarray  # (T,) of the ties [N]
+    moment: np.ndarray | None = None  # (N, 3) beside those of the arms, which strain no block [N m]; None: there are none
 
     def wrench(self, blocks: int) -> np.ndarray:
         """Force [N] and moment about the centre of mass [N m] on each of B blocks, (B, 6)."""
         out = np.zeros((blocks, 6))
         add_wrenches(self.block, self.force, self.arm, out)
+        if self.moment is not None:
+            np.add.at(out[:, 3:], self.block, self.moment)
         return out
+
+    def turning(self, assembly: Assembly) -> np.ndarray:
+        """Most by which the moments accelerate a corner of each block, (B,) [m/s2]; the arms are left out."""
+        out = np.zeros(assembly.count)
+        if self.moment is not None:
+            np.add.at(out, self.block, np.sqrt(np.sum(self.moment * self.moment, axis=1)))
+        return np.asarray(out / assembly.turning_mass)
 
     def virial(self, blocks: int) -> np.ndarray:
         """Sum over the forces on each of B blocks of force (x) arm, (B, 3, 3) [N m]."""
@@ -64,8 +77,8 @@ class BlockForces(Protocol):
     def guides(self) -> tuple[Guide, ...]:
         """Of blocks whose motion is given in part."""
 
-    def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
-        """Largest acceleration [m/s2] by which forces given in time differ from their mean over some steps; masses (B,) [kg]."""
+    def spread(self, step: int, ticks: int, assembly: Assembly) -> float:
+        """Largest acceleration [m/s2] by which forces and moments given in time differ from their mean over some steps."""
 
     @property
     def jacked(self) -> np.ndarray:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -177,13 +178,19 @@ class Assembly:
     laws: JointLaws  # of the joints between groups
     shapes: Shapes = field(repr=False)
     deformation: Deformation | None = None  # of the blocks that deform; None: all are rigid
-    links: tuple[Link, ...] = ()  # that hold blocks together
     absent: np.ndarray | None = None  # (B,) bool: free blocks that are not there, and meet nothing; None: all are there
+    links: tuple[Link, ...] = ()  # that hold blocks together
 
     @property
     def count(self) -> int:
         """Number of blocks B, supports included."""
         return len(self.names)
+
+    @property
+    def links_there(self) -> tuple[Link, ...]:
+        """Those of which no block is absent."""
+        absent = self.absent
+        return self.links if absent is None else tuple(link for link in self.links if not absent[list(link.blocks)].any())
 
     @property
     def affine(self) -> tuple[int, ...]:
@@ -196,6 +203,17 @@ class Assembly:
         out = np.zeros(self.count)
         np.maximum.at(out, self.shapes.part_block, self.shapes.radius)
         return out
+
+    @cached_property
+    def turning_mass(self) -> np.ndarray:
+        """Least moment of inertia of each block over its reach, (B,) [kg m]: a moment over it bounds the acceleration of its corners."""
+        return np.asarray(np.linalg.eigvalsh(self.inertia)[:, 0] / self.reach)
+
+    def in_metres(self, motions: np.ndarray) -> np.ndarray:
+        """Motions (..., S, 3 or 6) of supports [m] or [m/s], angular ones as what they move the farthest corner of a support by."""
+        if motions.shape[-1] == 3:
+            return motions
+        return np.asarray(motions * np.repeat([1.0, float(self.reach[self.fixed].max(initial=0.0))], 3))
 
     @property
     def width(self) -> float:

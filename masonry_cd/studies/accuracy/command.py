@@ -10,10 +10,10 @@ from masonry_cd.app.folders import free_folder
 from masonry_cd.app.result import Result, Say
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation import own_files
-from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.files import is_file
-from masonry_cd.mechanics.solvers import SOLVERS
+from masonry_cd.mechanics.solvers.by_name import require_solver
 from masonry_cd.studies.accuracy import ensemble, scene_runs, solver_rows
 from masonry_cd.studies.accuracy.picture import OUTPUTS, Measurement
 from masonry_cd.studies.study.study_case import Options
@@ -46,8 +46,7 @@ class Asked:
         """The solvers, in the order in which they were typed."""
         names = None if self.solvers is None else [word.strip() for word in self.solvers.split(",")]
         for name in names or ():
-            if name not in SOLVERS:
-                raise InputError("--solvers", f'"{name}" is unknown{suggest(name, SOLVERS)}; known are {", ".join(SOLVERS)}')
+            require_solver(name, "--solvers")
         return None if names is None else tuple(dict.fromkeys(names))
 
     @property

@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from masonry_cd.analysis.deformed import base_shift, solids_of
+from masonry_cd.analysis.deformed import base_at, solids_of
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.result import Say
 from masonry_cd.app.scene import Scene, read_scene
@@ -162,7 +162,7 @@ def motion_of(results: Results) -> Motion:
     """The motion of a run."""
     solids = solids_of(results.blocks)
     position = np.asarray(results.position[: results.frames], dtype=float)
-    moved = position - solids.centre - base_shift(results, solids, position)[:, None]
+    moved = base_at(results, solids, slice(0, results.frames)).seen(position) - solids.centre
     size = float(np.linalg.norm(np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0)))
     return Motion(results.time, moved[:, ~solids.fixed], results.joint_history("opening"), size)
 

@@ -18,6 +18,7 @@ from masonry_cd.app.commands.solve import load_kernels
 from masonry_cd.app.result import Say
 from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options, pivoting
+from masonry_cd.mechanics.solvers.by_name import solver_named
 from masonry_cd.studies.accuracy.picture import Diagram, Measurement, Panel, Point
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
@@ -60,7 +61,7 @@ def solver_rows(problem: Problem, solvers: Sequence[str], tolerances: Sequence[f
 
     Args:
         problem: over bodies or in the impulses.
-        solvers: names in ``SOLVERS``.
+        solvers: their names.
         tolerances: from loose to tight.
         repeats: solves per row, but for those longer than LONG.
         say: called with a line before each solver.
@@ -78,10 +79,10 @@ def solver_rows(problem: Problem, solvers: Sequence[str], tolerances: Sequence[f
 
 def _solver_row(problem: Problem, name: str, tolerance: float, repeats: int) -> SolverRow:
     """One solver at one tolerance."""
-    seconds: list[float] = []
+    method, seconds = solver_named(name), list[float]()
     while len(seconds) < repeats and sum(seconds) < LONG:
         begin = time.perf_counter()
-        solution = SOLVERS[name](problem, Options(tolerance=tolerance), None)
+        solution = method(problem, Options(tolerance=tolerance), None)
         seconds.append(time.perf_counter() - begin)
     error = natural_map_error(problem, solution.impulse)
     unscaled = natural_map_error(problem, solution.impulse, scaled=False)

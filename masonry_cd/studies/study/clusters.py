@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import math
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -178,8 +179,30 @@ def read_slurm(file: Path) -> SlurmTable:
         raise error.each(lambda fault: fault._replace(source=str(file))) from None
 
 
+def require_slurm(file: Path) -> None:
+    """Check, before anything runs, that jobs can be submitted as a file says.
+
+    Raises:
+        InputError: a bad file, dask-jobqueue is not installed, or this machine has no sbatch.
+    """
+    read_slurm(file)
+    require("--slurm", "dask_jobqueue")
+    if shutil.which("sbatch") is None:
+        raise InputError("--slurm", "there is no sbatch on the PATH, so none is submitted here; --print-job shows the job")
+
+
+def job_script(file: Path) -> str:
+    """What is given to sbatch by a file for Slurm; its last line has the address of a scheduler that ends with this call.
+
+    Raises:
+        InputError: a bad file, or dask-jobqueue is not installed.
+    """
+    with slurm_cluster(read_slurm(file)) as cluster:
+        return str(cluster.job_script())
+
+
 def slurm_cluster(table: SlurmTable) -> Any:
-    """A scheduler in this process whose workers will be jobs of Slurm; ``job_script()`` is what is given to sbatch.
+    """A scheduler in this process whose workers will be jobs of Slurm.
 
     Raises:
         InputError: dask-jobqueue is not installed.

@@ -23,7 +23,7 @@ from masonry_cd.app.scene import Scene, scene_of
 from masonry_cd.app.scene_text import assign, dump_toml
 from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.studies.study.clusters import Where
+from masonry_cd.studies.study.clusters import Where, require_slurm
 from masonry_cd.studies.study.designs import DESIGNS, Asked, Space, next_level
 from masonry_cd.studies.study.study_file import EnsembleTable, RunTable, Study, StudyTables
 from masonry_cd.studies.study.study_units import ROTATE
@@ -163,12 +163,14 @@ class Plan:
         """Where the runs are made: as asked, or else as the study says.
 
         Raises:
-            InputError: more than one place is asked for, or no worker.
+            InputError: more than one place is asked for, no worker, or no jobs of Slurm can be submitted.
         """
         if (workers is not None) + (scheduler is not None) + (slurm is not None) > 1:
             raise InputError("workers, scheduler and slurm", "they exclude each other; give one of them")
         if workers is not None and workers < 1:
             raise InputError("workers", f"should be 1 or more, got {workers}")
+        if slurm is not None:
+            require_slurm(slurm)
         run = self._study.tables.run
         return Where(scheduler, slurm, workers or run.workers, run.memory, run.timeout + run.grace)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Projected Jacobi: all contacts at once, each from what the others did in the last iteration.
+"""``[run] solver = "jacobi"``: projected Jacobi, all contacts at once, each from what the others did in the last iteration.
 
     p <- P_K( p - rho_c (w + mu |w_t| n) ),      w = (W + C) p + q,      rho_c = 1 / (lambda d_c)
 
