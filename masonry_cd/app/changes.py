@@ -230,6 +230,10 @@ def _require_room(stepper: Stepper, model: Model, where: str) -> None:
     """
     trial, absent = copy.copy(stepper), stepper.assembly.absent
     enter(trial, model.stage(stepper.system.loads))
+    linkage = trial.system.linkage
+    torn = 0.0 if linkage is None else linkage.largest_violation(trial.state)
+    if torn > ROOM * stepper.width:
+        raise InputError(where, f"a link would be torn by {torn:.3g} m or rad: what it holds on to has moved")
     try:
         rows = trial.friction_problem().rows
     except RunStopped as stopped:

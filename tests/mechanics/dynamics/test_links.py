@@ -262,3 +262,20 @@ def test_a_state_that_tears_a_link_is_refused():
     sim = simulation([SUPPORT, rod(0.3)], [PIN])
     with pytest.raises(mc.InputError, match=r"torn by 0\.1 m"):
         sim.state = sim.state.changed("b1", position=sim.state.position[1] + [0.1, 0.0, 0.0])
+
+
+def test_links_go_with_blocks_and_released_supports_and_a_block_does_not_come_back_to_one_that_has_moved():
+    blocks = [mc.box((-3.0, -1.0, -9.0), (3.0, 1.0, -8.0)), SUPPORT, rod(0.3)]
+    sim = simulation(blocks, [PIN | {"blocks": ["b2", "b1"]}], ["b0", "b1"], duration=0.4)
+    sim.run(until=0.1)
+    mass = np.array([block.mass_properties.volume * 2000.0 for block in sim.structure])[1:]
+    before = mass @ sim.state.velocity[1:, :3] / mass.sum()
+    sim.release("b1")
+    sim.run(until=0.2)
+    assert mass @ sim.state.velocity[1:, :3] / mass.sum() - before == pytest.approx([0.0, 0.0, -0.1 * G], abs=1e-9)
+    assert len(sim.links()) == 1 and abs(sim.energy["balance"]) < 1e-9
+    sim.remove("b2")
+    sim.run(until=0.3)
+    assert sim.links() == []
+    with pytest.raises(mc.InputError, match="torn"):
+        sim.add("b2")
