@@ -111,7 +111,7 @@ def test_our_lines_beside_other_programs_run(tmp_path: Path, monkeypatch: pytest
     exec(compile(first, "other_programs.md", "exec"), names)
     rows = [line.split(" | ")[1] for line in page.splitlines() if line.startswith("| ") and not line.startswith("| job")]
     lines = [code for row in rows for code in re.findall(r"`([^`]+)`", row) if "=" in code.split("(")[0] or code.startswith("sim.")]
-    assert len(rows) == 10 and len(lines) == 11
+    assert len(rows) == 11 and len(lines) == 12
     for line in lines:
         exec(compile(line, "other_programs.md", "exec"), names)
     for name in ("pushed", "ruled", "solved"):
