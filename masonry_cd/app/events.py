@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from masonry_cd.app.changes import Change, Changes, Model, check, in_words
+from masonry_cd.app.changes import Change, Changes, Model, check, in_words, released
 from masonry_cd.app.gauge_rows import GaugeRows
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.staying_support import staying_support
@@ -196,7 +196,9 @@ class Events:
         looked = {i: find_condition(one.when, gauges, f"events[{i}]") for i, one in enumerate(tables) if one.when is not None}
         rest = measure_joints(joints, stepper.assembly, stepper.state) if looked and settles(stepper.assembly) else None
         changes = Changes.of(stepper, material, known)
-        return cls(changes, tables, stepper, joints, staying_support(stepper, joints), looked, rest=rest)
+        held = released(stepper.assembly, tables).fixed if tables else stepper.assembly.fixed
+        support = staying_support(stepper, joints, held)
+        return cls(changes, tables, stepper, joints, support, looked, rest=rest)
 
     @property
     def stops(self) -> list[int]:

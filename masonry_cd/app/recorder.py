@@ -74,7 +74,7 @@ class Recorder:
         self.frames = 0
         self.peaks = JointPeaks(joints)
         self.stress = MeanStress(stepper, joints) if stress else None
-        support = staying_support(stepper, joints)
+        support = staying_support(stepper, joints, self._reported.fixed)
         self.step_peaks = StepPeaks(self._reported, joints, support)
         writer.begin_step_peaks(self.step_peaks.arrays, support)
         meshes = Meshes.of(stepper.assembly, stepper.system.strains) if stress else None

@@ -10,13 +10,14 @@ from masonry_cd.mechanics.dynamics.pauses import ALIKE
 from masonry_cd.mechanics.model.joints import Joints
 
 
-def staying_support(stepper: Stepper, joints: Joints) -> int:
+def staying_support(stepper: Stepper, joints: Joints, supports: np.ndarray) -> int:
     """The support that the loads move least, the first of those that they move alike; -1 where there is none.
 
-    Supports on which nothing stands, such as a ground between abutments, count only where there are no others.
+    Supports on which nothing stands, such as a ground between abutments, count only where there are no others. Which blocks are
+    ``supports`` (B,) bool to the end of the run is for the caller to say.
     """
     assembly, velocity = stepper.assembly, stepper.system.loads.support_velocity
-    fixed = np.flatnonzero(assembly.fixed)
+    fixed = np.flatnonzero(supports)
     if not len(fixed):
         return -1
     bearing = fixed[np.isin(fixed, [joints.block_a, joints.block_b])]

@@ -5,7 +5,7 @@ What is read of a Problem are its public classes of version 0.6: the blocks of i
 joint model, and all boundary conditions at once, as its own time stepping does:
 
     ramp             a load grows over RAMP of the run and stays           instantaneous    it is there from the beginning
-    displacement     a support moves over RAMP of the run, smoothly        moment           a pair of forces on the block
+    displacement, rotation    of a support, over RAMP of the run, smoothly
 
 kn and kt count per area [Pa/m], as its 3DEC backend takes them. compas_dem is asked for its classes only where Results are made.
 """
@@ -28,6 +28,7 @@ from masonry_cd.mechanics.model.blocks import Block
 
 RAMP = 0.98  # share of the run after which what grows stands
 GRAVITY = 9.81  # of a Problem without boundary conditions [m/s2]
+POINTS = 21  # of the course of a rotation
 CALLED = "block{}"  # by the node of the graph
 
 
@@ -41,7 +42,7 @@ def from_compas_dem(problem: Any, **tables: Any) -> Scene:
             corners of a joint have a force.
 
     Raises:
-        InputError: a block that moves by itself or turns, loads on supports, several gravities, no contact model, blocks without density.
+        InputError: a block that moves and is no support, loads on supports, several gravities, no contact model, blocks without density.
     """
     try:
         elements = list(problem.model.elements())
@@ -154,11 +155,10 @@ def _loads(groups: list[Any], elements: Mapping[int, Any], blocks: Mapping[int, 
                     yield _point(block, mass * np.array(entry.acceleration, dtype=float), entry, time)
         for entry in group.point_loads:
             block = _loaded(blocks, entry)
-            force = np.array(entry.force or (0.0, 0.0, 0.0), dtype=float)
-            if force.any():
-                yield _point(block, force, entry, time, entry.point)
-            if entry.moment is not None and any(entry.moment):
-                yield from _couple(block, np.array(entry.moment, dtype=float), entry, time)
+            force, moment = (np.array(given or (0.0, 0.0, 0.0), dtype=float) for given in (entry.force, entry.moment))
+            if force.any() or moment.any():
+                about = {"moment": moment.tolist()} if moment.any() else {}
+                yield _point(block, force, entry, time, entry.point if force.any() else None) | about
         for entry in group.surface_loads:
             block, mesh = _loaded(blocks, entry), elements[entry.block_index].modelgeometry
             force = np.array(entry.load, dtype=float) * float(mesh.face_area(entry.face_index))
@@ -184,43 +184,37 @@ def _point(block: Mapping[str, Any], force: np.ndarray, entry: Any, time: float,
     return {"kind": "point", "block": block["name"], "force": force.tolist(), "ramp": time if entry.loading_type == "ramp" else 0.0, **at}
 
 
-def _couple(block: Mapping[str, Any], moment: np.ndarray, entry: Any, time: float) -> Iterator[dict[str, Any]]:
-    """Two opposite forces on a block with a moment [N m], a quarter of its smallest extent on either side of its centre of mass."""
-    corners = np.array(block["vertices"], dtype=float)
-    across = np.cross(moment, np.eye(3)[int(np.argmin(np.abs(moment)))])
-    arm = 0.25 * float(np.ptp(corners, axis=0).min()) * across / math.hypot(*across)
-    force = np.cross(moment, arm) / (2.0 * float(arm @ arm))
-    centre = _shape(block).mass_properties.centre
-    for sign in (1.0, -1.0):
-        yield _point(block, sign * force, entry, time, centre + sign * arm)
-
-
 def _shape(block: Mapping[str, Any]) -> Block:
     """A block, for its mass."""
     return Block(block["name"], np.array(block["vertices"], dtype=float), tuple(map(tuple, block["faces"])), block["density"])
 
 
 def _displacements(groups: list[Any], blocks: Mapping[int, dict[str, Any]], time: float) -> Iterator[dict[str, Any]]:
-    """Settlements that stand for the prescribed displacements, of which later ones count by component.
+    """Motions of supports that stand for the prescribed displacements and rotations, of which later ones count by component.
 
     Raises:
-        InputError: a rotation, or a block that is no support.
+        InputError: a block that is no support.
     """
-    moved: dict[int, list[float]] = {}
+    moved: dict[tuple[int, str], list[float]] = {}
     for group in groups:
         for entry in group.displacements:
-            node, rotation = entry.block_index, getattr(entry, "rotation", None)
-            if any(rotation or ()):
-                raise InputError("from_compas_dem", f"block {node} turns by a prescribed rotation, and supports of a scene do not turn")
+            node = entry.block_index
             if node not in blocks or not blocks[node]["fixed"]:
                 raise InputError("from_compas_dem", f"block {node} is moved and no support; model.add_support({node}) makes it one")
-            own = moved.setdefault(node, [0.0, 0.0, 0.0])
-            for d, value in enumerate(getattr(entry, "translation", None) or ()):
-                own[d] = own[d] if value is None else float(value)
-    for node, vector in moved.items():
+            for kind in ("translation", "rotation"):
+                own = moved.setdefault((node, kind), [0.0, 0.0, 0.0])
+                for d, value in enumerate(getattr(entry, kind, None) or ()):
+                    own[d] = own[d] if value is None else float(value)
+    x = np.linspace(0.0, 1.0, POINTS)
+    smooth = x * x * x * (10.0 + x * (6.0 * x - 15.0))
+    for (node, kind), vector in moved.items():
         if any(vector):
             name, size = blocks[node]["name"], math.hypot(*vector)
-            yield {"kind": "settlement", "supports": name, "direction": vector, "displacement": size, "duration": time}
+            if kind == "translation":
+                yield {"kind": "settlement", "supports": name, "direction": vector, "displacement": size, "duration": time}
+            else:
+                angles = (math.degrees(size) * smooth).tolist()
+                yield {"kind": "motion", "supports": name, "axis": vector, "time": (time * x).tolist(), "rotation": angles}
 
 
 def _matrix(sim: Simulation, b: int, block: Block) -> np.ndarray:

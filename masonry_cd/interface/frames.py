@@ -13,7 +13,7 @@ from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.recorder import frame_rows
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.joints import JointMeasures, Joints
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -66,18 +66,19 @@ class Frames:
         self._joints, self._every, self._pair_joints = joints, every, PairJoints(stepper.assembly)
         self._rows: dict[str, list[Any]] = {name: [] for name in ("time", *VARIABLES)}
         self._measured, self._supports = MeasuredJoints(stepper, joints, changes=True), stepper.assembly.fixed
-        self._take(stepper)
+        self._take(stepper, self._measured.now())
 
     def after_step(self, stepper: Stepper, done: bool) -> None:
-        """Keep a frame where one is due, or the run has ended."""
+        """Keep a frame where one is due, or the run has ended. Joints are measured each step: those of blocks put in count anew."""
+        now = self._measured.now()
         if done or stepper.motion.ticks % self._every == 0:
-            self._take(stepper)
+            self._take(stepper, now)
 
     def dataset(self, blocks: Sequence[Block], about: Mapping[str, str]) -> Dataset:
         """What has been kept so far."""
         return dataset({name: np.array(rows) for name, rows in self._rows.items()}, blocks, self._joints, about)
 
-    def _take(self, stepper: Stepper) -> None:
-        rows, _ = frame_rows(stepper, self._joints, self._measured.now(), self._pair_joints.of(stepper.detector.pairs), self._supports)
+    def _take(self, stepper: Stepper, now: JointMeasures) -> None:
+        rows, _ = frame_rows(stepper, self._joints, now, self._pair_joints.of(stepper.detector.pairs), self._supports)
         for name, kept in self._rows.items():
             kept.append(np.array(rows[name] if name in rows else rows[f"joints/{name}"]))

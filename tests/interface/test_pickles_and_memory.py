@@ -59,6 +59,22 @@ def test_a_pickled_simulation_goes_on_with_the_same_bits(given: dict[str, Any]) 
     assert again.energy == energy and heard == HEARD
 
 
+def test_changes_of_the_model_are_pickled() -> None:
+    """A block taken away before, and one put in after."""
+    sim = mc.Simulation(SCENE)
+    sim.step(10)
+    sim.remove("lintel")
+    sim.step(5)
+    again = pickle.loads(pickle.dumps(sim))
+    assert again.absent.sum() == 1
+    for one in (sim, again):
+        one.add("lintel")
+        one.run()
+    assert np.array_equal(again.state.position, sim.state.position) and again.energy == sim.energy
+    waiting = pickle.loads(pickle.dumps(mc.Simulation(SCENE, waiting="lintel")))
+    assert waiting.absent.tolist() == [False, False, False, True]
+
+
 def test_a_scene_is_pickled_with_its_arrays() -> None:
     one = mc.scene(POST)
     again = pickle.loads(pickle.dumps(one))
@@ -75,13 +91,17 @@ def test_what_cannot_be_pickled_is_named() -> None:
         pickle.dumps(sim)
 
 
-def test_frames_in_memory_are_those_of_the_file(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "events", [[], [{"at": 0.014, "remove": ["lintel"]}, {"at": 0.024, "add": ["lintel"]}], [{"at": 0.02, "release": ["base"]}]]
+)
+def test_frames_in_memory_are_those_of_the_file(tmp_path: Path, events: list[dict[str, Any]]) -> None:
     lengths: list[int] = []
-    sim = mc.Simulation(SCENE)
+    scene = SCENE.changed(events=events)
+    sim = mc.Simulation(scene)
     sim.on("step", lambda sim: lengths.append(sim.frames.sizes["time"]))
     kept = sim.record(to="memory")
     assert lengths[0] == 1 and lengths[-1] == kept.sizes["time"] == 5  # while it goes
-    written = mc.Simulation(SCENE).record(tmp_path / "out", progress=False).to_xarray()
+    written = mc.Simulation(scene).record(tmp_path / "out", progress=False).to_xarray()
     assert set(kept.variables) == set(written.variables)
     for name in kept.variables:
         assert (kept[name] == written[name]).all() and kept[name].attrs == written[name].attrs, name

@@ -77,14 +77,21 @@ def _deck(case: Case) -> Deck:
     """What the deck of a case holds.
 
     Raises:
-        InputError: loads beside a constant gravity and the motion of supports.
+        InputError: loads beside a constant gravity and supports that move along the axes; events, links, restitution.
     """
     loading, run = case.loading, case.scene.run
     if loading.forces is not None:
         raise InputError("--format", "decks hold the motion of supports, and this scene has ties, forces or pushes on blocks as well")
     if not np.allclose(loading.acceleration, run.gravity, rtol=0.0, atol=1e-9):
         raise InputError("--format", "decks hold a constant gravity, and the loads of this scene change it or pull on all blocks")
+    if case.events:
+        raise InputError("--format", "decks hold one model, and events change that of this scene ([[events]])")
+    if case.assembly.links or case.assembly.restitution.any():
+        what = "links" if case.assembly.links else "restitution"
+        raise InputError("--format", f"decks have contacts that neither hold nor throw back, and this scene has {what}")
+    if loading.support_velocity[..., 3:].any():
+        raise InputError("--format", "decks hold supports that move along the axes, and some of this scene turn")
     if run.first_velocities is not None:
         raise InputError("--format", "blocks of a deck begin at rest, and those of this scene do not (run.first_velocities)")
-    motion = loading.support_velocity[: run.steps + 1]
+    motion = loading.support_velocity[: run.steps + 1, :, :3]
     return Deck(case.scene.title, case.assembly, motion, np.array(run.gravity), run.dt, run.theta, run.tolerance)

@@ -18,7 +18,6 @@ from masonry_cd.foundation import plugins
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.signatures import require_call
 from masonry_cd.mechanics.solvers import SOLVERS, Options, Solver
-from masonry_cd.mechanics.solvers.condensed import in_condensed_unknowns
 
 if TYPE_CHECKING:
     from masonry_cd.mechanics.friction.problem import Problem, Solution
@@ -60,6 +59,8 @@ def solver_named(name: str) -> Solver:
 
 def step_solver(given: str | Solver) -> Solver:
     """A solver as the steps of a run call it: by its name, or one that Python gives."""
+    from masonry_cd.mechanics.solvers.condensed import in_condensed_unknowns  # of the kernels, which a scene is checked without
+
     return in_condensed_unknowns(solver_named(given) if isinstance(given, str) else judged(given, "solver"))
 
 
