@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, model_validator
@@ -13,9 +13,10 @@ from pydantic import BeforeValidator, model_validator
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import Table, Vector, two_blocks
 from masonry_cd.foundation.units import Unit
-from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.links import IN_PLANE, Link, clusters
-from masonry_cd.mechanics.model.place_on_block import OFF, outside_block
+
+if TYPE_CHECKING:  # scenes are checked before numba is loaded
+    from masonry_cd.mechanics.model.blocks import Assembly
 
 MOST_UNKNOWNS = 600  # of blocks that links hang together, of which a step factorises a full matrix
 
@@ -83,6 +84,8 @@ def _require_few(links: Sequence[Link], assembly: Assembly) -> None:
 
 def _require_on_one(assembly: Assembly, ends: tuple[int, int], point: np.ndarray, place: str) -> None:
     """Refuse a point (3,) [m] that is on neither of two blocks."""
+    from masonry_cd.mechanics.model.place_on_block import OFF, outside_block  # of the kernels, which a scene is checked without
+
     blocks = [assembly.blocks[b] for b in ends]
     beyond = [float(outside_block(block, point)) for block in blocks]
     size = [float(np.linalg.norm(np.ptp(block.vertices, axis=0))) for block in blocks]
