@@ -19,6 +19,7 @@ from masonry_cd.app import time_step_checks
 from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.output_gauges import gauges_of
 from masonry_cd.app.scene import Scene
+from masonry_cd.app.staying_support import refuse_turning
 from masonry_cd.app.warmup import SceneKind, compiling
 from masonry_cd.foundation.errors import Fault, InputError, in_plain_words
 from masonry_cd.foundation.jit import lost
@@ -28,6 +29,7 @@ from masonry_cd.mechanics.dynamics.pauses import HOLD, STILL
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
+from masonry_cd.mechanics.dynamics.system import Loads
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import refuse_in_a_run
 from masonry_cd.mechanics.model.joint_laws.restitution import WARNING as RESTITUTION
@@ -255,10 +257,14 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         loading = _until_still(scene, loading, still)
     with scene.locating():
         gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
+        refuse_turning(gauges, assembly, loading.support_velocity, scene.run.dt, joints)
         if events:
+            from masonry_cd.app.changes import Model
             from masonry_cd.app.events import check_events
 
-            notes = (*notes, *check_events(events, assembly, loading, scene.tables["material"], scene.run, gauges))
+            acting = Loads(loading.support_velocity, loading.acceleration, loading.forces)
+            first = Model.of(assembly, acting, scene.tables["material"], scene.run.gravity)
+            notes = (*notes, *check_events(events, first, scene.run, gauges, joints))
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
     return Case(
         scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges,

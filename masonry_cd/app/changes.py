@@ -9,7 +9,8 @@ steps of the loads at which they were made, so that is all that a checkpoint kee
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
@@ -31,6 +32,7 @@ from masonry_cd.mechanics.model.joint_laws.friction import Friction, friction_ta
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 from masonry_cd.mechanics.model.materials import Material
 
+NOT_THERE = "is not there then; what a later change puts in is not there before it"
 ROOM = 1e-2  # share of the smallest width by which a block that is put in may overlap others, and is lifted out of them
 
 
@@ -100,8 +102,8 @@ class Model:
         return Stage(self.assembly, replace(loads, acceleration=self.acceleration, forces=forces))
 
 
-def check(change: Change, model: Model, where: str) -> None:
-    """Refuse a change that names what is not there, or would change nothing.
+def check(change: Change, model: Model, where: str, any_time: bool = False) -> None:
+    """Refuse a change that names what is not there, or would change nothing; ``any_time``: the model may be another when it comes.
 
     Raises:
         InputError: names the key.
@@ -110,6 +112,21 @@ def check(change: Change, model: Model, where: str) -> None:
         raise InputError(where, f"changes nothing; keys: {', '.join(Change.model_fields)}")
     changed(model, change, 0, where)
     _bonds(change, model.assembly, where)
+    if not any_time:
+        _refuse_idle(change, model, where)
+
+
+def _refuse_idle(change: Change, model: Model, where: str) -> None:
+    """Refuse to take away what is not there, and to put in what is."""
+    absent = np.zeros(model.assembly.count, dtype=bool) if model.assembly.absent is None else model.assembly.absent
+    for key, names, gone in (("remove", change.remove, True), ("add", change.add, False)):
+        idle = names and (absent[select(names, model.assembly, where)] == gone).all()
+        if idle:
+            raise InputError(f"{where}.{key}", f"{_quoted(names)} {NOT_THERE if gone else 'is there already'}")
+    for key, names, there in (("take_out", change.take_out, False), ("put_in", change.put_in, True)):
+        idle = names and all(model.there[name] == there for name in names)
+        if idle:
+            raise InputError(f"{where}.{key}", f"{_quoted(names)} {'is there already' if there else NOT_THERE}")
 
 
 def changed(model: Model, change: Change, step: int, where: str) -> Model:
@@ -122,12 +139,26 @@ def changed(model: Model, change: Change, step: int, where: str) -> Model:
     assembly = _with_blocks(model.assembly, change, where)
     if material is not None:
         table |= material.model_dump(exclude_none=True)
-        assembly = _with_laws(assembly, parse_table(Material, table, f"{where}.material"), where)
+        with _under(where):
+            assembly = _with_laws(assembly, parse_table(Material, table, "material"))
     gravity, pull = model.gravity, model.acceleration
     if change.gravity is not None:
         gravity, pull = np.array(change.gravity), pull.copy()
         pull[step + 1 :] += gravity - model.gravity
     return Model(assembly, pull, _switched(model.there, change, where), table, gravity)
+
+
+def _quoted(names: Sequence[str] | None) -> str:
+    return ", ".join(f'"{name}"' for name in names or ())
+
+
+@contextmanager
+def _under(where: str) -> Iterator[None]:
+    """Give the faults of the body, which name keys of [material], the place of a change."""
+    try:
+        yield
+    except InputError as error:
+        raise error.each(lambda fault: fault._replace(place=f"{where}.{fault.place}")) from None
 
 
 def _with_blocks(assembly: Assembly, change: Change, where: str) -> Assembly:
@@ -161,14 +192,14 @@ def without(assembly: Assembly, names: Sequence[str], where: str, gone: bool = T
     return replace(assembly, absent=absent if absent.any() else None)
 
 
-def _with_laws(assembly: Assembly, material: Material, where: str) -> Assembly:
+def _with_laws(assembly: Assembly, material: Material) -> Assembly:
     """The blocks with other friction and joint laws of the same kinds."""
     before, friction = assembly.laws, friction_table(material.friction, assembly.groups)
     laws = joint_table(material.joint_laws, assembly.groups, friction, material.joint_moduli)
     laws = replace(laws, retardation=np.where(laws.at_first_period > 0.0, before.retardation, laws.retardation))
     if not _of_one_kind(before, laws):
         raise InputError(
-            f"{where}.material.joints",
+            "material.joints",
             "makes joints of another kind: those that are rigid, elastic or bonded, can crush or have more points, stay so; "
             "cut breaks bonds, and a stiffness of 1e12 N/m3 is as good as rigid",
         )

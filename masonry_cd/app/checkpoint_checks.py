@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,6 +19,7 @@ from masonry_cd.mechanics.dynamics.element_stress import elements_of
 from masonry_cd.mechanics.dynamics.mean_stress import check_sums
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.snapshot import part
+from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.joints import JointMeasures
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dic
 class Kept(NamedTuple):
     """What a run keeps besides its motion."""
 
+    blocks: Sequence[Block]  # as results have them, whose drifts
     joints: int  # J, whose peaks
     stress: bool  # that of blocks and joints
     rest: bool  # the measures of the joints from which others count
@@ -68,7 +70,7 @@ def check_content(
     for name in (*JOINT_PEAKS, "_area"):
         peaks.real(name, joints, finite=name != "first_opening_time")
     peaks.nothing_else()
-    _check_step_peaks(stored.part("step_peaks"), stepper, joints)
+    _check_step_peaks(stored.part("step_peaks"), kept)
     if kept.rest:
         rest = stored.part("rest")
         for measure in fields(JointMeasures):
@@ -84,9 +86,9 @@ def check_content(
         raise InputError("counts other steps than the results beside it hold", "it cannot be resumed")
 
 
-def _check_step_peaks(stored: Stored, stepper: Stepper, joints: int) -> None:
-    """Check the largest drifts, displacements and hinges, of J joints."""
-    for name, shape in shapes(stepper.assembly.blocks, joints).items():
+def _check_step_peaks(stored: Stored, kept: Kept) -> None:
+    """Check the largest drifts, displacements and hinges."""
+    for name, shape in shapes(kept.blocks, kept.joints).items():
         values = stored.real(name, *shape, finite=name not in UNKNOWN)
         if np.isinf(values).any():
             stored.refuse(name, "not finite")

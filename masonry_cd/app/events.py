@@ -15,15 +15,17 @@ value. Several that are due at once come in the order of the scene.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from masonry_cd.app.changes import Change, Changes, Model, check, in_words, released
+from masonry_cd.app.changes import Change, Changes, Model, changed, check, in_words, released
 from masonry_cd.app.gauge_rows import GaugeRows
+from masonry_cd.app.measured_joints import MeasuredJoints
 from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.app.staying_support import staying_support
 from masonry_cd.foundation.arrays import Stored
@@ -31,16 +33,11 @@ from masonry_cd.foundation.errors import InputError, of_each, parse_table, sugge
 from masonry_cd.foundation.fields import Instant, Number, Table
 from masonry_cd.io.gauges import Gauges
 from masonry_cd.io.summary_tables import Event
-from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
-from masonry_cd.mechanics.dynamics.system import Loads
 from masonry_cd.mechanics.model.blocks import Assembly
-from masonry_cd.mechanics.model.joints import JointMeasures, Joints, measure_joints
-
-if TYPE_CHECKING:
-    from loads import Loading
+from masonry_cd.mechanics.model.joints import JointMeasures, Joints
 
 QUANTITIES: Mapping[str, tuple[str, ...]] = {
     "points": ("x", "y", "z"),
@@ -113,23 +110,30 @@ def parse_events(tables: Sequence[Mapping[str, Any]]) -> tuple[EventTable, ...]:
     return tuple(of_each(lambda i: parse_table(EventTable, tables[i], f"events[{i}]"), range(len(tables))))
 
 
-def check_events(
-    events: Sequence[EventTable], assembly: Assembly, loading: Loading, material: Mapping[str, Any], settings: Run, gauges: Gauges
-) -> list[str]:
-    """A line on each event of a scene, with its blocks and loads before any of them.
+def check_events(events: Sequence[EventTable], first: Model, settings: Run, gauges: Gauges, joints: Joints) -> list[str]:
+    """A line on each event of a scene, whose model is the first before any of them.
+
+    Those that come at a time are tried in their order, those with a condition on the model before any.
 
     Raises:
-        InputError: events that name what is not there, or would change nothing; the faults of all of them together.
+        InputError: events that name what is not there, would change nothing or come after the end; the faults of all of them together.
     """
-    loads = Loads(loading.support_velocity, loading.acceleration, loading.forces)
-    model = Model.of(assembly, loads, material, settings.gravity)
+    models, model = {}, first
+    for i in sorted((i for i, one in enumerate(events) if one.at is not None), key=lambda i: events[i].at or 0.0):
+        models[i] = model
+        with suppress(InputError):  # said below
+            model = changed(model, events[i], 0, f"events[{i}]")
 
     def line(i: int) -> str:
-        check(events[i], model, f"events[{i}]")
-        condition = events[i].when
-        if condition is not None:
-            find_condition(condition, gauges, f"events[{i}]")
-        return line_of(events[i], i, assembly)
+        event, where = events[i], f"events[{i}]"
+        if event.when is not None:
+            find_condition(event.when, gauges, joints, where)
+            check(event, first, where, any_time=True)
+        else:
+            check(event, models[i], where)
+        if event.at is not None and event.at >= settings.duration:
+            raise InputError(f"{where}.at", f"is {event.at:g} s, and the loads end at run.duration = {settings.duration:g} s")
+        return line_of(event, i, first.assembly)
 
     return of_each(line, range(len(events)))
 
@@ -146,10 +150,11 @@ class Looked:
     gauge: Gauges  # the one that it looks at
     rows: str  # the dataset of its values
     column: int
+    blocks: tuple[int, ...]  # on which it is; while one is not there, the condition is not met
     relative: bool = False  # to the support of displacements
 
 
-def find_condition(condition: Condition, gauges: Gauges, where: str) -> Looked:
+def find_condition(condition: Condition, gauges: Gauges, joints: Joints, where: str) -> Looked:
     """Find the gauge of a condition.
 
     Raises:
@@ -166,9 +171,13 @@ def find_condition(condition: Condition, gauges: Gauges, where: str) -> Looked:
         raise InputError(f"{where}.when.quantity", f'"{condition.quantity}" is none of {", ".join(QUANTITIES[kind])}, which this gauge has')
     rows = f"guides/{condition.quantity}" if kind == "guides" else f"gauges/{kind}"
     if kind == "guides":
-        return Looked(Gauges(guides=gauges.guides), rows, gauges.guides.index(one))
+        return Looked(Gauges(guides=gauges.guides), rows, gauges.guides.index(one), ())
     only: Any = {kind: (one,)}
-    return Looked(Gauges(**only), rows, QUANTITIES[kind].index(condition.quantity), getattr(one, "relative", False))
+    if kind == "joints":
+        blocks: tuple[int, ...] = int(joints.block_a[one.joint]), int(joints.block_b[one.joint])
+    else:
+        blocks = one.blocks if kind == "cracks" else (one.block,)
+    return Looked(Gauges(**only), rows, QUANTITIES[kind].index(condition.quantity), blocks, getattr(one, "relative", False))
 
 
 @dataclass(eq=False)
@@ -182,23 +191,24 @@ class Events:
     support: int  # to which displacements are relative; -1 without one
     looked: Mapping[int, Looked]  # of the events that have a condition
     met: list[int] = field(default_factory=list)  # whose condition holds, and that are to come before the next step
-    rest: JointMeasures | None = None  # of the joints, since which they are measured
+    follow: Callable[[], None] | None = None  # called when the model has changed
     _rows: Mapping[int, GaugeRows] = field(init=False)
 
     def __post_init__(self) -> None:
         self._rows = {i: GaugeRows(one.gauge, self.stepper, self.joints, self.support) for i, one in self.looked.items()}
         self._pair_joints = PairJoints(self.stepper.assembly)
+        self._measured = MeasuredJoints(self.stepper, self.joints, changes=True) if self.looked else None
 
     @classmethod
     def of(cls, tables: Sequence[EventTable], material: Mapping[str, Any], stepper: Stepper, joints: Joints, gauges: Gauges) -> Events:
         """Of a stepper at the beginning of its run, with the table [material] of its scene and the gauges of the run."""
         known = [(table, f"events[{i}]") for i, table in enumerate(tables)]
-        looked = {i: find_condition(one.when, gauges, f"events[{i}]") for i, one in enumerate(tables) if one.when is not None}
-        rest = measure_joints(joints, stepper.assembly, stepper.state) if looked and settles(stepper.assembly) else None
+        looked = {i: find_condition(one.when, gauges, joints, f"events[{i}]") for i, one in enumerate(tables) if one.when is not None}
         changes = Changes.of(stepper, material, known)
         held = released(stepper.assembly, tables).fixed if tables else stepper.assembly.fixed
-        support = staying_support(stepper, joints, held)
-        return cls(changes, tables, stepper, joints, support, looked, rest=rest)
+        velocity, tick = stepper.system.loads.support_velocity, stepper.settings.dt
+        support = staying_support(stepper.assembly, velocity, tick, joints, held)
+        return cls(changes, tables, stepper, joints, support, looked)
 
     @property
     def stops(self) -> list[int]:
@@ -220,21 +230,26 @@ class Events:
             except InputError as fault:
                 raise RunStopped(f"step {self.stepper.steps + 1}: {fault}") from None
         self.met.clear()
+        if due and self.follow is not None:
+            self.follow()
         return bool(due)
 
     def after_step(self) -> None:
         """Look whether the step has met conditions."""
+        if self._measured is None:
+            return
+        now, absent = self._measured.now(), self.stepper.assembly.absent
         made = {number for number, _ in self.changes.made}
         for number, looked in self.looked.items():
             condition = self.tables[number].when
-            if number not in made and condition is not None and condition.met(self._value(number, looked)):
+            there = absent is None or not absent[list(looked.blocks)].any()
+            if number not in made and there and condition is not None and condition.met(self._value(number, looked, now)):
                 self.met.append(number)
 
-    def _value(self, number: int, looked: Looked) -> float:
+    def _value(self, number: int, looked: Looked, now: JointMeasures) -> float:
         """What the gauge of an event shows after the last step."""
-        stepper, joints, rows = self.stepper, self.joints, self._rows[number]
-        now = measure_joints(joints, stepper.assembly, stepper.state)
-        rows.step(now if self.rest is None else now.since(self.rest, joints.area), self._pair_joints.of(stepper.detector.pairs))
+        rows = self._rows[number]
+        rows.step(now, self._pair_joints.of(self.stepper.detector.pairs))
         found = rows.take()
         row = np.atleast_2d(found[looked.rows][0])
         value = float(row[0, looked.column])
@@ -242,11 +257,14 @@ class Events:
 
     def copied(self, stepper: Stepper) -> Events:
         """A copy for another stepper, that goes its own way."""
-        return Events(self.changes.copied(), self.tables, stepper, self.joints, self.support, self.looked, list(self.met), self.rest)
+        other = Events(self.changes.copied(), self.tables, stepper, self.joints, self.support, self.looked, list(self.met))
+        if other._measured is not None and self._measured is not None and self._measured.rest is not None:
+            other._measured.restore(self._measured.rest)
+        return other
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """What has come so far, and what is to come, for a checkpoint."""
-        rest = {} if self.rest is None else prefixed("rest", vars(self.rest))
+        rest = {} if self._measured is None else prefixed("rest", vars(self._measured.rest))
         return self.changes.snapshot() | {"met": np.array(self.met, dtype=np.int64)} | rest
 
     def restore(self, stored: Stored, arrays: Mapping[str, np.ndarray]) -> None:
@@ -258,12 +276,12 @@ class Events:
         met = stored.whole("met", None)
         if (met >= len(self.tables)).any():
             stored.refuse("met", "not those of this scene")
-        if self.rest is not None:
-            kept = stored.part("rest")
-            for name in vars(self.rest):
-                kept.real(name, self.joints.count)
-            self.rest = JointMeasures(**part("rest", arrays))
         self.changes.restore(stored, self.stepper)
+        if self._measured is not None:
+            kept = stored.part("rest")
+            for name in vars(self._measured.rest):
+                kept.real(name, self.joints.count)
+            self._measured.restore(JointMeasures(**part("rest", arrays)))
         self.met = met.tolist()
 
     def rows(self) -> tuple[Event, ...]:

@@ -24,6 +24,10 @@ class MeasuredJoints:
         # what opened before the run, or before a block was put in, is no damage
         self.rest = self._measured() if changes or settles(stepper.assembly) else None
 
+    def restore(self, rest: JointMeasures) -> None:
+        """Go on from the rest of a checkpoint, in whose stage the stepper is."""
+        self.rest, self._absent = rest, self._stepper.assembly.absent
+
     def now(self) -> JointMeasures:
         """The measures of the joints."""
         found = self._measured()

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from masonry_cd.mechanics.contact.find_joints import joint_parts
@@ -10,10 +12,11 @@ from masonry_cd.mechanics.model.blocks import Assembly
 
 
 class PairJoints:
-    """The joints of pairs, found again when the list of pairs is another."""
+    """The joints of pairs, found again when the list of pairs is another; numbered as built, whichever blocks are there or held now."""
 
     def __init__(self, assembly: Assembly) -> None:
-        self._joint_of = {(a, b): j for j, (a, b) in enumerate(joint_parts(assembly).tolist())}
+        built = replace(assembly, absent=None, fixed=np.array([block.fixed for block in assembly.blocks]))
+        self._joint_of = {(a, b): j for j, (a, b) in enumerate(joint_parts(built).tolist())}
         self._pairs: np.ndarray | None = None
         self._joint = np.empty(0, dtype=np.int64)
 

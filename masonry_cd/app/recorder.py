@@ -35,7 +35,7 @@ from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.dynamics.mean_stress import MeanStress
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.mechanics.dynamics.pauses import Aftermath
-from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.edge_stress import edge_stresses
 from masonry_cd.mechanics.model.joints import JointMeasures, JointPeaks, Joints
 
@@ -74,7 +74,8 @@ class Recorder:
         self.frames = 0
         self.peaks = JointPeaks(joints)
         self.stress = MeanStress(stepper, joints) if stress else None
-        support = staying_support(stepper, joints, self._reported.fixed)
+        velocity, tick = stepper.system.loads.support_velocity, stepper.settings.dt
+        support = staying_support(stepper.assembly, velocity, tick, joints, self._reported.fixed)
         self.step_peaks = StepPeaks(self._reported, joints, support)
         writer.begin_step_peaks(self.step_peaks.arrays, support)
         meshes = Meshes.of(stepper.assembly, stepper.system.strains) if stress else None
@@ -111,6 +112,11 @@ class Recorder:
         if self.stress is not None:
             self.stress.take_step(self._joint_of_pairs())
         return now
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """As results have them."""
+        return self._reported.blocks
 
     def now(self) -> JointMeasures:
         """The measures of the joints."""

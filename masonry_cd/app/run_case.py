@@ -360,7 +360,7 @@ def _chosen(case: Case, stepper: Stepper, results: Path, saved: Path, events: Ev
         require_same(digests(case), found.inputs, results)
 
         def fits(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
-            kept = Kept(case.joints.count, case.scene.stress, events is not None or settles(case.assembly))
+            kept = Kept(case.reported.blocks, case.joints.count, case.scene.stress, events is not None or settles(case.assembly))
             check_content(arrays, numbers, stepper, kept, events)
             require_rows(found, numbers["rows"], numbers["mark"])
 

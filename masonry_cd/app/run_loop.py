@@ -192,7 +192,12 @@ class _Loop:
         """
         arrays, numbers = checkpoint.load(path)
         try:
-            kept = Kept(len(self.recorder.peaks.opening), self.recorder.stress is not None, self.recorder.measured.rest is not None)
+            kept = Kept(
+                self.recorder.blocks,
+                len(self.recorder.peaks.opening),
+                self.recorder.stress is not None,
+                self.recorder.measured.rest is not None,
+            )
             check_content(arrays, numbers, self.stepper, kept, self.advance.events)
         except InputError as reason:
             raise reason.under(path) from None
@@ -204,7 +209,7 @@ class _Loop:
         vars(self.recorder.peaks).update(part("peaks", arrays))
         self.recorder.step_peaks.restore(part("step_peaks", arrays))
         if self.recorder.measured.rest is not None:
-            self.recorder.measured.rest = JointMeasures(**part("rest", arrays))
+            self.recorder.measured.restore(JointMeasures(**part("rest", arrays)))
         if self.recorder.stress is not None:
             self.recorder.stress.restore(part("stress", arrays))
         self.recorder.frames = numbers["frames"]

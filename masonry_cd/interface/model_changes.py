@@ -70,6 +70,8 @@ class ModelChanges:
             raise InputError("change", "this simulation is in the middle of a step; between steps its model can be changed")
         given = {key: list(value) if isinstance(value, tuple) else value for key, value in keys.items()}
         made = parse_table(Change, given, "change")
+        if made.material is not None and made.material.friction is not None and self._stepper.friction is not None:
+            raise InputError("change.material.friction", "a function gives the coefficients of this simulation")
         changes = self._changed.changes
         check(made, changes.model, "change")
         changes.known.append((made, "change"))
@@ -83,13 +85,17 @@ class ModelChanges:
 
     def _go_on(self) -> None:
         """Have what looks at the stepper look at the model that it has now."""
+        self._take_model()
+        self._advance.go_on()
+
+    def _take_model(self) -> None:
+        """Have own forces and laws go by the blocks, ties and props that are there now."""
         forces, absent = self._stepper.system.loads.forces, self._stepper.assembly.absent
         if self._own.own:
             assert isinstance(forces, OwnForces)
             self._own = forces
         for item in self._own.own:
             item.blocks_changed(absent)
-        self._advance.go_on()
 
     def _changes_of_python(self) -> list[Mapping[str, Any]]:
         """As tables, beside those of the scene."""

@@ -122,8 +122,8 @@ class RunExports(OpenRun):
         with self._at(time) as (found, frame):
             solids = solids_of(found.blocks)
             points = _world(found, frame).moved(solids, solids.vertices, solids.vertex_block)
-            made = trimesh.Scene()
-            for b, block in enumerate(found.blocks):
+            made, there = trimesh.Scene(), found.present(frame)
+            for b, block in [(b, block) for b, block in enumerate(found.blocks) if there[b]]:
                 faces = [(loop[0], loop[k], loop[k + 1]) for loop in block.faces for k in range(1, len(loop) - 1)]
                 mesh = trimesh.Trimesh(points[solids.vertex_block == b], faces, process=False)
                 made.add_geometry(mesh, node_name=block.name, geom_name=block.name)

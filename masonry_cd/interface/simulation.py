@@ -118,6 +118,7 @@ class Simulation(Copies):
             self._stepper.kick(first)
         self._touched = bool(items or motions or velocities or friction or solver or waiting)  # the scene alone does not repeat it
         self._changed = events_of(self._case, self._stepper)
+        self._changed.follow = self._take_model
         self._advance = self._fresh_advance()
         self._pair_joints = PairJoints(assembly)
         self._events = Events(self._case.joints, self._stepper, checked.report.opened)

@@ -96,11 +96,8 @@ def read(name: str, folder: Path) -> tuple[dict[str, np.ndarray], dict, Callable
     loading = case.loading
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run, forces=loading.forces)
     arrays, numbers = checkpoint.load(folder / checkpoint.NAME)
-    return (
-        arrays,
-        numbers,
-        lambda arrays, numbers: check_content(arrays, numbers, stepper, Kept(case.joints.count, case.scene.stress, settles(case.assembly))),
-    )
+    kept = Kept(case.assembly.blocks, case.joints.count, case.scene.stress, settles(case.assembly))
+    return arrays, numbers, lambda arrays, numbers: check_content(arrays, numbers, stepper, kept)
 
 
 def test_every_array_is_checked(stopped):

@@ -97,6 +97,36 @@ def test_joints_of_blocks_that_are_not_there_count_as_they_were_built(tmp_path: 
         assert (results.joint_history("contact_area") >= (1.0 - 1e-9) * results.joints.area).all()
 
 
+def test_forces_are_those_of_their_joints_whichever_blocks_are_there(tmp_path: Path) -> None:
+    """Also where a run resumes in the middle: numbers of joints are those of all blocks as built."""
+    folders = [tmp_path / name for name in ("whole", "broken")]
+    for folder in folders:
+        folder.mkdir()
+        scene(folder, '[[events]]\nat = 0.06\nadd = "late"\n', '[[events]]\nat = 0.2\nrelease = "ground"\n')
+    whole, broken = folders
+    ran(whole / "scene.toml")
+    with ctrl_c_before_step(150):
+        run_case(prepare(read_scene(broken / "scene.toml", ())), broken / "out")
+    run_case(prepare(read_scene(broken / "scene.toml", ())), broken / "out", resume=True)
+    with Results.open(whole / "out" / "result.h5") as one, Results.open(broken / "out" / "result.h5") as other:
+        for name in ("normal_force", "opening", "contact_area"):
+            assert np.array_equal(one.joint_history(name), other.joint_history(name))
+        pairs = {frozenset((int(a), int(b))): j for j, (a, b) in enumerate(zip(one.joints.block_a, one.joints.block_b, strict=True))}
+        force = one.joint_history("normal_force")
+    assert force[1, pairs[frozenset((0, 3))]] == 0.0  # before the block is put in
+    weights = [force[3, pairs[frozenset(pair)]] / WEIGHT for pair in ((0, 1), (1, 2), (0, 3))]
+    assert weights == pytest.approx([2.0, 1.0, 1.0], rel=1e-6)
+    assert np.abs(force[-1]).max() < 1e-9  # all of them fall with the ground
+
+
+def test_a_condition_waits_for_its_block(tmp_path: Path) -> None:
+    joint = '[[output.joint]]\nblocks = ["low", "high"]\nname = "bed"\n'
+    added = '[[events]]\nat = 0.2\nadd = "high"\n'
+    slips = '[[events]]\nwhen = { gauge = "bed", quantity = "normal_force", below = 1.0 }\nremove = "late"\n'
+    summary = ran(scene(tmp_path, joint, added, slips))
+    assert summary.events[1].time is None  # without the block there is no force, and with it more
+
+
 def test_steps_that_adapt_end_where_an_event_comes(tmp_path: Path) -> None:
     summary = ran(scene(tmp_path, REMOVED.replace("0.1", "0.13")), 'run.dt="auto"', "run.dt_min=1e-3", "run.dt_max=1.6e-2")
     assert summary.events[0].time == pytest.approx(0.13)

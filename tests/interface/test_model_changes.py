@@ -199,6 +199,32 @@ def test_restarts_and_copies_have_the_changes_and_the_bits(tmp_path: Path) -> No
     assert sim.energy["balance"] == pytest.approx(0.0, abs=1e-7)
 
 
+def test_events_of_the_scene_reach_own_laws_and_forces() -> None:
+    event = [{"at": 0.1, "remove": "low"}, {"at": 0.1, "put_in": "tie"}]
+    tie = {"kind": "tie", "name": "tie", "blocks": ["high", "late"], "area": 1e-5, "tension": 2000.0}
+    sim = simulation(cube("low"), cube("high", z=1.0), cube("late", x=1.4), events=event, loads=[tie])
+    bound = mc.JointLaw(lambda opening, slip, history, step, stress: stress.__setitem__((..., 0), 1e6 * opening), stiffness=1e7)
+    own = mc.Simulation(sim.scene, law=bound)
+    for one in (sim, own):
+        one.run(until=0.2)
+        copied = one.copy()
+        one.run(until=0.4)
+        copied.run(until=0.4)
+        assert np.array_equal(one.state.position, copied.state.position)
+    assert own.state.position[2] == pytest.approx(sim.state.position[2], abs=1e-6)  # nothing binds it to what is gone
+
+
+def test_what_is_there_is_not_put_in_and_a_function_keeps_the_friction() -> None:
+    sim = mc.Simulation(simulation(cube("low")).scene, friction=lambda contacts: contacts.friction)
+    for keys, place in (({"add": "low"}, "change.add"), ({"material": {"friction": 0.1}}, "change.material.friction")):
+        with pytest.raises(mc.InputError) as refused:
+            sim.change(**keys)
+        assert refused.value.place == place
+    sim.remove("low")
+    with pytest.raises(mc.InputError, match=r"change\.remove"):
+        sim.remove("low")
+
+
 def test_deformable_blocks_come_and_go() -> None:
     ground = mc.Block("ground", *mc.box((-2, -1, -0.5), (2, 1, 0)), group="base", fixed=True)
     material = {"density": 2000.0, "friction": 0.5, "deformable": "uniform", "young": 1e9, "poisson": 0.2}
