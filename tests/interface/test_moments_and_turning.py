@@ -173,3 +173,13 @@ def test_a_support_that_is_released_goes_on_turning_and_a_moment_on_what_is_remo
     sim.run()
     assert sim.state.velocity[1] == pytest.approx(turn, abs=1e-12) and sim.energy["force_work"] == before > 0.0
     assert abs(sim.energy["balance"]) < 1e-9 and not sim.state.velocity[2].any()
+
+
+def test_a_gauge_is_not_relative_to_a_support_that_turns() -> None:
+    turns = {"kind": "motion", "supports": "b0", "time": [0.0, 0.3], "axis": "y", "rotation": [0.0, 1.0], "about": [0, 0, 0]}
+    tables = floating() | {"loads": [turns], "output": {"point": [{"block": "b1", "name": "p"}]}}
+    with pytest.raises(mc.InputError) as refused:
+        mc.Simulation(tables)
+    assert refused.value.place == "output.point[0].relative"
+    tables["output"]["point"][0]["relative"] = False
+    mc.Simulation(tables).step()
