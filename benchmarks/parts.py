@@ -25,7 +25,7 @@ from benchmarks.ours import stepper, warm_up
 from benchmarks.scenes import BenchScene, scene
 from benchmarks.sitting import head, numbers_of
 from masonry_cd.analysis.damage.step_peaks import StepPeaks
-from masonry_cd.app import recorder, run_loop
+from masonry_cd.app import measured_joints, recorder, run_loop
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact import detector
@@ -51,7 +51,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "error measure": ((problem, "error_norms"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((moreau_jean, "account"),),
-    "joints": ((recorder, "measure_joints"), (JointPeaks, "update"), (StepPeaks, "update")),
+    "joints": ((measured_joints, "measure_joints"), (JointPeaks, "update"), (StepPeaks, "update")),
     "output": ((recorder.Recorder, "step"), (recorder.Recorder, "frame"), (recorder.Recorder, "close")),
     "step, rest": ((Stepper, "step"),),
 }  # fmt: skip

@@ -20,16 +20,15 @@ from models import box, gravity, stepper, still, tower, wall
 
 from masonry_cd.analysis.damage.joint_damage import bonds, joint_damage
 from masonry_cd.app import recorder, run_loop
-from masonry_cd.app.recorder import staying_support
 from masonry_cd.app.run_loop import Checkpoints, Plan, run
 from masonry_cd.app.run_report import RunReport
+from masonry_cd.app.staying_support import staying_support
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint, result_writer, segments
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
-from masonry_cd.mechanics.dynamics.moreau_jean import ENERGIES, Stepper, StepReport
-from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.dynamics.moreau_jean import ENERGIES, StepReport
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import JointLaw
 from reports.damage import write_joints_csv
@@ -293,9 +292,7 @@ BLOCKS = [
 
 def support_where(velocity: np.ndarray, support_of: list[int], blocks: list[Block] = BLOCKS) -> int:
     assembly = replace(Assembly.from_blocks(blocks, 0.6), support_of=np.array(support_of))
-    return staying_support(
-        Stepper(assembly, velocity, gravity(STEPS_RECORDER), Run(dt=1e-3, duration=STEPS_RECORDER * 1e-3)), find_joints(assembly)
-    )
+    return staying_support(assembly, velocity, 1e-3, find_joints(assembly), assembly.fixed)
 
 
 def test_it_is_the_first_of_those_that_the_loads_move_least():

@@ -82,6 +82,7 @@ def test_every_import_of_an_optional_package_is_preceded_by_a_check() -> None:
     behind = {  # what an import there stands behind
         "masonry_cd/studies/study": "a study requires its libraries before it begins",
         "masonry_cd/studies/accuracy_picture.py": "blank, of foundation/figures.py, which makes every figure",
+        "masonry_cd/interface/frames.py": "to_xarray of a run, and record of a simulation",
         "structures/plans/dxf_file.py": "opened of structures/files/drawing.py",
         "structures/files/dxf_blocks.py": "opened of structures/files/drawing.py",
         "structures/files/drawing.py": "its opened",
