@@ -131,7 +131,12 @@ def test_the_schema_of_plans_takes_what_build_writes_and_no_more(hut: Path):
     [
         ("church", {"facciata", "lato_sud", "lato_nord", "abside", "torre_o", "torre_s", "torre_e"}, 0),
         ("house", {"party", "front", "cross", "back", "spine", "court", "yard", "end"}, 9),
-        ("oratory", {"facciata", "sud", "nord", "arco_trionfale", "abside"}, 0),
+        pytest.param(
+            "oratory",
+            {"facciata", "sud", "nord", "arco_trionfale", "abside"},
+            0,
+            marks=pytest.mark.slow(reason="cuts the stones of a barrel and of an apse; house and church are drawn as it is"),
+        ),
     ],
 )
 def test_the_plans_of_the_examples_stand_as_they_are_drawn(name: str, walls: set[str], left: int):
