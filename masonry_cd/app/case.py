@@ -284,7 +284,8 @@ def _before_events(scene: Scene, events: Sequence[EventTable], assembly: Assembl
     from masonry_cd.app.changes import waiting
 
     with scene.locating():
-        assembly, out = waiting(assembly, events, "events")
+        order = sorted(range(len(events)), key=lambda i: events[i].order)
+        assembly, out = waiting(assembly, [(f"events[{i}]", events[i]) for i in order])
     return assembly, loading if loading.forces is None else replace(loading, forces=loading.forces.switched(out))
 
 

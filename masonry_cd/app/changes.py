@@ -183,7 +183,11 @@ def without(assembly: Assembly, names: Sequence[str], where: str, gone: bool = T
     Raises:
         InputError: names that fit nothing, or a support.
     """
-    chosen = select(names, assembly, where)
+    return _without(assembly, select(names, assembly, where), where, gone)
+
+
+def _without(assembly: Assembly, chosen: np.ndarray, where: str, gone: bool = True) -> Assembly:
+    """The blocks of which those chosen, (B,) bool, are not there, or are there again."""
     stuck = np.flatnonzero(chosen & assembly.fixed)
     if len(stuck):
         name = assembly.names[stuck[0]]
@@ -239,18 +243,27 @@ def _bonds(change: Change, assembly: Assembly, where: str) -> np.ndarray:
     return out
 
 
-def waiting(assembly: Assembly, changes: Sequence[Change], where: str) -> tuple[Assembly, dict[str, bool]]:
-    """The blocks before any of some changes, and ties and props by name: what a change puts in is not there yet.
+def waiting(assembly: Assembly, changes: Sequence[tuple[str, Change]]) -> tuple[Assembly, dict[str, bool]]:
+    """The blocks before any of some changes in the order in which they come, and ties and props by name.
+
+    What is put in before anything takes it away is not there yet.
+
+    Args:
+        assembly: with all blocks.
+        changes: and where each stands.
 
     Raises:
         InputError: unknown names of blocks.
     """
-    out: dict[str, bool] = {}
-    for i, change in enumerate(changes):
+    seen, there = np.zeros(assembly.count, dtype=bool), dict[str, bool]()
+    for where, change in changes:
+        if change.remove:
+            seen = seen | select(change.remove, assembly, f"{where}.remove")
         if change.add:
-            assembly = without(assembly, change.add, f"{where}[{i}].add")
-        out |= dict.fromkeys(change.put_in or (), False)
-    return assembly, out
+            late = select(change.add, assembly, f"{where}.add") & ~seen
+            assembly, seen = _without(assembly, late, f"{where}.add"), seen | late
+        there = dict.fromkeys(change.put_in or (), False) | dict.fromkeys(change.take_out or (), True) | there
+    return assembly, there
 
 
 def _require_room(stepper: Stepper, model: Model, where: str) -> None:

@@ -15,6 +15,7 @@ value. Several that are due at once come in the order of the scene.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -96,6 +97,11 @@ class EventTable(Change):
         return self
 
     @property
+    def order(self) -> float:
+        """In which events come [s]: those with a condition last."""
+        return math.inf if self.at is None else self.at
+
+    @property
     def cause(self) -> str:
         """When it comes, in words."""
         return self.when.words if self.when is not None else f"at {self.at:g} s"
@@ -119,7 +125,7 @@ def check_events(events: Sequence[EventTable], first: Model, settings: Run, gaug
         InputError: events that name what is not there, would change nothing or come after the end; the faults of all of them together.
     """
     models, model = {}, first
-    for i in sorted((i for i, one in enumerate(events) if one.at is not None), key=lambda i: events[i].at or 0.0):
+    for i in sorted((i for i, one in enumerate(events) if one.at is not None), key=lambda i: events[i].order):
         models[i] = model
         with suppress(InputError):  # said below
             model = changed(model, events[i], 0, f"events[{i}]")
