@@ -119,12 +119,13 @@ def parse_events(tables: Sequence[Mapping[str, Any]]) -> tuple[EventTable, ...]:
 def check_events(events: Sequence[EventTable], first: Model, settings: Run, gauges: Gauges, joints: Joints) -> list[str]:
     """A line on each event of a scene, whose model is the first before any of them.
 
-    Those that come at a time are tried in their order, those with a condition on the model before any.
+    Those that come at a time are tried in their order, those with a condition on the model before any; where there is one of these, what
+    an event finds is not known.
 
     Raises:
         InputError: events that name what is not there, would change nothing or come after the end; the faults of all of them together.
     """
-    models, model = {}, first
+    models, model, unknown = dict[int, Model](), first, any(one.when is not None for one in events)
     for i in sorted((i for i, one in enumerate(events) if one.at is not None), key=lambda i: events[i].order):
         models[i] = model
         with suppress(InputError):  # said below
@@ -134,9 +135,7 @@ def check_events(events: Sequence[EventTable], first: Model, settings: Run, gaug
         event, where = events[i], f"events[{i}]"
         if event.when is not None:
             find_condition(event.when, gauges, joints, where)
-            check(event, first, where, any_time=True)
-        else:
-            check(event, models[i], where)
+        check(event, models.get(i, first), where, any_time=unknown)
         if event.at is not None and event.at >= settings.duration:
             raise InputError(f"{where}.at", f"is {event.at:g} s, and the loads end at run.duration = {settings.duration:g} s")
         return line_of(event, i, first.assembly)
