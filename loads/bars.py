@@ -109,7 +109,7 @@ class Forces:
 
     @cached_property
     def _turns(self) -> bool:
-        """Whether a point load has a moment."""
+        """True where a point load has a moment."""
         return any(load.moment is not None for load in self.points)
 
     def _moments(self, step: int, ticks: int) -> np.ndarray:
@@ -162,7 +162,7 @@ class Forces:
         return np.array([not tie.from_start for tie in self.ties], dtype=bool)
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
-        """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before; all of it of one that is not there."""
+        """Return the permanent stretch (T,) [m] of each tie, after ``yielded`` (T,) before; for an absent tie, its whole stretch."""
         if not self.ties:
             return yielded
         bars, longer = self._bars, self.stretches(position, rotation)

@@ -135,7 +135,7 @@ def motion(table: MotionTable, grid: RunGrid, where: str) -> Part:
 
 
 def _part(one: Moving, table: MotionTable, grid: RunGrid, where: str) -> Part:
-    """What drives supports that follow one course."""
+    """Return the part of the loads that drives supports along one course."""
     turns = bool(one.course.values[:, 3:].any())
     about = None if table.about is None else np.array(table.about)
     turning = Turning(lambda grid: by_rotation(at_middles(one.course.at, grid.times, grid.dt)[:, 3:], grid.dt, where), about)

@@ -90,7 +90,7 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """What ``[structure]``, ``[material]`` and ``[[links]]`` alone decide, so that runs whose loads differ share it."""
+    """Blocks, joints and links: all that ``[structure]``, ``[material]`` and ``[[links]]`` decide, shared by runs whose loads differ."""
 
     blocks: list[Block]
     notes: tuple[str, ...]  # on what was changed in making them

@@ -40,9 +40,9 @@ class MaterialChange(Table):
     """Keys of [material] that are others from then on."""
 
     friction: Friction | None = None
-    """As in [material]."""
+    """New friction of all joints, written as in [material]."""
     joints: dict[str, Any] | None = None
-    """As in [material]; rigid joints stay rigid, elastic ones elastic, and dry ones dry."""
+    """New joint laws, written as in [material]; rigid joints stay rigid, elastic ones elastic, and dry ones dry."""
 
 
 class Change(Table):
@@ -51,7 +51,7 @@ class Change(Table):
     remove: Names = None
     """Blocks or groups that are taken away; * stands for any letters."""
     add: Names = None
-    """Blocks or groups that are put in where they were built; until then they are not there."""
+    """Blocks or groups that are put in where they were built; a block that no earlier event takes away is absent until then."""
     release: Names = None
     """Supports that become free blocks."""
     cut: Names = None
@@ -59,15 +59,15 @@ class Change(Table):
     take_out: Names = None
     """Names of ties and props that are taken out."""
     put_in: Names = None
-    """Names of ties and props that are put in, ties with their first tension; until then they are not there."""
+    """Names of ties and props that are put in, ties with their first tension; one that no earlier event takes out is absent until then."""
     material: MaterialChange | None = None
     """Friction and laws of the joints from then on."""
     gravity: Annotated[Vector | None, Unit("m/s2")] = None
-    """From then on, instead of run.gravity or what the last change made of it."""
+    """Gravity from then on, instead of that of [run] or of an earlier change."""
 
     @property
     def words(self) -> str:
-        """What it does."""
+        """The change in words, as in the closing lines."""
         named = (
             ("removes", self.remove), ("adds", self.add), ("releases", self.release), ("cuts", self.cut),
             ("takes out", self.take_out), ("puts in", self.put_in),
@@ -82,7 +82,7 @@ class Change(Table):
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """What changes act on."""
+    """The parts of a run that changes act on."""
 
     assembly: Assembly
     acceleration: np.ndarray  # (N + 1, 3) of all free blocks, gravity included [m/s2]
@@ -92,7 +92,7 @@ class Model:
 
     @classmethod
     def of(cls, assembly: Assembly, loads: Loads, material: Mapping[str, Any], gravity: Sequence[float]) -> Model:
-        """Of a run that has not begun."""
+        """Return the model of a run that has not begun."""
         there = {} if loads.forces is None else loads.forces.switches
         return cls(assembly, loads.acceleration, there, material, np.asarray(gravity, dtype=float))
 
@@ -211,7 +211,7 @@ def _with_laws(assembly: Assembly, material: Material) -> Assembly:
 
 
 def _of_one_kind(before: JointLaws, after: JointLaws) -> bool:
-    """Whether the same joints are elastic, have bonds, can crush, and have so many points."""
+    """True where the joints that are elastic, have bonds or can crush are the same, with as many points each."""
     kinds = ((laws.elastic, laws.apex > 0.0, laws.crushing > 0.0, laws.points) for laws in (before, after))
     return all(np.array_equal(one, other) for one, other in zip(*kinds, strict=True))
 
@@ -312,7 +312,7 @@ class Changes:
 
     @classmethod
     def of(cls, stepper: Stepper, material: Mapping[str, Any], known: Sequence[tuple[Change, str]] = ()) -> Changes:
-        """Of a stepper at the beginning of its run, with the table [material] of its scene."""
+        """Return the changes of a stepper at the beginning of its run, with the table [material] of its scene."""
         return cls(Model.of(stepper.assembly, stepper.system.loads, material, stepper.settings.gravity), list(known))
 
     def make(self, number: int, stepper: Stepper) -> None:
@@ -380,7 +380,7 @@ def read_changes(tables: Any) -> list[tuple[Change, str]]:
 
 
 def in_words(change: Change, assembly: Assembly) -> str:
-    """What a change does, blocks counted."""
+    """Return a change in words, with the number of blocks in its groups."""
     words = change.words
     for names in (change.remove, change.add):
         if names and (count := int(select(names, assembly, "").sum())) > len(names):

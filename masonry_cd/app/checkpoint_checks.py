@@ -29,7 +29,7 @@ NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dic
 
 
 class Kept(NamedTuple):
-    """What a run keeps besides its motion."""
+    """Sizes and names of the arrays that a run keeps besides its motion."""
 
     blocks: Sequence[Block]  # as results have them, whose drifts
     joints: int  # J, whose peaks

@@ -47,11 +47,11 @@ QUANTITIES: Mapping[str, tuple[str, ...]] = {
     "supports": ("x", "y", "z"),
     "guides": ("force", "moment", "displacement"),
 }
-"""What may pass a value, by the kind of the gauge: displacements and openings [m], forces [N], moments [N m]."""
+"""Quantities that a condition can name, by the kind of the gauge: displacements and openings [m], forces [N], moments [N m]."""
 
 
 class Condition(Table):
-    """What a gauge has to pass, ``when = { gauge = "crown", quantity = "z", below = -0.01 }``."""
+    """The value that a gauge has to pass, ``when = { gauge = "crown", quantity = "z", below = -0.01 }``."""
 
     gauge: str
     """Its name: of a point, joint, crack or support of [output], of a push by displacement or a prop."""
@@ -70,12 +70,12 @@ class Condition(Table):
         return self
 
     def met(self, value: float) -> bool:
-        """Whether a value has passed it."""
+        """True where a value has passed the bound."""
         return value > self.above if self.above is not None else value < (self.below or 0.0)
 
     @property
     def words(self) -> str:
-        """As of a line."""
+        """The condition in words, as in the closing lines."""
         bound = f"above {self.above:g}" if self.above is not None else f"below {self.below:g}"
         return f'once {self.quantity} of "{self.gauge}" is {bound}'
 
@@ -86,9 +86,9 @@ class EventTable(Change):
     at: Instant | None = None
     """Time of the loads at which it comes."""
     when: Condition | None = None
-    """Or what a gauge has to pass."""
+    """Condition on a gauge, instead of ``at``."""
     name: Annotated[str, Field(min_length=1, max_length=60)] | None = None
-    """In lines and summary.json."""
+    """Name of the event in the closing lines and in summary.json."""
 
     @model_validator(mode="after")
     def _one_cause(self) -> Self:
@@ -98,12 +98,12 @@ class EventTable(Change):
 
     @property
     def order(self) -> float:
-        """In which events come [s]: those with a condition last."""
+        """Sort key of the event: its time [s], infinite for one with a condition."""
         return math.inf if self.at is None else self.at
 
     @property
     def cause(self) -> str:
-        """When it comes, in words."""
+        """The time or condition of the event, in words."""
         return self.when.words if self.when is not None else f"at {self.at:g} s"
 
 
@@ -206,7 +206,7 @@ class Events:
 
     @classmethod
     def of(cls, tables: Sequence[EventTable], material: Mapping[str, Any], stepper: Stepper, joints: Joints, gauges: Gauges) -> Events:
-        """Of a stepper at the beginning of its run, with the table [material] of its scene and the gauges of the run."""
+        """Return the events of a stepper at the beginning of its run, with the table [material] of its scene and the gauges of the run."""
         known = [(table, f"events[{i}]") for i, table in enumerate(tables)]
         looked = {i: find_condition(one.when, gauges, joints, f"events[{i}]") for i, one in enumerate(tables) if one.when is not None}
         changes = Changes.of(stepper, material, known)
@@ -252,7 +252,7 @@ class Events:
                 self.met.append(number)
 
     def _value(self, number: int, looked: Looked, now: JointMeasures) -> float:
-        """What the gauge of an event shows after the last step."""
+        """Return the value of the gauge of an event after the last step."""
         rows = self._rows[number]
         rows.step(now, self._pair_joints.of(self.stepper.detector.pairs))
         found = rows.take()
@@ -268,12 +268,12 @@ class Events:
         return other
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """What has come so far, and what is to come, for a checkpoint."""
+        """Return the arrays of a checkpoint: events made, conditions met, and the rest that joints are measured from."""
         rest = {} if self._measured is None else prefixed("rest", vars(self._measured.rest))
         return self.changes.snapshot() | {"met": np.array(self.met, dtype=np.int64)} | rest
 
     def restore(self, stored: Stored, arrays: Mapping[str, np.ndarray]) -> None:
-        """Have the stepper be in the stage of a checkpoint, before its motion is restored.
+        """Put the stepper into the stage of a checkpoint, before its motion is restored.
 
         Raises:
             InputError: events that this scene does not have.
@@ -290,7 +290,7 @@ class Events:
         self.met = met.tolist()
 
     def rows(self) -> tuple[Event, ...]:
-        """What has come of each of them, for summary.json."""
+        """Return each event with the time at which it was made, None where it was not, for summary.json."""
         when = {number: step * self.stepper.settings.dt for number, step in self.changes.made}
         every = ((i, one, in_words(one, self.stepper.assembly)) for i, one in enumerate(self.tables))
         return tuple(Event(name=one.name or f"events[{i}]", cause=one.cause, change=words, time=when.get(i)) for i, one, words in every)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the joints of a stepper measure in results: since the rest that they began from, and as built where a block is not there."""
+"""Openings and slips of the joints of a stepper, counted from their rest; those of an absent block are as built."""
 
 from __future__ import annotations
 

@@ -188,7 +188,7 @@ class Recorder:
 def frame_rows(
     stepper: Stepper, joints: Joints, now: JointMeasures, pair_joint: np.ndarray, supports: np.ndarray
 ) -> tuple[dict[str, np.ndarray | float], dict[str, np.ndarray]]:
-    """What a frame holds: the state, joints and supports by the names of datasets, and by their own what joint laws remember (J,).
+    """Return a frame: the state, joints and supports by the names of datasets, and the memory (J,) of joint laws by its own names.
 
     Args:
         stepper: after a step, or at the start.

@@ -76,7 +76,7 @@ class SceneTables(Table):
     output: dict[str, Any] = Field(default_factory=dict)
     """Points, joints, cracks and supports that are kept in every step: [[output.point]] and so on."""
     events: list[dict[str, Any]] = Field(default_factory=list)
-    """What changes in the middle of a run, [[events]] each: blocks that come and go, supports that let go, ties, props, bonds."""
+    """Changes of the model during a run, one [[events]] each: blocks, supports, ties, props, bonds and materials."""
     quiet_checks: list[str] = Field(default_factory=list)
     """Keys whose unusual values are meant so, ["limit.check.ag"]: no line asks for their unit."""
 

@@ -113,7 +113,7 @@ def reactions_of(stepper: Stepper, contacts: Contacts) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class LinkForce:
-    """What a link did over the last step, world frame.
+    """Force, moment and error of a link over the last step, world frame.
 
     Attributes:
         kind: hinge, slider or rigid.
@@ -131,7 +131,7 @@ class LinkForce:
 
 
 def links_of(stepper: Stepper) -> list[LinkForce]:
-    """What the links did over the last step, in the order of the scene; none before the first step.
+    """Return the forces of the links over the last step, in the order of the scene; empty before the first step.
 
     Where more is held than the motions need, as by two hinges on one axis, forces are not unique: they are those of the least links.
     """

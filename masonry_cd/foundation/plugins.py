@@ -95,7 +95,7 @@ def load(group: str, name: str) -> Any:
 
 
 def _called(group: str, found: Any, where: str) -> Any:
-    """What a package or a file adds to a group, once its functions are known to be called as they will be."""
+    """Return the object that a package or a file adds to a group, after checking the arguments of its functions."""
     for name, arguments in CALLED[group].items():
         require_call(getattr(found, name, found), arguments, where, name)
     return found

@@ -123,7 +123,7 @@ def assess(
     retry: bool = False,
     force: bool = False,
 ) -> Assessment:
-    """Vary each assumption of a scene by itself, beside an ensemble that shows what chance does.
+    """Vary the assumptions of a scene one at a time, and compare with an ensemble that shows the scatter by chance.
 
     Args:
         source: anything that :func:`masonry_cd.scene` takes; its table ``[assess]`` may give ranges of its own.

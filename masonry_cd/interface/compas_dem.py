@@ -107,7 +107,7 @@ def to_compas_dem(sim: Simulation, problem: Any) -> Any:
 
 
 def _density(element: Any, elements: list[Any]) -> float:
-    """Of the material of a block; of a support without one that of any other, since nothing depends on it [kg/m3].
+    """Return the density [kg/m3] of a block; of a support without a material that of any other, since no result depends on it.
 
     Raises:
         InputError: a block without one.
@@ -226,7 +226,7 @@ def _matrix(sim: Simulation, b: int, block: Block) -> np.ndarray:
 
 
 def _edge(contacts: Contacts, own: np.ndarray, first: int, geometry: Any) -> dict[str, Any]:
-    """What is known of the contacts (indices) of two blocks, by the names of Results; forces on the ``first``."""
+    """Return the contacts (indices) of two blocks by the names of Results; forces act on the ``first``."""
     interactions = import_module("compas_dem.interactions")
     own = own[_around(contacts.point[own], contacts.frame[own[0]])]
     sign = np.where(contacts.blocks[own, 0] == first, 1.0, -1.0)[:, None]

@@ -86,7 +86,7 @@ class Copies(ModelChanges, SimulationViews):
         self._events.forget()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """For pickle: the scene, what was given beside it, and all that later steps depend on.
+        """Return, for pickle, the scene, the other arguments of the simulation, and all that later steps depend on.
 
         Raises:
             InputError: called in the middle of a step; a function that pickle cannot name.
@@ -133,7 +133,7 @@ class Copies(ModelChanges, SimulationViews):
         return Advance.of(self._stepper, case.steps, case.scene.run.frame_every, pauses_of(case), self._changed)
 
     def _pace_arrays(self) -> dict[str, np.ndarray]:
-        """What the lengths of steps and the rests of the loads depend on."""
+        """Return the arrays that the lengths of steps and the rests of the loads depend on."""
         pace, pauses = self._advance.pace, self._advance.pauses
         out = {} if pace is None else prefixed("pace", pace.snapshot())
         return out | {"rest/quiet": np.array([0 if pauses is None else pauses.quiet])}

@@ -75,7 +75,7 @@ class Frames:
             self._take(stepper, now)
 
     def dataset(self, blocks: Sequence[Block], about: Mapping[str, str]) -> Dataset:
-        """What has been kept so far."""
+        """Return the frames kept so far."""
         return dataset({name: np.array(rows) for name, rows in self._rows.items()}, blocks, self._joints, about)
 
     def _take(self, stepper: Stepper, now: JointMeasures) -> None:

@@ -45,7 +45,7 @@ class ModelChanges:
         self.change(add=blocks)
 
     def release(self, *supports: str) -> None:
-        """Make free blocks of supports, which go on with the velocity that they have.
+        """Turn supports into free blocks, which continue with their velocity.
 
         Raises:
             InputError: see :meth:`change`.
@@ -53,7 +53,7 @@ class ModelChanges:
         self.change(release=supports)
 
     def material(self, **keys: Any) -> None:
-        """Have other ``friction`` or ``joints``, as in [material]; joints stay rigid, elastic or bonded as they are.
+        """Change ``friction`` or ``joints``, written as in [material]; joints stay rigid, elastic or bonded as they are.
 
         Raises:
             InputError: see :meth:`change`.

@@ -62,7 +62,7 @@ class Pushes(NamedTuple):
 
     @classmethod
     def of(cls, block: np.ndarray, wrench: np.ndarray, arm: np.ndarray) -> Pushes:
-        """Of forces (N, 3), or forces and moments (N, 6)."""
+        """Return the pushes of forces (N, 3) [N], or of forces and moments (N, 6) [N, N m]."""
         return cls(block, wrench[:, :3], arm, wrench[:, 3:] if wrench.shape[1] == WRENCH else None)
 
 
@@ -308,7 +308,7 @@ class OwnForces:
 
 
 def _across(pushes: Pushes, axis: int) -> bool:
-    """Whether a force acts along an axis, or its moment about the centre of mass is about another, by more than rounding."""
+    """True where a force acts along an axis, or its moment about the centre of mass is about another, by more than rounding."""
     along = np.abs(pushes.force[:, axis])
     if (along > ROUNDING * np.abs(pushes.force).max(initial=0.0)).any():
         return True

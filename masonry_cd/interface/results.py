@@ -79,12 +79,12 @@ class Run(RunExports, RunStress):
 
     @property
     def stopped(self) -> str:
-        """Why the run ended before its time, in words; empty where it did not. :func:`masonry_cd.resume` continues it."""
+        """The reason why the run ended before its time; empty where it did not. :func:`masonry_cd.resume` continues it."""
         return self._summary.stopped
 
     @property
     def provisional(self) -> str:
-        """Why residual values and grades are not the last, in words; empty where the run ended at rest."""
+        """The reason why residual values and grades are provisional; empty where the run ended at rest."""
         return self._summary.provisional
 
     @property
@@ -264,7 +264,7 @@ class Run(RunExports, RunStress):
 
     @property
     def lines(self) -> list[str]:
-        """What happened, in words: the closing lines of the command line."""
+        """The closing lines of the run, as on the command line."""
         found = self._summary
         return closing_lines(found) if found.has("solver") else [f"{self.title}: {self.stopped}", damage_line(found)]
 

@@ -80,7 +80,7 @@ class Scene(Sealed):
 
     @property
     def text(self) -> str:
-        """TOML: all that a run depends on beside the files that are named in it."""
+        """The scene as TOML: all that a run depends on except the files that it names."""
         return self._checked.text
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a simulation shows of itself between two steps; asking changes nothing."""
+"""Read-only properties of a simulation between two steps."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class SimulationViews(Sealed):
 
     @property
     def time(self) -> float:
-        """Of the run [s]."""
+        """Time of the run [s]."""
         return self._stepper.state.time
 
     @property
@@ -48,12 +48,12 @@ class SimulationViews(Sealed):
 
     @property
     def done(self) -> bool:
-        """Whether the scene has ended."""
+        """True once the scene has ended."""
         return self._advance.done
 
     @property
     def report(self) -> StepReport | None:
-        """What the last step cost and how well it was solved: iterations, error, seconds, contacts, penetration; None before the first."""
+        """Cost and accuracy of the last step: iterations, error, seconds, contacts, penetration; None before the first step."""
         return self._report
 
     @property
@@ -86,7 +86,7 @@ class SimulationViews(Sealed):
 
     @property
     def energy(self) -> dict[str, float]:
-        """What was put in since the start, where it went, and the balance [J]."""
+        """Energy put in since the start, where it went, and the balance [J]."""
         return dict(self._stepper.energy)
 
     @property

@@ -109,7 +109,7 @@ class Study(Sealed):
 
     @cached_property
     def stopped(self) -> str:
-        """Why there are fewer runs than planned, in words; empty where all were made. The same call as before continues it."""
+        """The reason why there are fewer runs than planned; empty where all were made. Repeating the call continues the study."""
         planned, made = self._found.asked.runs, self._found.count
         if planned is None:
             return f"{made} runs are made, and others follow from them"
@@ -117,7 +117,7 @@ class Study(Sealed):
 
     @property
     def lines(self) -> list[str]:
-        """What the runs say, in words: the closing lines of the command line."""
+        """The closing lines of the runs, as on the command line."""
         return self._findings.lines
 
     @property

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a deck for another program is made of: blocks, what lies between them, gravity, and how the supports move.
+"""Content of a deck for another program: blocks, the joints between them, gravity, and the motion of the supports.
 
-A deck has nothing that the other program would do otherwise: what it has no words for is refused by name.
+A deck holds only what the other program computes in the same way: the rest is refused by name.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ def deck(scene: Scene, form: str, folder: Path, force: bool = False) -> Result[N
 
 
 def _deck(case: Case) -> Deck:
-    """What the deck of a case holds.
+    """Return the deck of a case.
 
     Raises:
         InputError: loads beside a constant gravity and supports that move along the axes; events, links, restitution.

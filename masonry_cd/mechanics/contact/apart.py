@@ -12,7 +12,7 @@ from masonry_cd.mechanics.model.blocks import Assembly
 
 
 class Apart(NamedTuple):
-    """What has no contact."""
+    """Parts and pairs of blocks that have no contact."""
 
     block: np.ndarray  # (P,) of each part
     absent: np.ndarray | None  # (P,) bool: parts of blocks that are not there
@@ -20,7 +20,7 @@ class Apart(NamedTuple):
 
     @classmethod
     def of(cls, assembly: Assembly) -> Apart:
-        """That of an assembly."""
+        """Return the parts and pairs without contact of an assembly."""
         block = assembly.shapes.part_block
         linked = np.array([sorted(link.blocks) for link in assembly.links_there], dtype=np.int64).reshape(-1, 2) @ [assembly.count, 1]
         return cls(block, None if assembly.absent is None else assembly.absent[block], linked)

@@ -77,7 +77,7 @@ class Linkage:
         return value, out
 
     def largest_violation(self, state: State) -> float:
-        """By how much a link is torn or turned in a state at most [m, rad]."""
+        """Return the largest error of the links in a state, in position or in angle [m, rad]."""
         value, _ = self.rows(state.position[self.used], state.orientation[self.used])
         return float(np.abs(np.where(self.held, value, 0.0)).max())
 

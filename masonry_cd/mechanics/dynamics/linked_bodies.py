@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What hangs together by links as one body of the friction problem, see ``linking.py``: its velocities, contacts, forces and work."""
+"""Blocks joined by links as one body of the friction problem, see ``linking.py``: velocities, contacts, forces and work."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Cluster(NamedTuple):
 
 
 class Linked(NamedTuple):
-    """What the links make of a step."""
+    """Links of a step, with the clusters of blocks that they hold together."""
 
     linkage: Linkage
     clusters: tuple[Cluster, ...]
@@ -83,7 +83,7 @@ class Linked(NamedTuple):
         )  # fmt: skip
 
     def work(self, system: System, impulse: np.ndarray, mean: np.ndarray, support: np.ndarray) -> tuple[float, float]:
-        """What the supports put in through links, and what was lost in them [J].
+        """Return the work that supports did through links, and the energy lost in the links [J].
 
         Impulse of the links on the free blocks (F, n), velocities of these in the mean of the step (F, n), and of the supports (S, 3 or 6).
         """

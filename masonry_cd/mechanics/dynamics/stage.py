@@ -27,7 +27,7 @@ from masonry_cd.mechanics.model.state import rotation_matrices
 
 
 class Stage(NamedTuple):
-    """What may change between two steps."""
+    """The parts of a stepper that may change between two steps."""
 
     assembly: Assembly
     loads: Loads

@@ -43,7 +43,7 @@ class StepProblem(NamedTuple):
         return v if linked is None else self.predicted.v_free + linked.velocity(v)
 
     def link_impulse(self, impulse: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """What links gave the free blocks (F, n) beside impulses (C, m), when these left them with velocities v (F, n) [N s, N m s]."""
+        """Return the link impulses (F, n) [N s, N m s] on free blocks, for contact impulses (C, m) and the new velocities v (F, n)."""
         linked = self.predicted.linked
         assert linked is not None
         by_contacts = self.problem.body_velocity(impulse) - self.predicted.v_free

@@ -57,7 +57,7 @@ class Loads:
 
     @property
     def turning(self) -> bool:
-        """Whether supports turn."""
+        """True where supports turn."""
         return self.support_velocity.shape[2] == WITH_ROTATION
 
     @property
@@ -150,7 +150,7 @@ class System:
 
     @property
     def bodies(self) -> int:
-        """Of the friction problem: the free blocks, those that links hang together as one."""
+        """Number of bodies in the friction problem: free blocks, with those that links join counted as one."""
         return len(self.reach) if self.linkage is None else self.linkage.bodies
 
     @property

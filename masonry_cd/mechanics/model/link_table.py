@@ -29,9 +29,9 @@ class LinkTable(Table):
     blocks: Annotated[tuple[str, str], BeforeValidator(two_blocks)]
     """Names of the two blocks, one of which may be a support."""
     point: Annotated[Vector | None, Unit("m")] = None
-    """Of the hinge, on one of the blocks as built; of others only where their force is said to act, by default the first block's centre."""
+    """Point of the hinge, on one of the blocks as built; else where the force is reported, by default the first block's centre."""
     axis: Vector | None = None
-    """Of a hinge in space, or along which a slider is free; in a plane a hinge needs none."""
+    """Axis of a hinge in space, or along which a slider is free; in a plane a hinge needs none."""
 
     @model_validator(mode="after")
     def _one_of_its_kind(self) -> Self:
@@ -95,7 +95,7 @@ def _require_on_one(assembly: Assembly, ends: tuple[int, int], point: np.ndarray
 
 
 def _repeats(link: Link, other: Link) -> bool:
-    """Whether a link between the blocks of another one holds nothing more than that."""
+    """True where a link between the blocks of another one holds nothing more than that."""
     if set(link.blocks) != set(other.blocks):
         return False
     same = link.kind == other.kind and np.allclose(np.cross(link.axis, other.axis), 0.0, atol=IN_PLANE)

@@ -27,7 +27,7 @@ OWN = "python"  # as run.solver, of a function that Python gives
 
 
 def is_solver(name: str) -> bool:
-    """Whether there is a solver of a name; none is imported, and packages are asked only for a name that is not ours."""
+    """True where a solver has this name; none is imported, and packages are asked only for a name that is not built in."""
     return name in SOLVERS or name in plugins.names(GROUP)
 
 

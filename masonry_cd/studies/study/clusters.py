@@ -192,7 +192,7 @@ def require_slurm(file: Path) -> None:
 
 
 def job_script(file: Path) -> str:
-    """What is given to sbatch by a file for Slurm; its last line has the address of a scheduler that ends with this call.
+    """Return the script that a file for Slurm passes to sbatch; its last line has the address of a scheduler that ends with this call.
 
     Raises:
         InputError: a bad file, or dask-jobqueue is not installed.
