@@ -260,9 +260,9 @@ class Events:
         value = float(row[0, looked.column])
         return value - float(found["gauges/base"][0, looked.column]) if looked.relative else value
 
-    def copied(self, stepper: Stepper) -> Events:
-        """A copy for another stepper, that goes its own way."""
-        other = Events(self.changes.copied(), self.tables, stepper, self.joints, self.support, self.looked, list(self.met))
+    def copied(self, stepper: Stepper, follow: Callable[[], None]) -> Events:
+        """Return an independent copy for another stepper; ``follow`` is called when its model has changed."""
+        other = Events(self.changes.copied(), self.tables, stepper, self.joints, self.support, self.looked, list(self.met), follow)
         if other._measured is not None and self._measured is not None and self._measured.rest is not None:
             other._measured.restore(self._measured.rest)
         return other

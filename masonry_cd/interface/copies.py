@@ -45,8 +45,7 @@ class Copies(ModelChanges, SimulationViews):
         vars(other).update(vars(self), _frames=None)
         other._own = self._own.copied()
         other._stepper = independent(self._stepper, other._own if self._own.own else None)
-        other._changed = self._changed.copied(other._stepper)
-        other._changed.follow = other._take_model
+        other._changed = self._changed.copied(other._stepper, other._take_model)
         other._advance = other._fresh_advance()
         other._restore_pace(self._pace_arrays())
         other._pair_joints = PairJoints(self._case.assembly)
@@ -74,8 +73,7 @@ class Copies(ModelChanges, SimulationViews):
             raise InputError(path, "no checkpoint of a simulation of this scene")
         before, kept = self._stepper, self._changed
         self._stepper = independent(before, None)
-        self._changed = self._changed.copied(self._stepper)
-        self._changed.follow = self._take_model
+        self._changed = self._changed.copied(self._stepper, self._take_model)
         try:
             self._take_stage(arrays, numbers_there.get("changes"))
             self._stepper.check(Stored(_of_stepper(arrays)))
