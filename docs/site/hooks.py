@@ -69,6 +69,7 @@ def mathml(formula: str, display: str) -> str:
     made = convert(text, display=display)
     if left := re.search(r"\\[a-zA-Z]+", re.sub(r"<[^>]*>", "", made)):
         raise ValueError(f"{left[0]} is no formula that can be drawn: {text}")
+    made = re.sub(r"(<mtext>\(\d+\)</mtext>)", r'<mspace width="2em" />\1', made)  # the number of an equation stands apart from it
     return made.replace('<mo stretchy="false">&#x0007C;</mo>', '<mo stretchy="false" lspace="0" rspace="0">|</mo>')
 
 
