@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Artificial accelerograms whose response spectrum is that of a code.
+r"""Artificial accelerograms whose response spectrum is that of a code or of a table.
 
 White noise under an envelope e(t) is brought to the target spectrum by turns in frequency and in time: with S_k the response spectrum of
 a_k, every Fourier amplitude is multiplied by what the oscillator of its period lacks,
@@ -24,12 +24,15 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from loads.kinds.record import sample
-from loads.motion import DirectionKey, LoadKind, Part, Positive, RunGrid, describe, smooth_step
+from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
 from loads.signal.accelerogram import Processed, between
 from loads.signal.baseline import ORDERS, History, correct, integrate
-from loads.signal.code_spectrum import GROUND, CodeSpectrum, SiteSpectrum
+from loads.signal.code_spectrum import SiteSpectrum
 from loads.signal.intensity import in_words, reached
 from loads.signal.response import Oscillators, response_spectrum
+from loads.signal.spectra.kind import SpectrumName
+from loads.signal.spectra.shape import USUAL_DAMPING, ElasticSpectrum
+from loads.signal.spectra.table import beyond
 from loads.supports import ShakingTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
@@ -37,7 +40,6 @@ from masonry_cd.foundation.fields import Span
 from masonry_cd.foundation.units import Unit
 
 STEP = 0.005  # [s] of the accelerogram
-DAMPING = 0.05  # for which code spectra stand
 PERIODS = 200  # of the oscillators that are matched
 FINE = 700  # of those by which the match is judged: within 1 % of a period a spectrum may change by 5 %
 TURNS = 60
@@ -53,10 +55,8 @@ class SpectrumMatch(SiteSpectrum):
 
     direction: DirectionKey
     """Axis ("x", "-y" ...) or vector along which the base moves."""
-    spectrum: Literal["EC8", "NTC"]
-    """Of Eurocode 8 or of the Italian code NTC."""
-    ag: Annotated[Positive, Unit("m/s2"), GROUND]
-    """Peak ground acceleration on rock."""
+    spectrum: SpectrumName
+    """Of EN 1998-1:2004, of NTC 2018, or a table of ordinates."""
     vertical: bool = False
     """Match the vertical spectrum."""
     period: Span | None = None
@@ -80,6 +80,8 @@ class SpectrumMatch(SiteSpectrum):
             raise ValueError("give period or periods, not both")
         if self.period is not None and not 0.1 <= self.period <= 2.0:
             raise ValueError("period: must lie between 0.1 and 2 s")
+        if self.vertical and not self.of_kind.vertical:
+            raise ValueError(f"vertical: does not apply to a spectrum of {self.spectrum}")
         if self.duration < self.rise + self.level + 2.0 * FADE:
             raise ValueError(f"duration: {self.duration:g} s leave less than {2.0 * FADE:g} s after rise and level for the decay")
         return self
@@ -92,20 +94,21 @@ class SpectrumMatch(SiteSpectrum):
         return self.periods or (0.15, 2.0)
 
     @property
-    def target(self) -> CodeSpectrum:
-        """The spectrum of the code."""
+    def target(self) -> ElasticSpectrum:
+        """The spectrum, of keys that are read."""
         return self.spectrum_of_site(self.vertical)
 
     fade: ClassVar[float] = 0.0  # it ends at rest
 
     def ready(self, grid: RunGrid, where: str) -> Processed:
         """The motion, drawn."""
-        motion = drawn(self, where)
+        motion = drawn(self.read(grid.folder, where), where)
         return Processed(motion, motion, 0.0, "artificial", "")
 
     def lines(self, processed: Processed, how: str, where: str) -> list[str]:
         """On the motion, which acts in a way said by ``how``."""
-        numbers, origin = processed.numbers()["after"], f"{self.spectrum} spectrum, ground {self.ground}, seed {self.seed}"
+        ground = f", ground {self.ground}" if self.of_kind.grounds else ""
+        numbers, origin = processed.numbers()["after"], f"{self.spectrum} spectrum{ground}, seed {self.seed}"
         return [f"{where} artificial, {origin} {how}: {describe(numbers)}", f"{where}   {in_words(numbers)}"]
 
     def doubts(self, processed: Processed, where: str) -> list[str]:
@@ -133,9 +136,10 @@ def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
     Raises:
         InputError: no noise was found that meets the tolerance.
     """
+    table = table.read(grid.folder, where)
     processed, target, (low, high) = table.ready(grid, where), table.target, table.range
     motion, numbers, periods = processed.after, processed.numbers()["after"], libm.geometric(low, high, 200)
-    ratio = response_spectrum(motion.acceleration, STEP, periods, DAMPING).acceleration / target.at(periods)
+    ratio = response_spectrum(motion.acceleration, STEP, periods, USUAL_DAMPING).acceleration / target.at(periods)
     at_rest = float(target.at(np.zeros(1))[0])
     met = (
         f"{where}   spectrum over target {ratio.min():.3f} to {ratio.max():.3f} from {low:g} to {high:g} s, "
@@ -156,8 +160,10 @@ def drawn(table: SpectrumMatch, where: str) -> History:
     """The accelerogram of a table, from rest to rest; equal seeds give equal samples.
 
     Raises:
-        InputError: none of the draws came within the tolerance.
+        InputError: none of the draws came within the tolerance, or the spectrum ends before the range in which it is to be met.
     """
+    if table.range[1] > table.target.longest:
+        raise InputError(where, f"{beyond(table.range[1], table.target.longest)}; periods = [from, to] says where it is met")
     best: Match | None = None
     for draw in np.random.SeedSequence(table.seed).spawn(DRAWS):
         match = _brought_to_target(table, np.random.default_rng(draw))
@@ -184,12 +190,12 @@ def _brought_to_target(table: SpectrumMatch, random: np.random.Generator) -> Mat
     times = STEP * np.arange(count)
     length = 1 << (2 * count - 1).bit_length()  # zeros behind, so that nothing comes round
     frequency = np.fft.rfftfreq(length, STEP)
-    periods = libm.geometric(min(SHORTEST, low), max(LONGEST, 1.2 * high), PERIODS)
+    periods = libm.geometric(min(SHORTEST, low), min(max(LONGEST, 1.2 * high), table.target.longest), PERIODS)
     target, squares = table.target.at(periods), (2.0 * np.pi / periods) ** 2
-    oscillators = Oscillators(periods, STEP, DAMPING)
+    oscillators = Oscillators(periods, STEP, USUAL_DAMPING)
     inside = (periods >= low) & (periods <= high)
     fine = libm.geometric(*table.range, FINE)
-    judges, of_target = Oscillators(fine, STEP, DAMPING), (2.0 * np.pi / fine) ** 2 / table.target.at(fine)
+    judges, of_target = Oscillators(fine, STEP, USUAL_DAMPING), (2.0 * np.pi / fine) ** 2 / table.target.at(fine)
     ends = smooth_step(times / FADE) * smooth_step((table.duration - times) / FADE)
     log_of, logs = -libm.log(np.maximum(frequency, 1e-3)), libm.log(periods)
 

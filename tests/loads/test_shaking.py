@@ -14,8 +14,9 @@ from models import box
 import loads
 from loads.kinds import artificial
 from loads.kinds.artificial import ArtificialTable, drawn, envelope
-from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
+from loads.signal.spectra.ec8 import ec8
+from loads.signal.spectra.ntc import ntc
 from masonry_cd.mechanics.model.blocks import Assembly
 
 C, F, DT = 0.2, 2.0, 1e-3

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from loads.signal.code_spectrum import damping_factor
+from loads.signal.spectra.shape import damping_factor
 from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import Quantity, Working
 from masonry_cd.analysis.code_check.table import CheckTable

@@ -24,7 +24,7 @@ def spectra(made: CodeCheck, table: CheckTable, ground: Ground, gravity: float) 
 
 def _spectrum(check: CheckResult, table: CheckTable, ground: Ground) -> Spectrum:
     """The spectrum of a check; its periods include the one of the check."""
-    end = max(LEAST_END, FURTHER * check.period, FURTHER * (table.building_period or 0.0) if table.height else 0.0)
+    end = min(ground.longest, max(LEAST_END, FURTHER * check.period, FURTHER * (table.building_period or 0.0) if table.height else 0.0))
     periods = np.union1d(np.linspace(0.0, end, COUNT), [check.period])
     which = 0 if check.check == LINEAR else 1
     by = table.by.raised if table.height else None

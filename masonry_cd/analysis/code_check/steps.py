@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
+from loads.signal.spectra.shape import Quantity as Quantity
+from loads.signal.spectra.table import beyond
 from masonry_cd.analysis.code_check.borne import Borne
 from masonry_cd.analysis.code_check.level import Level
 from masonry_cd.analysis.code_check.verdicts import LINEAR, CheckResult
@@ -21,15 +23,6 @@ from masonry_cd.analysis.limit.oscillator import Oscillator
 GROUND, MECHANISM, BUILDING = "motion of the ground", "mechanism", "building"  # parts of a check other than linear and non-linear
 IN_FULL = 1e4  # from which on a number is written without a power of ten
 PRODUCT = re.compile(r"(?<=[\w)]) (?=[\w(])")  # a space between two factors
-
-
-class Quantity(NamedTuple):
-    """A row of a code's table: what a symbol stands for."""
-
-    unit: str
-    clause: str
-    meaning: str
-    formula: str = ""  # in symbols of earlier values; empty of what is given, or read from a curve
 
 
 @dataclass(frozen=True)
@@ -141,6 +134,20 @@ def no_end(oscillator: Oscillator) -> str:
     if oscillator.doubt:
         return f"no check by displacements: {oscillator.doubt}"
     return f"no non-linear check: {oscillator.end}"
+
+
+def no_ordinate(symbol: str, period: float, longest: float) -> str:
+    """The line on why there is no check by displacements at a period [s] beyond the last one of the spectrum."""
+    return f"no check by displacements: {symbol} = {beyond(period, longest)}"
+
+
+def add_or_note(found: CheckResult | str, verdicts: list[CheckResult], notes: list[str]) -> None:
+    """Add a check to the others; or else the reason why there is none, and they are not decided where they alone are not satisfied."""
+    if isinstance(found, str):
+        notes.append(found)
+        verdicts[:] = [replace(one, unread=found) for one in verdicts]
+    else:
+        verdicts.append(found)
 
 
 def capacity_rows(factor: str, fraction: str, confidence: str, acceleration: str, displacement: str) -> dict[str, Quantity]:

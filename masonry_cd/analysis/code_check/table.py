@@ -72,8 +72,8 @@ class CheckTable(SiteSpectrum):
     @model_validator(mode="after")
     def _one_motion(self) -> Self:
         if self.record is None and self.spectrum is None:
-            raise ValueError('spectrum: missing; give "EC8" or "NTC" with ag, or a record')
-        stray = self.model_fields_set & set(SiteSpectrum.model_fields)
+            raise ValueError('spectrum: missing; give that of a code, a "table", or a record')
+        stray = self.model_fields_set & set(self.keys_of_kinds())
         if self.record is not None and stray:
             raise ValueError(f"{min(stray)}: does not apply beside a record")
         if "limit_state" in self.model_fields_set and self.limit_state not in self.by.limit_states:

@@ -51,19 +51,20 @@ class CheckResult:
     period: float = 0.0  # at which the demand is read from the spectrum [s]
     damping: float = 0.05  # of that spectrum
     q: float = 1.0  # by which its value is divided
+    unread: str = ""  # why the check that may stand in for it could not be made, though the mechanism has one
 
     @property
     def state(self) -> str:
         """satisfied, NOT satisfied or not decided."""
         if self.met * (1.0 + HOLDS) < 1.0:
-            return NOT_SATISFIED
+            return NOT_DECIDED if self.unread else NOT_SATISFIED
         return NOT_DECIDED if self.doubt or self.met * (1.0 - MARGIN) < 1.0 else SATISFIED
 
     @property
     def because(self) -> str:
         """Why the state is doubtful; empty where it is not."""
         if self.state == NOT_DECIDED:
-            return self.doubt or LITTLE
+            return self.doubt or LITTLE if self.met >= 1.0 else self.unread
         if self.state == NOT_SATISFIED and self.met >= self.fraction:
             return f"e* = 1 is taken, the safe side; with e* = {self.fraction:.3g} by its formula the demand is met"
         return ""

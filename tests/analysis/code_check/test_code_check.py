@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
+from loads.signal.spectra.ec8 import ec8
+from loads.signal.spectra.ntc import ntc
 from masonry_cd.analysis.code_check.check import check_at, with_borne
 from masonry_cd.analysis.code_check.ground import ground_of
 from masonry_cd.analysis.code_check.level import Level

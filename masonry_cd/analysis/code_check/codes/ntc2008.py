@@ -7,9 +7,21 @@ import math
 
 import numpy as np
 
+from loads.signal.spectra.shape import USUAL_DAMPING
 from masonry_cd.analysis.code_check.code import Code
-from masonry_cd.analysis.code_check.ground import USUAL_DAMPING, Ground
-from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Quantity, Working, capacity_rows, linear, no_end, put_capacity
+from masonry_cd.analysis.code_check.ground import Ground
+from masonry_cd.analysis.code_check.steps import (
+    BUILDING,
+    CodeCheck,
+    Quantity,
+    Working,
+    add_or_note,
+    capacity_rows,
+    linear,
+    no_end,
+    no_ordinate,
+    put_capacity,
+)
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.code_check.verdicts import LINEAR, NON_LINEAR, CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
@@ -43,7 +55,7 @@ TABLE = capacity_rows(*5 * (CLAUSE,)) | {
 
 def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
     """Check a mechanism at SLD by accelerations, at SLV by accelerations over q and by displacements."""
-    made, notes = Working(ground.rows, TABLE), []
+    made, notes = Working(ground.rows, TABLE), list[str]()
     starts = put_capacity(made, oscillator, table.confidence_factor)
     ground.put(made)
     asked, formula = _asked(table, ground, made)
@@ -52,7 +64,7 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     asked = made.put("a asked", asked / q, formula if table.limit_state == "SLD" else f"{formula} / q")
     verdicts = [linear(oscillator, asked, starts, CLAUSE, q)]
     if table.by_displacements and oscillator.falls:
-        verdicts.append(_non_linear(table, oscillator, ground, made))
+        add_or_note(_non_linear(table, oscillator, ground, made), verdicts, notes)
     elif table.by_displacements:
         notes.append(no_end(oscillator))
     return CodeCheck("NTC2008", EDITION, table.limit_state, ground.words, tuple(made.steps), tuple(verdicts), tuple(notes))
@@ -75,14 +87,16 @@ def _asked(table: CheckTable, ground: Ground, made: Working) -> tuple[float, str
     return max(made.put("Se psi gamma", there * share * gamma), ground.peak), "max(Se psi gamma, ag S)"
 
 
-def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made: Working) -> CheckResult:
-    """The check by displacements: by the secant period at ds* = 0.4 du*, du* = 0.4 d0*."""
+def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made: Working) -> CheckResult | str:
+    """The check by displacements: by the secant period at ds* = 0.4 du*, du* = 0.4 d0*; or why the spectrum does not answer it."""
     made.part = NON_LINEAR
     ultimate = made.put("du*", ULTIMATE * oscillator.last)
     secant = made.put("ds*", SECANT * ultimate)
     made.put("alpha(ds*)", oscillator.load_factor(secant))
     there = made.put("as*", oscillator.acceleration(secant) / table.confidence_factor)
     period = made.put("Ts", 2.0 * math.pi * math.sqrt(secant / there))
+    if period > ground.longest:
+        return no_ordinate("Ts", period, ground.longest)
     asked, formula = _displaced(ground, made, period, "Ts"), "SDe(Ts)"
     if table.height:
         first = table.building_period or 0.0

@@ -7,12 +7,23 @@ import math
 
 import numpy as np
 
-from loads.signal.code_spectrum import damping_factor
+from loads.signal.spectra.shape import damping_factor
 from masonry_cd.analysis.code_check.code import Code
 from masonry_cd.analysis.code_check.floors import ROWS as FLOOR_ROWS
 from masonry_cd.analysis.code_check.floors import Floor
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Quantity, Working, capacity_rows, linear, no_end, put_capacity
+from masonry_cd.analysis.code_check.steps import (
+    BUILDING,
+    CodeCheck,
+    Quantity,
+    Working,
+    add_or_note,
+    capacity_rows,
+    linear,
+    no_end,
+    no_ordinate,
+    put_capacity,
+)
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.code_check.verdicts import LINEAR, NON_LINEAR, CheckResult
 from masonry_cd.analysis.limit.oscillator import Oscillator
@@ -54,7 +65,7 @@ TABLE = (
 
 def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
     """Check a mechanism."""
-    made, verdicts, notes = Working(ground.rows, TABLE), [], []
+    made, verdicts, notes = Working(ground.rows, TABLE), list[CheckResult](), list[str]()
     starts = put_capacity(made, oscillator, table.confidence_factor)
     ground.put(made)
     asked, formula = _asked_at_once(table, ground, made)
@@ -63,7 +74,7 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     if table.by_displacements and oscillator.falls:
         made.part = NON_LINEAR
         unmoved = made.put("a0* / a", starts / asked, f"a0* / {formula}")
-        verdicts.append(_non_linear(table, oscillator, ground, made, unmoved))
+        add_or_note(_non_linear(table, oscillator, ground, made, unmoved), verdicts, notes)
     elif table.by_displacements:
         notes.append(no_end(oscillator))
     facts = (table.limit_state, ground.words, tuple(made.steps), tuple(verdicts), tuple(notes))
@@ -129,8 +140,8 @@ def _linear(table: CheckTable, oscillator: Oscillator, made: Working, asked: tup
     return linear(oscillator, made.put("a asked", demand / q, f"{formula} / q"), starts, AT_SLV, q, free)
 
 
-def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made: Working, unmoved: float) -> CheckResult:
-    """The check by displacements, at SLV or SLC."""
+def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made: Working, unmoved: float) -> CheckResult | str:
+    """The check by displacements, at SLV or SLC; or why the spectrum does not answer it."""
     state = table.limit_state
     share, factor, _, damping = LIMITS[state]
     borne, of = f"d{state}", f"T{state}"
@@ -139,6 +150,8 @@ def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made:
     there = made.put(f"a({borne})", oscillator.acceleration(ultimate) / table.confidence_factor)
     period = made.put(of, factor * math.pi * math.sqrt(ultimate / there))
     made.put("xi", damping)
+    if period > ground.longest:
+        return no_ordinate(of, period, ground.longest)
     if table.height:
         asked, formula = Floor.of(table, ground).displaced(made, period, damping, of)
     else:
